@@ -1,0 +1,180 @@
+//! The backend: passes over chunks of sites in grid order.
+
+use crate::clusters::Clusters;
+use crate::search::Search;
+use crate::store::CpuStore;
+use laguerre_core::assemble::{Assembler, CellRecord, FacetRecord, collect_facets};
+use laguerre_core::cell::{self, CellSums, v3};
+use laguerre_core::diagram::Prepared;
+use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
+use laguerre_core::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Cells that one task computes: enough to hide the scheduling, few enough to share the work evenly.
+const CHUNK: usize = 256;
+
+/// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
+const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
+
+/// The CPU backend: rayon over sites, SIMD inside a cell.
+#[derive(Debug)]
+pub struct Cpu {
+    pool: rayon::ThreadPool,
+}
+
+/// What one chunk of cells yields.
+#[derive(Default)]
+struct ChunkResult {
+    cells: Vec<CellRecord>,
+    facets: Vec<FacetRecord>,
+    /// Number of facets of each cell.
+    facet_counts: Vec<u32>,
+    failed: Vec<u32>,
+    undecided: Option<u32>,
+    exact_cells: usize,
+    visited: u32,
+}
+
+/// One thread's storage.
+struct Worker<'a> {
+    store: CpuStore<'a>,
+    search: Search,
+}
+
+impl Cpu {
+    /// A backend with the given number of threads, or one for each core.
+    ///
+    /// # Errors
+    /// `Device` where the threads cannot be started, `Input` for 0 threads.
+    pub fn new(threads: Option<usize>) -> Result<Self> {
+        if threads == Some(0) {
+            return Err(Error::input("0 threads: at least one is needed"));
+        }
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.unwrap_or(0))
+            .build()
+            .map_err(|e| Error::new(ErrorKind::Device, format!("cannot start {threads:?} threads: {e}")))?;
+        Ok(Self { pool })
+    }
+}
+
+impl Backend for Cpu {
+    fn info(&self) -> BackendInfo {
+        let threads = self.pool.current_num_threads();
+        BackendInfo { backend: "cpu", device: device_name(), precision: "f64", threads }
+    }
+
+    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        let prepared = diagram.prepare()?;
+        let clusters = clusters_of(&prepared);
+        let mut assembler = Assembler::new(&prepared, request);
+        let mut exact_cells = 0;
+        let all = (0..prepared.sites.len() as u32).collect();
+        let passes = run_passes(FIRST, all, |room, cells| -> Result<PassOutcome> {
+            let results = self.pool.install(|| run_chunks(room, cells, &prepared, clusters.as_ref(), request));
+            let mut outcome = PassOutcome::default();
+            for result in results {
+                if let Some(site) = result.undecided {
+                    return Err(undecided(&prepared, site));
+                }
+                let mut begin = 0;
+                for (i, cell) in result.cells.iter().enumerate() {
+                    let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
+                    assembler.add(cell, &result.facets[begin..end]);
+                    begin = end;
+                }
+                outcome.failed.extend(result.failed);
+                outcome.neighbors = outcome.neighbors.max(result.visited);
+                exact_cells += result.exact_cells;
+            }
+            Ok(outcome)
+        })?;
+        let mut output = assembler.finish();
+        output.exact_cells = exact_cells;
+        output.passes = passes;
+        Ok(output)
+    }
+}
+
+fn clusters_of(prepared: &Prepared) -> Option<Clusters> {
+    if prepared.sites.has_clusters() { Clusters::new(prepared.sites.sites()) } else { None }
+}
+
+/// Cannot happen while the signs are exact; said instead of a panic.
+fn undecided(prepared: &Prepared, site: u32) -> Error {
+    let site = prepared.sites.order()[site as usize];
+    Error::new(ErrorKind::Device, format!("the cell of site {site} could not be decided; please report its input"))
+}
+
+/// Computes the cells of one pass, chunk by chunk, the results in order.
+fn run_chunks(
+    room: Capacities,
+    cells: &[u32],
+    prepared: &Prepared,
+    clusters: Option<&Clusters>,
+    request: &Request,
+) -> Vec<ChunkResult> {
+    let new_worker = || Worker { store: CpuStore::new(room, prepared.domain_grid()), search: Search::default() };
+    cells
+        .par_chunks(CHUNK)
+        .map_init(new_worker, |worker, chunk| {
+            let mut result = ChunkResult::default();
+            for &site in chunk {
+                run_cell(worker, site, prepared, clusters, request, &mut result);
+            }
+            request.progress.advance(result.cells.len());
+            result
+        })
+        .collect()
+}
+
+fn run_cell(
+    worker: &mut Worker<'_>,
+    site: u32,
+    prepared: &Prepared,
+    clusters: Option<&Clusters>,
+    request: &Request,
+    result: &mut ChunkResult,
+) {
+    let [x, y, z, _] = prepared.sites.sites()[site as usize];
+    let store = &mut worker.store;
+    store.turn_to(v3(x, y, z));
+    let outcome = worker.search.complete(store, prepared, clusters, site, request.epsilon);
+    let mut sums = CellSums::default();
+    let status = match outcome.status {
+        cell::COMPLETE => cell::integrate_cell(store, cell::flags_of(request), 0, &mut sums),
+        other => other,
+    };
+    let status = match status {
+        cell::COMPLETE if outcome.uncertified => CellStatus::Uncertified,
+        cell::COMPLETE => CellStatus::Complete,
+        cell::EMPTY => CellStatus::Empty,
+        cell::P_FULL | cell::V_FULL => {
+            result.failed.push(site);
+            return;
+        }
+        _ => {
+            result.undecided = Some(site);
+            return;
+        }
+    };
+    result.visited = result.visited.max(outcome.visited);
+    result.exact_cells += usize::from(store.exact);
+    result.cells.push(CellRecord { site, status, sums });
+    if request.facets {
+        let before = result.facets.len();
+        if status != CellStatus::Empty {
+            collect_facets(store, &mut result.facets);
+        }
+        result.facet_counts.push((result.facets.len() - before) as u32);
+    }
+}
+
+/// The processor in its own words, where the system tells.
+fn device_name() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let fields: HashMap<&str, &str> =
+        info.lines().filter_map(|line| line.split_once(':')).map(|(k, v)| (k.trim(), v.trim())).collect();
+    fields.get("model name").map_or_else(|| std::env::consts::ARCH.to_string(), ToString::to_string)
+}

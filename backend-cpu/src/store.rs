@@ -1,0 +1,349 @@
+//! Where a cell lives on the CPU: structure of arrays, so that one plane meets four vertices at a time.
+
+use laguerre_core::cell::{
+    CellStore, FacetSum, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Plane, Real, SEEN_CONFLICT, SEEN_KEEP,
+    SEEN_UNCERTAIN, Triplet, UNIT_ROUNDOFF, V3, v3,
+};
+use laguerre_core::domain_grid::DomainGrid;
+use laguerre_core::exact;
+use laguerre_core::passes::Capacities;
+use wide::f64x4;
+
+/// Vertices tested at once.
+const LANES: usize = 4;
+
+/// Positions and error radii as structure of arrays, padded to whole lanes.
+#[derive(Clone, Debug, Default)]
+struct Vertices {
+    x: Vec<Real>,
+    y: Vec<Real>,
+    z: Vec<Real>,
+    radius: Vec<Real>,
+    triplets: Vec<Triplet>,
+    count: usize,
+}
+
+impl Vertices {
+    fn with_room(room: usize) -> Self {
+        let padded = room.next_multiple_of(LANES);
+        let zeros = || vec![0.0; padded];
+        Self { x: zeros(), y: zeros(), z: zeros(), radius: zeros(), triplets: vec![Triplet::default(); room], count: 0 }
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        let n = other.count;
+        self.x[..n].copy_from_slice(&other.x[..n]);
+        self.y[..n].copy_from_slice(&other.y[..n]);
+        self.z[..n].copy_from_slice(&other.z[..n]);
+        self.radius[..n].copy_from_slice(&other.radius[..n]);
+        self.triplets[..n].copy_from_slice(&other.triplets[..n]);
+        self.count = n;
+    }
+}
+
+/// A cell's storage, reused from cell to cell.
+#[derive(Debug)]
+pub(crate) struct CpuStore<'a> {
+    room: Capacities,
+    planes: Vec<Plane>,
+    tags: Vec<u32>,
+    links: Vec<u32>,
+    facets: Vec<FacetSum>,
+    plane_count: usize,
+    vertices: Vertices,
+    saved: Vertices,
+    /// A bit for each vertex: in conflict with the plane at hand.
+    conflict: Vec<u64>,
+    /// A bit for each vertex: not decided by floating point.
+    uncertain: Vec<u64>,
+    domain: Option<&'a DomainGrid>,
+    site: V3,
+    /// Whether exact arithmetic was needed for the present cell.
+    pub(crate) exact: bool,
+}
+
+impl<'a> CpuStore<'a> {
+    pub(crate) fn new(room: Capacities, domain: Option<&'a DomainGrid>) -> Self {
+        let (p, v) = (room.planes as usize, room.vertices as usize);
+        let words = v.div_ceil(64);
+        Self {
+            room,
+            planes: vec![Plane::default(); p],
+            tags: vec![0; p],
+            links: vec![0; p],
+            facets: vec![FacetSum::default(); p],
+            plane_count: 0,
+            vertices: Vertices::with_room(v),
+            saved: Vertices::with_room(v),
+            conflict: vec![0; words],
+            uncertain: vec![0; words],
+            domain,
+            site: v3(0.0, 0.0, 0.0),
+            exact: false,
+        }
+    }
+
+    /// Turns to the cell of another site.
+    pub(crate) fn turn_to(&mut self, site: V3) {
+        self.site = site;
+        self.exact = false;
+    }
+}
+
+impl CellStore for CpuStore<'_> {
+    #[inline(always)]
+    fn cap_p(&self) -> u32 {
+        self.room.planes
+    }
+    #[inline(always)]
+    fn cap_v(&self) -> u32 {
+        self.room.vertices
+    }
+    #[inline(always)]
+    fn planes(&self) -> u32 {
+        self.plane_count as u32
+    }
+    #[inline(always)]
+    fn set_planes(&mut self, count: u32) {
+        self.plane_count = count as usize;
+    }
+    #[inline(always)]
+    fn vertices(&self) -> u32 {
+        self.vertices.count as u32
+    }
+    #[inline(always)]
+    fn set_vertices(&mut self, count: u32) {
+        self.vertices.count = count as usize;
+    }
+    #[inline(always)]
+    fn plane(&self, f: u32) -> Plane {
+        self.planes[f as usize]
+    }
+    #[inline(always)]
+    fn set_plane(&mut self, f: u32, plane: Plane) {
+        self.planes[f as usize] = plane;
+    }
+    #[inline(always)]
+    fn tag(&self, f: u32) -> u32 {
+        self.tags[f as usize]
+    }
+    #[inline(always)]
+    fn set_tag(&mut self, f: u32, tag: u32) {
+        self.tags[f as usize] = tag;
+    }
+    #[inline(always)]
+    fn link(&self, f: u32) -> u32 {
+        self.links[f as usize]
+    }
+    #[inline(always)]
+    fn set_link(&mut self, f: u32, link: u32) {
+        self.links[f as usize] = link;
+    }
+    #[inline(always)]
+    fn triplet(&self, v: u32) -> Triplet {
+        self.vertices.triplets[v as usize]
+    }
+    #[inline(always)]
+    fn set_triplet(&mut self, v: u32, triplet: Triplet) {
+        self.vertices.triplets[v as usize] = triplet;
+    }
+    #[inline(always)]
+    fn position(&self, v: u32) -> V3 {
+        let v = v as usize;
+        v3(self.vertices.x[v], self.vertices.y[v], self.vertices.z[v])
+    }
+    #[inline(always)]
+    fn radius(&self, v: u32) -> Real {
+        self.vertices.radius[v as usize]
+    }
+    #[inline(always)]
+    fn set_position(&mut self, v: u32, position: V3, radius: Real) {
+        let v = v as usize;
+        self.vertices.x[v] = position.x;
+        self.vertices.y[v] = position.y;
+        self.vertices.z[v] = position.z;
+        self.vertices.radius[v] = radius;
+    }
+    #[inline(always)]
+    fn mark(&self, v: u32) -> u32 {
+        let (word, bit) = (v as usize / 64, v % 64);
+        if self.conflict[word] >> bit & 1 != 0 {
+            MARK_CONFLICT
+        } else if self.uncertain[word] >> bit & 1 != 0 {
+            MARK_UNCERTAIN
+        } else {
+            MARK_KEEP
+        }
+    }
+    #[inline(always)]
+    fn set_mark(&mut self, v: u32, mark: u32) {
+        let (word, bit) = (v as usize / 64, v % 64);
+        let set = |bits: &mut u64, on: bool| *bits = (*bits & !(1 << bit)) | u64::from(on) << bit;
+        set(&mut self.conflict[word], mark == MARK_CONFLICT);
+        set(&mut self.uncertain[word], mark == MARK_UNCERTAIN);
+    }
+    #[inline(always)]
+    fn save(&mut self) {
+        self.saved.copy_from(&self.vertices);
+    }
+    #[inline(always)]
+    fn restore(&mut self) {
+        self.vertices.copy_from(&self.saved);
+    }
+    #[inline(always)]
+    fn facet(&self, f: u32) -> FacetSum {
+        self.facets[f as usize]
+    }
+    #[inline(always)]
+    fn set_facet(&mut self, f: u32, sum: FacetSum) {
+        self.facets[f as usize] = sum;
+    }
+    #[inline(always)]
+    fn domain(&self) -> Option<&DomainGrid> {
+        self.domain
+    }
+    #[inline(always)]
+    fn site(&self) -> V3 {
+        self.site
+    }
+
+    #[inline(always)]
+    fn next_conflict(&self, from: u32, end: u32) -> u32 {
+        let mut word = from as usize / 64;
+        if from >= end {
+            return end;
+        }
+        let mut bits = self.conflict[word] >> (from % 64) << (from % 64);
+        while bits == 0 {
+            word += 1;
+            if word * 64 >= end as usize {
+                return end;
+            }
+            bits = self.conflict[word];
+        }
+        (word as u32 * 64 + bits.trailing_zeros()).min(end)
+    }
+
+    #[inline(always)]
+    fn mark_conflicts(&mut self, k: u32) -> u32 {
+        let plane = self.planes[k as usize];
+        let (nx, ny, nz, d) =
+            (f64x4::splat(plane.n.x), f64x4::splat(plane.n.y), f64x4::splat(plane.n.z), f64x4::splat(plane.d));
+        let size = f64x4::splat((plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs());
+        let slack = f64x4::splat((4.0 * UNIT_ROUNDOFF) * plane.d.abs());
+        let vertices = &self.vertices;
+        let count = vertices.count;
+        let (mut any_conflict, mut any_uncertain, mut any_keep) = (0, 0, 0);
+        for (w, (conflict_word, uncertain_word)) in self.conflict.iter_mut().zip(self.uncertain.iter_mut()).enumerate()
+        {
+            let first = w * 64;
+            if first >= count {
+                break;
+            }
+            let here = (count - first).min(64);
+            let n = here.div_ceil(LANES);
+            let xs = &vertices.x.as_chunks::<LANES>().0[first / LANES..][..n];
+            let ys = &vertices.y.as_chunks::<LANES>().0[first / LANES..][..n];
+            let zs = &vertices.z.as_chunks::<LANES>().0[first / LANES..][..n];
+            let radii = &vertices.radius.as_chunks::<LANES>().0[first / LANES..][..n];
+            let (mut conflict, mut kept) = (0_u64, 0_u64);
+            for c in 0..n {
+                let (x, y, z) = (f64x4::from(xs[c]), f64x4::from(ys[c]), f64x4::from(zs[c]));
+                let value = (((nx * x) + (ny * y)) + (nz * z)) + d;
+                let bound = (size * f64x4::from(radii[c])) + slack;
+                conflict |= u64::from(value.simd_lt(-bound).to_bitmask()) << (c * LANES);
+                kept |= u64::from(value.simd_gt(bound).to_bitmask()) << (c * LANES);
+            }
+            // The padding's lanes hold old numbers.
+            let valid = u64::MAX >> (64 - here);
+            *conflict_word = conflict & valid;
+            *uncertain_word = !(conflict | kept) & valid;
+            any_conflict |= *conflict_word;
+            any_uncertain |= *uncertain_word;
+            any_keep |= kept & valid;
+        }
+        let seen = |bits: u64, flag: u32| if bits == 0 { 0 } else { flag };
+        seen(any_conflict, SEEN_CONFLICT) | seen(any_uncertain, SEEN_UNCERTAIN) | seen(any_keep, SEEN_KEEP)
+    }
+
+    #[inline(always)]
+    fn farthest(&self) -> V3 {
+        let vertices = &self.vertices;
+        let (mut square, mut radius) = (f64x4::splat(0.0), f64x4::splat(0.0));
+        let whole = vertices.count / LANES;
+        let xs = &vertices.x.as_chunks::<LANES>().0[..whole];
+        let ys = &vertices.y.as_chunks::<LANES>().0[..whole];
+        let zs = &vertices.z.as_chunks::<LANES>().0[..whole];
+        let radii = &vertices.radius.as_chunks::<LANES>().0[..whole];
+        for c in 0..whole {
+            let (x, y, z) = (f64x4::from(xs[c]), f64x4::from(ys[c]), f64x4::from(zs[c]));
+            square = square.fast_max(((x * x) + (y * y)) + (z * z));
+            radius = radius.fast_max(f64x4::from(radii[c]));
+        }
+        let largest = |lanes: f64x4| lanes.to_array().into_iter().fold(0.0, Real::max);
+        let (mut square, mut radius) = (largest(square), largest(radius));
+        for v in whole * LANES..vertices.count {
+            let (x, y, z) = (vertices.x[v], vertices.y[v], vertices.z[v]);
+            square = square.max(((x * x) + (y * y)) + (z * z));
+            radius = radius.max(vertices.radius[v]);
+        }
+        v3(square, radius, 0.0)
+    }
+
+    #[cold]
+    fn exact_sign(&mut self, t: Triplet, k: u32) -> i32 {
+        self.exact = true;
+        exact::sign_of_planes(self.plane(t.a), self.plane(t.b), self.plane(t.c), self.plane(k))
+    }
+
+    #[cold]
+    fn exact_position(&mut self, t: Triplet, position: &mut V3) -> u32 {
+        self.exact = true;
+        exact::position(self.plane(t.a), self.plane(t.b), self.plane(t.c), position)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use laguerre_core::cell::{PlainStore, begin, bisector, clip};
+
+    /// The doors for SIMD do what their plain bodies do, to the bit, at every count of vertices.
+    #[test]
+    fn doors_agree_with_their_plain_bodies() {
+        let room = Capacities { planes: 200, vertices: 400 };
+        let mut fast = CpuStore::new(room, None);
+        let mut plain = PlainStore::new([0.0; 3], None);
+        let (lo, hi) = (v3(-0.5, -0.4, -0.3), v3(0.3, 0.4, 0.5));
+        assert_eq!(begin(&mut fast, lo, hi), begin(&mut plain, lo, hi));
+        let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+        for i in 0..150 {
+            let z = 1.0 - f64::from(2 * i + 1) / 150.0;
+            let (sin, cos) = (golden * f64::from(i)).sin_cos();
+            let r = 0.4 * (1.0 - z * z).sqrt();
+            let plane = bisector(v3(r * cos, r * sin, 0.4 * z), 0.0);
+            assert_eq!(clip(&mut fast, plane, 0), clip(&mut plain, plane, 0));
+            let k = plane_through_a_vertex(&mut fast, &mut plain);
+            assert_eq!(fast.mark_conflicts(k), plain.mark_conflicts(k));
+            let count = plain.vertices();
+            assert_eq!(fast.vertices(), count);
+            for v in 0..count {
+                assert_eq!(fast.mark(v), plain.mark(v), "vertex {v} of {count}");
+                assert_eq!(fast.next_conflict(v, count), plain.next_conflict(v, count));
+            }
+            assert_eq!(fast.farthest(), plain.farthest());
+        }
+        assert!(fast.vertices() > 200);
+    }
+
+    /// A plane with vertices on both sides and one on it, in the slot after the last.
+    fn plane_through_a_vertex(fast: &mut CpuStore<'_>, plain: &mut PlainStore<'_>) -> u32 {
+        let k = plain.planes();
+        let p = plain.position(plain.vertices() / 2);
+        let n = v3(0.3, -0.7, 0.2);
+        let plane = Plane { n, d: -((n.x * p.x) + (n.y * p.y) + (n.z * p.z)) };
+        fast.set_plane(k, plane);
+        plain.set_plane(k, plane);
+        k
+    }
+}

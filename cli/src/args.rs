@@ -1,0 +1,240 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+
+/// Restricted power diagrams: the cells of weighted sites, cut by a domain, and integrals over them.
+///
+/// The power cell of site i is where ‖x − p_i‖² − w_i is least; a larger weight is a larger cell. Every cell is complete by
+/// proof, and every sign exact.
+#[derive(Debug, Parser)]
+#[command(name = "laguerre", version, after_help = EXAMPLES)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  laguerre demo                                                    10,000 cells in a bunny, with a picture
+  laguerre sample white 100000 --domain bunny.obj -o sites.xyz     sites in the bunny's box
+  laguerre integrate sites.xyz --domain bunny.obj -o cells.csv     volume and barycenter of every cell
+
+Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Integrate(IntegrateArgs),
+    Sample(SampleArgs),
+    Demo(DemoArgs),
+}
+
+/// Volume and barycenter of the power cell of every site, cut by a domain.
+///
+/// SITES is .xyz or .txt (3 or 4 columns, the fourth the weight; the first line may be the count) or .npy (N×3 or N×4).
+/// Without --domain or --box, the cells are cut by the bounding box of the sites.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = INTEGRATE_EXAMPLES)]
+pub(crate) struct IntegrateArgs {
+    /// Sites, with weights in a fourth column: .xyz, .txt or .npy
+    pub(crate) sites: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) container: ContainerArgs,
+
+    /// Where to write the cells: .csv (site,volume,x,y,z,facets,status), .npy (volume, barycenter) or .vtu (for ParaView)
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Where to write the facets: .csv (site,neighbor,area,x,y,z,distance), each once from each side, neighbor -1 for the boundary
+    #[arg(long, value_name = "FILE")]
+    pub(crate) facets: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) backend: BackendArgs,
+
+    /// Stop each cell at the security radius times 1 + E, without proof that it is complete; the check is that the
+    /// volumes sum to the domain's
+    #[arg(long, value_name = "E", allow_hyphen_values = true, value_parser = parse_epsilon)]
+    pub(crate) epsilon: Option<f64>,
+
+    /// Print one JSON object instead of the summary
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const INTEGRATE_EXAMPLES: &str = "\
+Examples:
+  laguerre integrate sites.xyz --domain bunny.obj -o cells.csv --facets facets.csv
+  laguerre integrate sites.npy --box 0,0,0,1,1,1 --json";
+
+/// Sites to compute with: they fill the box of the domain.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = SAMPLE_EXAMPLES)]
+pub(crate) struct SampleArgs {
+    /// How the sites are spread
+    #[arg(value_name = "DIST")]
+    pub(crate) distribution: Distribution,
+
+    /// Number of sites (lattice, perturbed and mirrored come as near as they can)
+    #[arg(value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31))]
+    pub(crate) count: u32,
+
+    #[command(flatten)]
+    pub(crate) container: ContainerArgs,
+
+    /// Keep the sites inside the domain only: N of them
+    #[arg(long, requires = "domain")]
+    pub(crate) inside: bool,
+
+    /// Another seed makes other sites; the same makes the same
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// Where to write the sites: .xyz, .txt or .npy
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+}
+
+const SAMPLE_EXAMPLES: &str = "\
+Examples:
+  laguerre sample white 100000 --domain bunny.obj -o sites.xyz
+  laguerre sample blue 10000 --domain bunny.obj --inside --seed 7 -o sites.npy
+  laguerre sample lattice 64000 --box 0,0,0,1,1,1 -o lattice.xyz";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Distribution {
+    /// Independent and uniform
+    White,
+    /// A lattice, each site moved at random within the half-sized voxel about it
+    Perturbed,
+    /// White, moved by Lloyd's algorithm until the volumes of the cells vary by less than 10 %
+    Blue,
+    /// The centres of the voxels of a grid
+    Lattice,
+    /// A blue tile, mirrored in planes to 5×5×5 tiles: cells that meet in symmetric, degenerate vertices
+    Mirrored,
+}
+
+/// The main job on built-in input: the cells of 10,000 sites in the Stanford bunny.
+///
+/// Prints the summary and writes cells.csv, cells.vtu (for ParaView) and cells.png, a slice through the bunny.
+#[derive(ClapArgs, Debug)]
+pub(crate) struct DemoArgs {
+    /// Where to write the files; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub(crate) out_dir: PathBuf,
+
+    /// Number of sites
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub(crate) sites: u32,
+}
+
+#[derive(ClapArgs, Debug)]
+pub(crate) struct ContainerArgs {
+    /// A closed triangle mesh: .obj or .off
+    #[arg(long, value_name = "MESH", conflicts_with = "box")]
+    pub(crate) domain: Option<PathBuf>,
+
+    /// An axis-aligned box: minimum corner, maximum corner
+    #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", allow_hyphen_values = true, value_parser = parse_box)]
+    pub(crate) r#box: Option<Corners>,
+}
+
+/// Minimum and maximum corner of a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corners {
+    pub(crate) lo: [f64; 3],
+    pub(crate) hi: [f64; 3],
+}
+
+#[derive(ClapArgs, Debug)]
+pub(crate) struct BackendArgs {
+    /// What computes
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    pub(crate) backend: BackendChoice,
+
+    /// Number type
+    #[arg(long, value_name = "TYPE", default_value = "f64")]
+    pub(crate) precision: Precision,
+
+    /// Threads of the CPU; one for each core unless given
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    pub(crate) threads: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BackendChoice {
+    /// The fastest that is there
+    Auto,
+    /// All cores, with SIMD
+    Cpu,
+    /// OpenCL (not in this build)
+    Ocl,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Precision {
+    /// 64-bit floats
+    F64,
+    /// 32-bit floats (for backends that have them)
+    F32,
+}
+
+fn parse_box(text: &str) -> Result<Corners, String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|word| match word.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(format!("'{}' is not a finite number", word.trim())),
+        })
+        .collect::<Result<_, _>>()?;
+    let [x0, y0, z0, x1, y1, z1] = *numbers.as_slice() else {
+        return Err(format!("{} numbers; 6 are needed: x0,y0,z0,x1,y1,z1", numbers.len()));
+    };
+    let corners = Corners { lo: [x0, y0, z0], hi: [x1, y1, z1] };
+    match (0..3).find(|&k| corners.lo[k] >= corners.hi[k]) {
+        Some(k) => {
+            Err(format!("its {} range is empty: give the minimum corner, then the maximum corner", ["x", "y", "z"][k]))
+        }
+        None => Ok(corners),
+    }
+}
+
+fn parse_epsilon(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(epsilon) if epsilon.is_finite() && epsilon >= 0.0 => Ok(epsilon),
+        _ => Err("a finite number, 0 or larger, is needed".into()),
+    }
+}
+
+/// More threads than any machine has would only exhaust it.
+const MOST_THREADS: usize = 4096;
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(threads @ 1..=MOST_THREADS) => Ok(threads),
+        _ => Err(format!("a whole number from 1 to {MOST_THREADS} is needed")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn boxes_are_six_finite_numbers_in_order() {
+        let corners = parse_box("-1,0,0, 1,2,3e0").unwrap();
+        assert_eq!(corners, Corners { lo: [-1.0, 0.0, 0.0], hi: [1.0, 2.0, 3.0] });
+        assert!(parse_box("0,0,0,1,1").unwrap_err().starts_with("5 numbers"));
+        assert!(parse_box("0,0,0,1,1,inf").is_err());
+        assert!(parse_box("0,0,0,1,0,1").unwrap_err().starts_with("its y range"));
+    }
+}

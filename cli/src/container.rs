@@ -1,0 +1,83 @@
+//! What the cells are cut by, as the command line says it.
+
+use laguerre::{Domain, Error, PowerDiagram, Result};
+
+use crate::args::{ContainerArgs, Corners};
+use crate::outcome::note;
+
+/// The domain or box of the command line.
+#[derive(Debug)]
+pub(crate) enum Container {
+    Domain(Domain),
+    Box(Corners),
+    /// Neither was given.
+    Default,
+}
+
+impl Container {
+    /// Reads the domain if there is one, passing its notes on.
+    pub(crate) fn read(args: &ContainerArgs) -> Result<Self> {
+        match (&args.domain, args.r#box) {
+            (Some(path), _) => {
+                let domain = Domain::load(path)?;
+                for remark in domain.notes() {
+                    note(&format!("{}: {remark}", path.display()));
+                }
+                Ok(Self::Domain(domain))
+            }
+            (None, Some(corners)) => Ok(Self::Box(corners)),
+            (None, None) => Ok(Self::Default),
+        }
+    }
+
+    pub(crate) fn domain(&self) -> Option<&Domain> {
+        match self {
+            Self::Domain(domain) => Some(domain),
+            _ => None,
+        }
+    }
+
+    /// Restricts `diagram` to this.
+    pub(crate) fn restrict(&self, diagram: PowerDiagram) -> Result<PowerDiagram> {
+        match self {
+            Self::Domain(domain) => Ok(diagram.restricted_to(domain)),
+            Self::Box(corners) => diagram.in_box(corners.lo, corners.hi),
+            Self::Default => Ok(diagram),
+        }
+    }
+}
+
+/// What the cells must sum to: the container's own box, volume and barycenter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Whole {
+    pub(crate) lo: [f64; 3],
+    pub(crate) hi: [f64; 3],
+    pub(crate) volume: f64,
+    pub(crate) barycenter: [f64; 3],
+}
+
+impl Whole {
+    pub(crate) fn of(diagram: &PowerDiagram) -> Result<Self> {
+        use laguerre::diagram::Container;
+        let whole = match diagram.container()? {
+            Container::Domain(domain) => {
+                let (lo, hi) = domain.bounding_box();
+                Self { lo, hi, volume: domain.volume(), barycenter: domain.barycenter() }
+            }
+            Container::Box(lo, hi) => {
+                let volume = (0..3).map(|k| hi[k] - lo[k]).product();
+                Self { lo, hi, volume, barycenter: std::array::from_fn(|k| lo[k] + (hi[k] - lo[k]) / 2.0) }
+            }
+        };
+        if whole.volume > 0.0 && whole.volume.is_finite() {
+            return Ok(whole);
+        }
+        Err(Error::input(format!("the volume {} of the domain or box is no positive number", whole.volume)))
+    }
+
+    /// Length of the box's diagonal.
+    pub(crate) fn diagonal(&self) -> f64 {
+        let [x, y, z] = std::array::from_fn(|k| self.hi[k] - self.lo[k]);
+        x.hypot(y).hypot(z)
+    }
+}

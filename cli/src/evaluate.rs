@@ -1,0 +1,65 @@
+//! Opening a backend and evaluating with it, with a progress bar where there is a terminal to draw it on.
+
+use std::io::IsTerminal;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use laguerre::{Backend, Error, Output, PowerDiagram, Progress, Request, Result, Selection};
+
+use crate::args::{BackendArgs, BackendChoice, Precision};
+
+/// Opens the backend of the command line. The only place that does.
+pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
+    let selection = match (args.backend, args.threads) {
+        (BackendChoice::Ocl, _) => Selection::Ocl,
+        (BackendChoice::Auto, None) => Selection::Auto,
+        // Threads are a matter of the CPU alone.
+        (BackendChoice::Auto | BackendChoice::Cpu, threads) => Selection::Cpu { threads },
+    };
+    let backend = laguerre::open(selection)?;
+    let info = backend.info();
+    if args.precision == Precision::F32 && info.precision != "f32" {
+        let name = info.backend;
+        return Err(Error::input(format!("--precision f32: backend {name} computes in {} only", info.precision)));
+    }
+    Ok(backend)
+}
+
+/// The default backend, for commands without the options of `integrate`.
+pub(crate) fn open_default() -> Result<Box<dyn Backend>> {
+    open(&BackendArgs { backend: BackendChoice::Auto, precision: Precision::F64, threads: None })
+}
+
+/// Time between two drawings of the bar.
+const REDRAW: Duration = Duration::from_millis(100);
+
+/// Evaluates, drawing the progress on standard error if that is a terminal.
+pub(crate) fn evaluate(backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+    if !std::io::stderr().is_terminal() {
+        return backend.evaluate(diagram, request);
+    }
+    let (done, wait) = mpsc::channel::<()>();
+    thread::scope(|scope| {
+        let progress = request.progress.clone();
+        let cells = diagram.positions().len();
+        // Without a second thread there is no bar, and nothing else is lost.
+        let drawing = thread::Builder::new().spawn_scoped(scope, move || draw(&progress, cells, &wait));
+        let output = backend.evaluate(diagram, request);
+        drop(done);
+        drop(drawing);
+        output
+    })
+}
+
+fn draw(progress: &Progress, cells: usize, wait: &mpsc::Receiver<()>) {
+    let bar = ProgressBar::new(cells as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} cells, {eta}") {
+        bar.set_style(style);
+    }
+    while wait.recv_timeout(REDRAW) == Err(RecvTimeoutError::Timeout) {
+        bar.set_position(progress.finished() as u64);
+    }
+    bar.finish_and_clear();
+}

@@ -1,0 +1,156 @@
+//! Which points are inside a domain: exact crossings of a vertical ray.
+
+use laguerre::Domain;
+use robust::{Coord, Coord3D, orient2d, orient3d};
+
+/// Triangles that a column of the grid holds on average, about: so that building costs no more than asking.
+const TRIANGLES_A_COLUMN: usize = 4;
+
+/// The domain's triangles, sorted into columns along z.
+pub(crate) struct InsideTest<'a> {
+    domain: &'a Domain,
+    lo: [f64; 3],
+    hi: [f64; 3],
+    /// Columns along each of x and y.
+    columns: usize,
+    /// Column `c` holds `triangles[offsets[c]..offsets[c + 1]]`.
+    offsets: Vec<usize>,
+    triangles: Vec<u32>,
+}
+
+impl<'a> InsideTest<'a> {
+    pub(crate) fn new(domain: &'a Domain) -> Self {
+        let (lo, hi) = domain.bounding_box();
+        let count = domain.triangles().len();
+        let columns = ((count / TRIANGLES_A_COLUMN) as f64).sqrt().ceil().clamp(1.0, 2048.0) as usize;
+        let mut test = Self { domain, lo, hi, columns, offsets: Vec::new(), triangles: Vec::new() };
+        // A counting sort: how many in each column, where each begins, which.
+        let mut offsets = vec![0; columns * columns + 1];
+        for t in 0..count as u32 {
+            test.columns_of(t, |column| offsets[column + 1] += 1);
+        }
+        for c in 1..offsets.len() {
+            offsets[c] += offsets[c - 1];
+        }
+        let mut next = offsets.clone();
+        let mut triangles = vec![0; offsets[columns * columns]];
+        for t in 0..count as u32 {
+            test.columns_of(t, |column| {
+                triangles[next[column]] = t;
+                next[column] += 1;
+            });
+        }
+        (test.offsets, test.triangles) = (offsets, triangles);
+        test
+    }
+
+    /// Whether the domain's winding number about `p` is positive. The surface counts as inside, but for its vertical
+    /// parts, which the shift below puts on one side or the other.
+    ///
+    /// The ray from `p` in +z is moved by (ε, ε²) in x and y, ε infinitesimal, so that it meets no edge and no vertex: the
+    /// answer is exact for every `p`.
+    pub(crate) fn contains(&self, p: [f64; 3]) -> bool {
+        if (0..3).any(|k| p[k] < self.lo[k] || p[k] > self.hi[k]) {
+            return false;
+        }
+        let column = self.column(1, p[1]) * self.columns + self.column(0, p[0]);
+        let mut winding = 0;
+        for &t in &self.triangles[self.offsets[column]..self.offsets[column + 1]] {
+            let [a, b, c] = self.corners(t);
+            let side = edge_side(a, b, p);
+            if side == 0 || side != edge_side(b, c, p) || side != edge_side(c, a, p) {
+                continue;
+            }
+            // Seen from above, the triangle is counterclockwise for side > 0; p is below its plane where orient3d > 0.
+            let height = f64::from(side) * orient3d(coord3(a), coord3(b), coord3(c), coord3(p));
+            if height == 0.0 {
+                return true;
+            }
+            if height > 0.0 {
+                winding += side;
+            }
+        }
+        winding > 0
+    }
+
+    fn corners(&self, t: u32) -> [[f64; 3]; 3] {
+        self.domain.triangles()[t as usize].map(|i| self.domain.vertices()[i as usize])
+    }
+
+    /// The column of coordinate `x` along `axis`; monotone in `x`, so that a triangle's columns hold all its points.
+    fn column(&self, axis: usize, x: f64) -> usize {
+        let share = (x - self.lo[axis]) / (self.hi[axis] - self.lo[axis]);
+        ((share * self.columns as f64) as usize).min(self.columns - 1)
+    }
+
+    fn columns_of(&self, t: u32, mut each: impl FnMut(usize)) {
+        let corners = self.corners(t);
+        let range = |axis: usize| {
+            let at = corners.map(|p| self.column(axis, p[axis]));
+            at[0].min(at[1]).min(at[2])..=at[0].max(at[1]).max(at[2])
+        };
+        for y in range(1) {
+            for x in range(0) {
+                each(y * self.columns + x);
+            }
+        }
+    }
+}
+
+/// On which side of the edge from `a` to `b`, seen from above, the moved `p` is: 1 left, −1 right; 0 for a vertical edge.
+fn edge_side(a: [f64; 3], b: [f64; 3], p: [f64; 3]) -> i32 {
+    let coord = |p: [f64; 3]| Coord { x: p[0], y: p[1] };
+    let area = orient2d(coord(a), coord(b), coord(p));
+    // On the line: its derivatives along x, then y, are what ε, then ε², bring.
+    let deciding = [area, a[1] - b[1], b[0] - a[0]].into_iter().find(|&x| x != 0.0);
+    deciding.map_or(0, |x| if x > 0.0 { 1 } else { -1 })
+}
+
+fn coord3(p: [f64; 3]) -> Coord3D<f64> {
+    Coord3D { x: p[0], y: p[1], z: p[2] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The cube [0, 1]³, its faces cut along diagonals.
+    fn cube() -> Domain {
+        let vertices: Vec<[f64; 3]> =
+            (0..8).map(|i| [f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1)]).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        Domain::new(&vertices, &triangles).unwrap()
+    }
+
+    #[test]
+    fn rays_through_edges_and_vertices_are_decided() {
+        let domain = cube();
+        let test = InsideTest::new(&domain);
+        // Every point of this lattice stands under edges, diagonals or vertices of the cube, or on them.
+        for (x, y, z) in (0..9 * 9 * 9).map(|i| (i % 9, i / 9 % 9, i / 81)) {
+            let p = [x, y, z].map(|k| f64::from(k - 2) / 4.0);
+            let strictly_inside = p.iter().all(|&c| 0.0 < c && c < 1.0);
+            let outside = p.iter().any(|&c| !(0.0..=1.0).contains(&c));
+            assert!(!strictly_inside || test.contains(p), "{p:?} is inside");
+            assert!(!outside || !test.contains(p), "{p:?} is outside");
+        }
+        assert!(test.contains([0.5, 0.25, 0.0]) && test.contains([0.5, 0.25, 1.0]), "the surface counts as inside");
+    }
+
+    #[test]
+    fn as_many_points_are_inside_as_the_volume_says() {
+        let domain = Domain::from_obj(include_bytes!("../../fixtures/meshes/bunny.obj")).unwrap();
+        let test = InsideTest::new(&domain);
+        let (lo, hi) = domain.bounding_box();
+        // A lattice whose spacing has no relation to the mesh: the share of points inside is that of the volume, but for the
+        // surface's share of voxels, of random sign.
+        let n = 40;
+        let at = |k: usize, i: usize| lo[k] + (i as f64 + 0.5) / n as f64 * (hi[k] - lo[k]);
+        let inside =
+            (0..n * n * n).filter(|i| test.contains([at(0, i % n), at(1, i / n % n), at(2, i / n / n)])).count();
+        let box_volume: f64 = (0..3).map(|k| hi[k] - lo[k]).product();
+        let share = domain.volume() / box_volume;
+        assert!((inside as f64 / (n * n * n) as f64 - share).abs() < 0.005, "{inside} inside, share {share}");
+    }
+}

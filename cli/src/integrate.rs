@@ -1,0 +1,107 @@
+//! `laguerre integrate`: the main job.
+
+use std::path::Path;
+use std::time::Instant;
+
+use laguerre::io::{self, CELLS_ENDINGS, FACETS_ENDINGS};
+use laguerre::{Backend, CellStatus, Error, Output, PowerDiagram, Request, Result};
+
+use crate::args::IntegrateArgs;
+use crate::container::{Container, Whole};
+use crate::evaluate::{evaluate, open};
+use crate::outcome::{Outcome, note, print, say};
+use crate::report::{Report, Seconds};
+
+/// The ending of results that need the geometry of the cells beside the integrals.
+const VTU: &str = ".vtu";
+
+pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
+    check(args)?;
+    let backend = open(&args.backend)?;
+    let mut seconds = Seconds::default();
+
+    let start = Instant::now();
+    let sites = io::read_sites(&args.sites)?;
+    let container = Container::read(&args.container)?;
+    let diagram = PowerDiagram::new(&sites.positions, &sites.weights).map_err(|e| e.at(args.sites.display()))?;
+    drop(sites);
+    let diagram = container.restrict(diagram)?;
+    let whole = Whole::of(&diagram)?;
+    seconds.read = start.elapsed().as_secs_f64();
+
+    if let Some(domain) = container.domain() {
+        let start = Instant::now();
+        domain.grid();
+        seconds.domain_grid = start.elapsed().as_secs_f64();
+    }
+
+    let request = Request::moments();
+    let request = if args.facets.is_some() { request.with_facets() } else { request };
+    let request = args.epsilon.into_iter().fold(request, Request::with_epsilon);
+    let start = Instant::now();
+    let output = evaluate(backend.as_ref(), &diagram, &request)?;
+    seconds.compute = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    if let Some(path) = &args.output {
+        write_cells(path, backend.as_ref(), &diagram, &output)?;
+    }
+    if let Some(path) = &args.facets {
+        io::write_facets(path, &diagram, &output)?;
+    }
+    seconds.write = start.elapsed().as_secs_f64();
+
+    let report = Report::new(&output, &whole, backend.info(), seconds);
+    if args.json {
+        let json = serde_json::to_string(&report).map_err(|e| Error::input(format!("--json: {e}")))?;
+        print(&format!("{json}\n"))?;
+    } else {
+        print(&report.summary())?;
+    }
+    Ok(outcome(&report))
+}
+
+/// Says what a user must know of the result, and how the program is to end.
+pub(crate) fn outcome(report: &Report) -> Outcome {
+    if report.uncertified == 0 {
+        return Outcome::Done;
+    }
+    say(&format!(
+        "{} of {} cells are not certified and may be too large (the volumes sum to the domain's but for {:.1e}); \
+         leave --epsilon out for cells that are complete by proof",
+        report.uncertified, report.sites, report.relative_error
+    ));
+    Outcome::Uncertified
+}
+
+/// Writes the cells by the file's ending.
+pub(crate) fn write_cells(path: &Path, backend: &dyn Backend, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+    if io::ending(path, CELLS_ENDINGS).is_ok() {
+        return io::write_cells(path, diagram, output);
+    }
+    // The geometry is that of the convex cells, in the box of the domain: those have to be computed once more, for their
+    // neighbours there.
+    let whole = Whole::of(diagram)?;
+    let boxed = PowerDiagram::new(diagram.positions(), diagram.weights())?.in_box(whole.lo, whole.hi)?;
+    let neighbors = evaluate(backend, &boxed, &Request::moments().with_facets())?;
+    let cells = io::cell_meshes(&boxed, &neighbors, |i| output.status[i] != CellStatus::Empty)?;
+    io::write_vtu(path, &cells, output)
+}
+
+/// What can be said before the work.
+fn check(args: &IntegrateArgs) -> Result<()> {
+    if let Some(path) = &args.output {
+        let known: Vec<&'static str> = CELLS_ENDINGS.iter().copied().chain([VTU]).collect();
+        io::check_output(path, &known)?;
+    }
+    if let Some(path) = &args.facets {
+        io::check_output(path, FACETS_ENDINGS)?;
+        if args.output.as_ref() == Some(path) {
+            return Err(Error::input(format!("{}: named for cells and for facets; give two files", path.display())));
+        }
+    }
+    if args.output.is_none() && args.facets.is_none() && !args.json {
+        note("only the summary is printed; name a file with -o to keep the cells");
+    }
+    Ok(())
+}

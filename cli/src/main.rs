@@ -1,0 +1,33 @@
+//! The program `laguerre`: restricted power diagrams on the command line.
+#![forbid(unsafe_code)]
+
+mod args;
+mod container;
+mod demo;
+mod evaluate;
+mod inside;
+mod integrate;
+mod lloyd;
+mod outcome;
+mod picture;
+mod report;
+mod sample;
+mod slice;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Args, Command};
+
+fn main() -> ExitCode {
+    let result = match Args::try_parse() {
+        Ok(Args { command }) => match command {
+            Command::Integrate(args) => integrate::run(&args),
+            Command::Sample(args) => sample::run(&args),
+            Command::Demo(args) => demo::run(&args),
+        },
+        Err(error) => return outcome::command_line(&error),
+    };
+    outcome::exit_code(result)
+}

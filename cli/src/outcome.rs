@@ -1,0 +1,77 @@
+//! How the program ends: exit codes, the one line of an error, and standard output that may close early.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use laguerre::{Error, ErrorKind, Result};
+
+/// How a command ended that was not prevented from its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Everything asked for was done.
+    Done,
+    /// Results were written, but some cells are marked as not certified.
+    Uncertified,
+}
+
+const WRONG_INPUT: u8 = 2;
+const UNAVAILABLE: u8 = 3;
+const UNCERTIFIED: u8 = 4;
+
+/// The exit code, after saying on standard error in one line why it is not 0.
+pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Uncertified) => UNCERTIFIED.into(),
+        Err(error) => {
+            say(&error.to_string());
+            match error.kind() {
+                ErrorKind::Unavailable | ErrorKind::Device => UNAVAILABLE.into(),
+                _ => WRONG_INPUT.into(),
+            }
+        }
+    }
+}
+
+/// What clap has to say: help and version as they are, errors in one line.
+pub(crate) fn command_line(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        // Nothing is lost where the reader of a help text has gone.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    let rendered = error.to_string();
+    // The paragraphs before the usage, which the hint at --help stands for.
+    let said = rendered.split("\n\nUsage:").next().unwrap_or_default();
+    let said = said.split("\n\nFor more information").next().unwrap_or_default();
+    let words: Vec<&str> = said.split_whitespace().collect();
+    let line = words.join(" ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    say(&format!("{line}; see laguerre --help"));
+    WRONG_INPUT.into()
+}
+
+/// Says one line on standard error.
+pub(crate) fn say(line: &str) {
+    // Where standard error is closed there is nobody left to tell.
+    let _ = writeln!(io::stderr(), "laguerre: {}", line.replace('\n', " "));
+}
+
+/// Says something worth knowing on standard error.
+pub(crate) fn note(line: &str) {
+    say(&format!("note: {line}"));
+}
+
+/// Prints to standard output. Where its reader has gone, the rest of the work is still wanted: that is no error.
+///
+/// # Errors
+/// `Io` where it cannot be written for another reason.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::new(ErrorKind::Io, format!("standard output: cannot write: {e}")))
+        }
+        _ => Ok(()),
+    }
+}

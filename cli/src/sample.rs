@@ -1,0 +1,270 @@
+//! `laguerre sample`: sites to compute with.
+
+use laguerre::io::{self, SAMPLE_ENDINGS};
+use laguerre::{Domain, Error, PowerDiagram, Result};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use crate::args::{Corners, Distribution, SampleArgs};
+use crate::container::Container;
+use crate::evaluate::open_default;
+use crate::inside::InsideTest;
+use crate::lloyd::{Relaxation, relax};
+use crate::outcome::{Outcome, note};
+
+/// Blue noise: the volumes vary by less than this.
+const BLUE_SPREAD: f64 = 0.1;
+/// Lloyd steps after which blue noise is taken as it is; some 15 are usual.
+const MOST_STEPS: usize = 40;
+/// Tiles of a mirrored distribution along each axis.
+const TILES: u32 = 5;
+/// Random points that are tried at most in search of those inside: more would seem to hang.
+const MOST_TRIES: f64 = 1e10;
+
+pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
+    io::check_output(&args.output, SAMPLE_ENDINGS)?;
+    let container = Container::read(&args.container)?;
+    let corners = match &container {
+        Container::Domain(domain) => {
+            let (lo, hi) = domain.bounding_box();
+            Corners { lo, hi }
+        }
+        Container::Box(corners) => *corners,
+        Container::Default => Corners { lo: [0.0; 3], hi: [1.0; 3] },
+    };
+    let domain = container.domain().filter(|_| args.inside);
+    let mut sampler = Sampler::new(corners, domain, args.seed);
+    let positions = sampler.sample(args.distribution, args.count)?;
+    if positions.is_empty() {
+        return Err(Error::input("none of the sites is inside the domain: ask for more of them"));
+    }
+    if positions.len() != args.count as usize {
+        note(&format!("{} sites, as near to {} as this distribution comes", positions.len(), args.count));
+    }
+    io::write_sites(&args.output, &positions, &[])?;
+    Ok(Outcome::Done)
+}
+
+/// Where sites are wanted, and the random numbers to put them there.
+pub(crate) struct Sampler<'a> {
+    corners: Corners,
+    extent: [f64; 3],
+    /// Where the sites must be inside the domain.
+    inside: Option<(&'a Domain, InsideTest<'a>)>,
+    random: ChaCha8Rng,
+}
+
+impl<'a> Sampler<'a> {
+    /// Sites in a box, and inside `domain` where there is one.
+    pub(crate) fn new(corners: Corners, domain: Option<&'a Domain>, seed: u64) -> Self {
+        Self {
+            corners,
+            extent: std::array::from_fn(|k| corners.hi[k] - corners.lo[k]),
+            inside: domain.map(|d| (d, InsideTest::new(d))),
+            random: ChaCha8Rng::seed_from_u64(seed),
+        }
+    }
+
+    fn sample(&mut self, distribution: Distribution, count: u32) -> Result<Vec<[f64; 3]>> {
+        match distribution {
+            Distribution::White => self.white(count),
+            Distribution::Blue => {
+                let (positions, done) = self.blue(count, BLUE_SPREAD, MOST_STEPS)?;
+                note(&format!("{} Lloyd steps; the volumes vary by {:.1} %", done.steps, 100.0 * done.spread));
+                Ok(positions)
+            }
+            Distribution::Lattice => Ok(self.lattice(count, 0.0)),
+            Distribution::Perturbed => Ok(self.lattice(count, 0.5)),
+            Distribution::Mirrored => self.mirrored(count),
+        }
+    }
+
+    /// Independent and uniform.
+    pub(crate) fn white(&mut self, count: u32) -> Result<Vec<[f64; 3]>> {
+        if f64::from(count) / self.share_inside() > MOST_TRIES {
+            return Err(Error::input("the domain fills too little of its box to find sites inside it at random"));
+        }
+        let mut positions = Vec::new();
+        while positions.len() < count as usize {
+            let p = std::array::from_fn(|k| self.corners.lo[k] + self.unit() * self.extent[k]);
+            if self.accepts(p) {
+                positions.push(p);
+            }
+        }
+        Ok(positions)
+    }
+
+    /// White, relaxed by Lloyd's algorithm until the volumes vary by less than `spread`.
+    pub(crate) fn blue(&mut self, count: u32, spread: f64, most_steps: usize) -> Result<(Vec<[f64; 3]>, Relaxation)> {
+        let white = self.white(count)?;
+        let diagram = PowerDiagram::new(&white, &[])?;
+        let mut diagram = match &self.inside {
+            Some((domain, _)) => diagram.restricted_to(domain),
+            None => diagram.in_box(self.corners.lo, self.corners.hi)?,
+        };
+        let done = relax(open_default()?.as_ref(), &mut diagram, spread, most_steps, |p| self.accepts(p))?;
+        Ok((diagram.positions().to_vec(), done))
+    }
+
+    /// The centres of a grid's voxels, x fastest, each moved at random by up to half of `jitter` voxels along each axis.
+    fn lattice(&mut self, count: u32, jitter: f64) -> Vec<[f64; 3]> {
+        let dims = voxels(self.extent, f64::from(count) / self.share_inside());
+        let mut positions = Vec::new();
+        for (k, j, i) in grid(dims) {
+            let p = std::array::from_fn(|axis| {
+                let offset = if jitter == 0.0 { 0.5 } else { 0.5 + jitter * (self.unit() - 0.5) };
+                let at = (f64::from([i, j, k][axis]) + offset) / f64::from(dims[axis]);
+                self.corners.lo[axis] + at * self.extent[axis]
+            });
+            if self.accepts(p) {
+                positions.push(p);
+            }
+        }
+        positions
+    }
+
+    /// A blue tile, mirrored in planes. All coordinates are multiples of one power of two, so that the mirror images are exact
+    /// and the cells do meet in degenerate vertices.
+    fn mirrored(&mut self, count: u32) -> Result<Vec<[f64; 3]>> {
+        let tiles = f64::from(TILES).powi(3);
+        let in_tile = (f64::from(count) / self.share_inside() / tiles).round().max(1.0) as u32;
+        let quantum = quantum(self.corners);
+        let origin = self.corners.lo.map(|x| (x / quantum).ceil());
+        let width: [f64; 3] =
+            std::array::from_fn(|k| ((self.corners.hi[k] / quantum - origin[k]) / f64::from(TILES)).floor());
+        if width.iter().any(|&w| w < 2.0) {
+            return Err(Error::input("the box is too flat to mirror a tile in: sites could not be told apart"));
+        }
+        let tile = Corners { lo: [0.0; 3], hi: width.map(|w| w * quantum) };
+        let seed = self.random.next_u64();
+        let (blue, _) = Sampler::new(tile, None, seed).blue(in_tile, BLUE_SPREAD, MOST_STEPS)?;
+        let mut positions = Vec::new();
+        for (c, b, a) in grid([TILES; 3]) {
+            for site in &blue {
+                let p = std::array::from_fn(|k| {
+                    let (tile, u) = ([a, b, c][k], (site[k] / quantum).round().clamp(1.0, width[k] - 1.0));
+                    let (n, w) = (f64::from(tile), width[k]);
+                    let at = if tile % 2 == 0 { n * w + u } else { (n + 1.0) * w - u };
+                    (origin[k] + at) * quantum
+                });
+                if self.accepts(p) {
+                    positions.push(p);
+                }
+            }
+        }
+        Ok(positions)
+    }
+
+    fn accepts(&self, p: [f64; 3]) -> bool {
+        self.inside.as_ref().is_none_or(|(_, test)| test.contains(p))
+    }
+
+    /// The share of the box where sites are wanted, below by a rounding what a thin domain leaves of 0.
+    fn share_inside(&self) -> f64 {
+        let share = self.inside.as_ref().map_or(1.0, |(domain, _)| {
+            let [x, y, z] = self.extent;
+            domain.volume() / x / y / z
+        });
+        share.clamp(f64::MIN_POSITIVE, 1.0)
+    }
+
+    /// Uniform in [0, 1): 53 random bits.
+    fn unit(&mut self) -> f64 {
+        const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
+        (self.random.next_u64() >> 11) as f64 * ULP
+    }
+}
+
+/// All voxels of a grid as (k, j, i), the last index fastest.
+fn grid(dims: [u32; 3]) -> impl Iterator<Item = (u32, u32, u32)> {
+    (0..dims[2]).flat_map(move |k| (0..dims[1]).flat_map(move |j| (0..dims[0]).map(move |i| (k, j, i))))
+}
+
+/// Numbers of voxels along the axes of a box: nearly cubic ones, nearly `count` in all, at least one along each axis.
+fn voxels(extent: [f64; 3], count: f64) -> [u32; 3] {
+    let mut flat = [false; 3];
+    loop {
+        // Axes thinner than a voxel have one; the others share what is left.
+        let free: Vec<f64> = (0..3).filter(|&k| !flat[k]).map(|k| extent[k]).collect();
+        let root = 1.0 / free.len() as f64;
+        let width = free.iter().map(|e| e.powf(root)).product::<f64>() / count.powf(root);
+        match (0..3).find(|&k| !flat[k] && extent[k] < 0.5 * width && free.len() > 1) {
+            Some(k) => flat[k] = true,
+            None => {
+                return std::array::from_fn(|k| if flat[k] { 1 } else { (extent[k] / width).round().max(1.0) as u32 });
+            }
+        }
+    }
+}
+
+/// A power of two that divides a box finely enough for any sites (2⁻²⁴ of its extent), coarsely enough that every multiple of
+/// it in the box is exact (2⁻⁵⁰ of its coordinates).
+fn quantum(corners: Corners) -> f64 {
+    let power_above = |x: f64| x.log2().ceil().exp2();
+    let largest = |of: fn(&Corners, usize) -> f64| (0..3).map(|k| of(&corners, k)).fold(f64::MIN_POSITIVE, f64::max);
+    let extent = power_above(largest(|c, k| c.hi[k] - c.lo[k]));
+    let coordinate = power_above(largest(|c, k| c.lo[k].abs().max(c.hi[k].abs())));
+    (extent * 24_f64.exp2().recip()).max(coordinate * 50_f64.exp2().recip())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOX: Corners = Corners { lo: [-1.0, 10.0, 0.1], hi: [1.0, 11.0, 0.7] };
+
+    #[test]
+    fn a_seed_gives_the_same_sites_for_ever() {
+        let white = |seed| Sampler::new(BOX, None, seed).white(1000).unwrap();
+        assert_eq!(white(7), white(7));
+        assert_ne!(white(7), white(8));
+        assert!(white(7).iter().all(|p| (0..3).all(|k| BOX.lo[k] <= p[k] && p[k] <= BOX.hi[k])));
+        let mut unit = Sampler::new(Corners { lo: [0.0; 3], hi: [1.0; 3] }, None, 1);
+        // The first numbers of ChaCha8 for this seed: files made once must be made again.
+        let first = unit.white(1).unwrap()[0];
+        assert_eq!(first, FIRST);
+    }
+
+    const FIRST: [f64; 3] = [0.40248566366484806, 0.08038370892978197, 0.5965601809348549];
+
+    #[test]
+    fn lattices_are_cubic_in_a_cube_and_as_near_as_they_come() {
+        assert_eq!(voxels([1.0; 3], 64_000.0), [40; 3]);
+        assert_eq!(voxels([1.0; 3], 100.0), [5; 3]);
+        assert_eq!(voxels([4.0, 2.0, 1.0], 8000.0), [40, 20, 10]);
+        assert_eq!(voxels([1.0, 1.0, 1e-9], 100.0), [10, 10, 1]);
+        assert_eq!(voxels([1e-9, 1.0, 1e-9], 7.0), [1, 7, 1]);
+        assert_eq!(voxels([1e100, 1e100, 1e100], 8.0), [2; 3]);
+        let sites = Sampler::new(Corners { lo: [0.0; 3], hi: [1.0; 3] }, None, 1).lattice(8, 0.0);
+        assert_eq!(sites[..2], [[0.25, 0.25, 0.25], [0.75, 0.25, 0.25]]);
+        let jittered = Sampler::new(BOX, None, 1).lattice(1000, 0.5);
+        let plain = Sampler::new(BOX, None, 1).lattice(1000, 0.0);
+        assert_eq!(jittered.len(), plain.len());
+        assert!(jittered.iter().zip(&plain).all(|(a, b)| a != b && (0..3).all(|k| (a[k] - b[k]).abs() < 0.05)));
+    }
+
+    #[test]
+    fn mirror_images_are_exact() {
+        for corners in [BOX, Corners { lo: [1e6; 3], hi: [1e6 + 1.0; 3] }] {
+            let sites = Sampler::new(corners, None, 3).mirrored(125 * 4).unwrap();
+            assert_eq!(sites.len(), 500);
+            // Sites of the first two tiles along x stand symmetrically to the plane between them.
+            let planes: Vec<f64> = (0..4).map(|i| sites[i][0] + sites[i + 4][0]).collect();
+            assert!(planes.iter().all(|&x| x == planes[0]), "{planes:?}");
+            assert!((0..4).all(|i| sites[i][1..] == sites[i + 4][1..]));
+            assert!(sites.iter().all(|p| (0..3).all(|k| corners.lo[k] < p[k] && p[k] < corners.hi[k])));
+        }
+    }
+
+    #[test]
+    fn inside_means_inside_and_as_many_as_asked_for() {
+        let domain = Domain::from_obj(include_bytes!("../../fixtures/meshes/bunny.obj")).unwrap();
+        let (lo, hi) = domain.bounding_box();
+        let mut sampler = Sampler::new(Corners { lo, hi }, Some(&domain), 1);
+        let white = sampler.white(500).unwrap();
+        assert_eq!(white.len(), 500);
+        assert!(white.iter().all(|&p| sampler.accepts(p)));
+        let lattice = sampler.lattice(1000, 0.0);
+        assert!((900..1100).contains(&lattice.len()), "{}", lattice.len());
+    }
+}

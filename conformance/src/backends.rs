@@ -1,0 +1,33 @@
+//! The backends that were built, and those that must be there.
+
+use laguerre_core::{Backend, Result};
+
+use crate::Verdict;
+
+/// Something a backend must fulfil.
+pub type Check = fn(&dyn Backend) -> Verdict;
+
+/// Every backend that was built, by name: opened, or the reason why it could not be.
+pub fn built() -> Vec<(&'static str, Result<Box<dyn Backend>>)> {
+    NAMES.iter().filter_map(|&name| Some((name, open(name, None)?))).collect()
+}
+
+/// The backend of the given name with the given number of host threads (its own choice where `None`); `None` where it was
+/// not built.
+pub fn open(name: &str, threads: Option<usize>) -> Option<Result<Box<dyn Backend>>> {
+    let _ = threads;
+    match name {
+        #[cfg(feature = "cpu")]
+        "cpu" => Some(laguerre::open(laguerre::Selection::Cpu { threads })),
+        _ => None,
+    }
+}
+
+/// The backends that `LAGUERRE_REQUIRE` names, separated by commas.
+pub fn required() -> Vec<String> {
+    let list = std::env::var("LAGUERRE_REQUIRE").unwrap_or_default();
+    list.split(',').map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned).collect()
+}
+
+/// The names that this suite knows.
+const NAMES: [&str; 1] = ["cpu"];

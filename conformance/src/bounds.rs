@@ -1,0 +1,179 @@
+//! How much rounding each law allows, and why.
+//!
+//! All bounds are a relative part, the project's promise, plus the rounding of one cell, which matters where cells are few
+//! or stand far from their sites. That rounding is `e = ROUNDINGS·u·D`, `D` the reach of the cell: the distance from its
+//! site, the origin of its frame, to the farthest corner of the container. All coordinates in the frame are below
+//! `D`, so planes and vertices are off by a few `u·D`; a volume by that times an area below `D²`; an area by that times a
+//! length below `D`, times the condition number of the facet's vertices.
+
+use glam::DVec3;
+use laguerre_core::Output;
+
+use crate::Scene;
+use crate::scene::{Facet, rows};
+
+/// u: the relative error of one rounding, 2⁻⁵³.
+pub const U: f64 = f64::EPSILON / 2.0;
+
+/// Sums over all cells, relative to the container's volume (moments: times its diagonal; second moments: times its square).
+/// What f64 can give when the volume itself, a sum, is rounded.
+pub const SUM: f64 = 1e-14;
+
+/// A cell, relative to the mean volume of a cell (moments: times the mean cell's size).
+pub const CELL: f64 = 1e-12;
+
+/// A facet, relative to the mean area of a facet.
+pub const FACET: f64 = 1e-12;
+
+/// Closure: of one cell, relative to its own area or volume; of all, relative to the area of the surface.
+pub const CLOSURE: f64 = 1e-12;
+
+/// Roundings, in units of u·D, that move a plane or a vertex. A bisector's offset takes 5 (three squares, two sums), a
+/// difference of positions 1 per coordinate, a well conditioned vertex (three cross products, their sum, a quotient) about 10.
+pub const ROUNDINGS: f64 = 16.0;
+
+/// The same for the surface as a whole, where those of many planes average, but for the few planes of few cells.
+pub const FEW: f64 = 8.0;
+
+/// A cell thinner than so many displacements of its planes may be called empty.
+pub const FLAT: f64 = 8.0;
+
+/// How planes of two evaluations that are compared differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Planes {
+    /// The same sites and weights: planes differ by their own rounding.
+    Same,
+    /// Sites or weights were rounded anew, to u·D and u·D²: the bisector of sites at distance `s` turns by u·D/s, and moves
+    /// by u·D²/s.
+    Rounded,
+}
+
+/// The bounds that belong to an evaluated scene. Facets must have been asked for.
+#[derive(Debug)]
+pub struct Bounds {
+    /// For each site its reach D.
+    reach: Vec<f64>,
+    /// For each site how far its planes and vertices may be off.
+    displacement: Vec<f64>,
+    /// For each cell how much its facets' vertices amplify that.
+    condition: Vec<f64>,
+    mean_volume: f64,
+    mean_area: f64,
+    facet_area: f64,
+}
+
+impl Bounds {
+    /// The bounds for comparing `output` with another evaluation of `scene`.
+    pub fn new(scene: &Scene, output: &Output, planes: Planes) -> Self {
+        let rows = rows(output);
+        let reach: Vec<f64> = (0..scene.len()).map(|i| reach(scene, i)).collect();
+        let displacement = (0..scene.len())
+            .map(|i| {
+                let closeness = match planes {
+                    Planes::Same => 1.0,
+                    Planes::Rounded => 1.0 + reach[i] / nearest(scene, i),
+                };
+                ROUNDINGS * U * reach[i] * closeness
+            })
+            .collect();
+        let areas: Vec<f64> = rows.iter().flatten().map(|f| f.area).collect();
+        let facet_area: f64 = areas.iter().sum();
+        Self {
+            condition: (0..scene.len()).map(|i| condition(scene, output, &rows, i, reach[i])).collect(),
+            reach,
+            displacement,
+            mean_volume: scene.room.volume() / scene.len() as f64,
+            mean_area: facet_area / areas.len().max(1) as f64,
+            facet_area,
+        }
+    }
+
+    /// Distance from site `i` to the farthest point of the container (length).
+    pub fn reach(&self, i: usize) -> f64 {
+        self.reach[i]
+    }
+
+    /// Bound of a volume (length³).
+    pub fn volume(&self, i: usize) -> f64 {
+        CELL * self.mean_volume + self.cell_rounding(i)
+    }
+
+    /// Bound of a first moment about the site's own cell (length⁴).
+    pub fn first_moment(&self, i: usize) -> f64 {
+        CELL * self.mean_volume * self.mean_volume.cbrt() + self.cell_rounding(i) * self.reach[i]
+    }
+
+    /// Bound of an area of cell `i`'s facets or boundary (length²); infinite for a cell without thickness.
+    pub fn area(&self, i: usize) -> f64 {
+        FACET * self.mean_area + self.facet_rounding(i)
+    }
+
+    /// What rounding alone does to a volume (length³).
+    pub fn cell_rounding(&self, i: usize) -> f64 {
+        self.displacement[i] * self.reach[i].powi(2)
+    }
+
+    /// What rounding alone does to an area (length²).
+    pub fn facet_rounding(&self, i: usize) -> f64 {
+        self.displacement[i] * self.reach[i] * self.condition[i]
+    }
+
+    /// How far a bisector of site `i` may be off (length).
+    pub fn displacement(&self, i: usize) -> f64 {
+        self.displacement[i]
+    }
+
+    /// Bound of the sum of all volumes (length³): the promise, and a rounding of the coordinates, as they are in the frame of
+    /// the farthest site. The surface is off by [`FEW`]·u·D, a facet by u·D as seen from each side.
+    pub fn volume_sum(&self, scene: &Scene) -> f64 {
+        let reach = self.reach.iter().copied().fold(0.0, f64::max);
+        SUM * scene.room.volume() + U * reach * (FEW * scene.room.area() + self.facet_area)
+    }
+
+    /// Bound of the sum of all boundaries' areas (length²): the promise, and the roundings of all cells.
+    pub fn area_sum(&self, scene: &Scene) -> f64 {
+        CLOSURE * scene.room.area() + (0..scene.len()).map(|i| self.facet_rounding(i)).sum::<f64>()
+    }
+}
+
+/// Distance from site `i` to the farthest point of the initial cell (length). A domain's grid encloses it by up to a
+/// voxel, at most half an extent, on every side.
+fn reach(scene: &Scene, i: usize) -> f64 {
+    let (lo, hi) = scene.room.bounding_box();
+    let margin = 0.5 * scene.room.extents().max_element();
+    let farthest = (DVec3::from(hi) - scene.site(i)).abs().max((DVec3::from(lo) - scene.site(i)).abs());
+    farthest.length() + margin
+}
+
+/// Distance from site `i` to the nearest other site at another position (length).
+fn nearest(scene: &Scene, i: usize) -> f64 {
+    let distances = scene.positions.iter().map(|&p| DVec3::from(p).distance(scene.site(i)));
+    distances.filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// How much the vertices of cell `i`'s facets amplify a displacement of planes: the inverse of the smallest sine of the angle
+/// between two planes that may meet. Two facets on one side; a facet and a triangle that it touches; and, in a cell of
+/// thickness t = V/A, its two sides, with sine about t/D.
+fn condition(scene: &Scene, output: &Output, rows: &[Vec<Facet>], i: usize, reach: f64) -> f64 {
+    let mesh = scene.room.mesh();
+    let boundary = output.boundary.as_ref().map_or(0.0, |b| b[i].area);
+    let surface: f64 = rows[i].iter().map(|f| f.area).sum::<f64>() + boundary;
+    let mut worst = if surface > 0.0 { surface * reach / output.volume[i] } else { 1.0 };
+    let normals: Vec<DVec3> = rows[i].iter().map(|f| (scene.site(f.neighbor) - scene.site(i)).normalize()).collect();
+    for (k, a) in normals.iter().enumerate() {
+        for b in normals[..k].iter().filter(|b| a.dot(**b) > 0.0) {
+            worst = worst.max(1.0 / a.cross(*b).length());
+        }
+    }
+    for (facet, normal) in rows[i].iter().zip(&normals) {
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|v| DVec3::from(mesh.vertices[v as usize]));
+            let heights = [a, b, c].map(|x| scene.power_difference(x, i, facet.neighbor) / (2.0 * facet.distance));
+            let rounding = ROUNDINGS * U * reach;
+            if heights.iter().any(|h| *h >= -rounding) && heights.iter().any(|h| *h <= rounding) {
+                worst = worst.max(1.0 / (b - a).cross(c - a).normalize().cross(*normal).length());
+            }
+        }
+    }
+    worst
+}

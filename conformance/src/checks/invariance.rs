@@ -1,0 +1,112 @@
+//! What must not matter does not matter.
+
+use glam::{DMat3, DVec3};
+use laguerre_core::{Backend, Output};
+
+use crate::bounds::Planes;
+use crate::compare::{identical, moved_back, same};
+use crate::weights::Weights;
+use crate::{Case, Scene, Verdict};
+
+/// A common shift of all weights changes nothing.
+pub fn shift_of_weights(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let mut shifted = scene.clone();
+    let shift = scene.room.extents().length_squared() * (case.random(2).unit() - 0.5);
+    shifted.weights = (0..scene.len()).map(|i| scene.weight(i) + shift).collect();
+    same(&scene, &scene.with_facets(backend)?, &shifted.with_facets(backend)?, Planes::Rounded)
+}
+
+/// The order of the sites changes nothing, but which of several equal sites at one position has the cell.
+pub fn permutation(backend: &dyn Backend, case: &Case) -> Verdict {
+    let mut scene = case.scene();
+    // Which of several equal sites at one position wins depends on the order, as it should: keep one of them.
+    let twins = scene.twins();
+    let keep: Vec<usize> = (0..scene.len()).filter(|&i| twins[i] == i).collect();
+    scene.positions = keep.iter().map(|&i| scene.positions[i]).collect();
+    if !scene.weights.is_empty() {
+        scene.weights = keep.iter().map(|&i| scene.weights[i]).collect();
+    }
+    let mut random = case.random(3);
+    let mut order: Vec<usize> = (0..scene.len()).collect();
+    (1..order.len()).for_each(|i| order.swap(i, random.below(i + 1)));
+    let mut permuted = scene.clone();
+    permuted.positions = order.iter().map(|&i| scene.positions[i]).collect();
+    if !scene.weights.is_empty() {
+        permuted.weights = order.iter().map(|&i| scene.weights[i]).collect();
+    }
+    let back = unpermuted(&permuted.with_facets(backend)?, &order);
+    same(&scene, &scene.with_facets(backend)?, &back, Planes::Same)
+}
+
+/// A rotation of everything rotates the answer.
+pub fn rotation(backend: &dyn Backend, case: &Case) -> Verdict {
+    moving(backend, &case.scene().meshed(), case.random(4).rotation(), 1.0, DVec3::ZERO)
+}
+
+/// A translation of everything translates the answer.
+pub fn translation(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let shift = scene.room.extents() * (4.0 * case.random(5).point() - 2.0);
+    moving(backend, &scene, DMat3::IDENTITY, 1.0, shift)
+}
+
+/// A scaling of everything by 3.7 scales the answer.
+pub fn scaling(backend: &dyn Backend, case: &Case) -> Verdict {
+    moving(backend, &case.scene(), DMat3::IDENTITY, 3.7, DVec3::ZERO)
+}
+
+/// A scaling by a power of two, which rounds nothing, changes no bit.
+pub fn scaling_by_a_power_of_two(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let scale = 2.0_f64.powi(case.random(6).below(61) as i32 - 30);
+    let scaled = scene.moved(DMat3::IDENTITY, scale, DVec3::ZERO).with_facets(backend)?;
+    let back = moved_back(&scaled, DMat3::IDENTITY, scale, DVec3::ZERO);
+    identical(&scene.with_facets(backend)?, &back).map_err(|reason| format!("scaled by {scale:e}: {reason}"))
+}
+
+/// With all weights equal the power diagram is the Voronoi diagram, to the last bit.
+pub fn equal_weights(backend: &dyn Backend, case: &Case) -> Verdict {
+    let voronoi = Case { weights: Weights::None, ..*case }.scene();
+    let mut equal = voronoi.clone();
+    // A power of two or not: the weights' differences are exact either way.
+    equal.weights = vec![case.random(7).unit() - 0.5; equal.len()];
+    identical(&voronoi.with_facets(backend)?, &equal.with_facets(backend)?)
+}
+
+fn moving(backend: &dyn Backend, scene: &Scene, turn: DMat3, scale: f64, shift: DVec3) -> Verdict {
+    let moved = scene.moved(turn, scale, shift).with_facets(backend)?;
+    let back = moved_back(&moved, turn, scale, shift);
+    same(scene, &scene.with_facets(backend)?, &back, Planes::Rounded)
+}
+
+/// The output for sites `order[0], order[1], …` in the order of the sites themselves.
+fn unpermuted(output: &Output, order: &[usize]) -> Output {
+    let mut back = output.clone();
+    let mut place = vec![0; order.len()];
+    for (k, &i) in order.iter().enumerate() {
+        place[i] = k;
+        back.status[i] = output.status[k];
+        back.volume[i] = output.volume[k];
+        back.barycenter[i] = output.barycenter[k];
+    }
+    if let (Some(to), Some(from)) = (&mut back.boundary, &output.boundary) {
+        order.iter().enumerate().for_each(|(k, &i)| to[i] = from[k]);
+    }
+    if let (Some(to), Some(from)) = (&mut back.facets, &output.facets) {
+        let mut taken = Vec::new();
+        to.offsets = vec![0];
+        for &k in &place {
+            let mut row: Vec<usize> = (from.offsets[k]..from.offsets[k + 1]).collect();
+            row.sort_by_key(|&f| order[from.neighbor[f].site as usize]);
+            taken.extend(row);
+            to.offsets.push(taken.len());
+        }
+        to.area = taken.iter().map(|&f| from.area[f]).collect();
+        to.barycenter = taken.iter().map(|&f| from.barycenter[f]).collect();
+        to.distance = taken.iter().map(|&f| from.distance[f]).collect();
+        to.neighbor = taken.iter().map(|&f| from.neighbor[f]).collect();
+        to.neighbor.iter_mut().for_each(|n| n.site = order[n.site as usize] as u32);
+    }
+    back
+}

@@ -1,0 +1,55 @@
+//! A few inputs with more sites than a generated case has.
+
+use laguerre_core::oracle::Naive;
+use laguerre_core::summation::Sum;
+use laguerre_core::{Backend, CellStatus, Request};
+
+use crate::bounds::{Planes, SUM};
+use crate::compare::{same, same_cells};
+use crate::domains::{Pose, Shape};
+use crate::sites::Sites;
+use crate::weights::Weights;
+use crate::{Case, Scene, Verdict};
+
+/// 2,000 sites with weights within 0.1 L², most of them hidden, in a box and in a mesh: the oracle's answer, cell by cell.
+pub fn hiding_weights(backend: &dyn Backend) -> Verdict {
+    for shape in [Shape::Box, Shape::Torus] {
+        let scene = white(2000, Weights::Hiding, shape);
+        let output = scene.with_facets(backend)?;
+        ensure!(output.count(CellStatus::Empty) > 1000, "{} cells are empty", output.count(CellStatus::Empty));
+        same(&scene, &scene.with_facets(&Naive::default())?, &output, Planes::Same)
+            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+    }
+    Ok(())
+}
+
+/// 20,000 sites of which one has w = 0.09 L²: the oracle's answer in every 67th cell, in its own, and in its neighbours'.
+pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
+    let scene = white(20_000, Weights::OneHeavy, Shape::Box);
+    let output = scene.with_facets(backend)?;
+    let heavy = (0..scene.len()).find(|&i| scene.weight(i) > 0.0).unwrap_or_default();
+    let facets = output.facets.clone().unwrap_or_default();
+    let mut cells: Vec<usize> = (0..scene.len()).step_by(67).chain([heavy]).collect();
+    let row = facets.offsets[heavy]..facets.offsets[heavy + 1];
+    cells.extend(facets.neighbor[row].iter().map(|n| n.site as usize).take(100));
+    let only: Vec<u32> = cells.iter().map(|&i| i as u32).collect();
+    // Facets are compared from the sides asked for; the reference for the bounds is the backend's own, whole output.
+    let naive = Naive::only(&only).evaluate(&scene.diagram()?, &Request::moments().with_facets());
+    same_cells(&scene, &output, &naive.map_err(|error| error.to_string())?, Planes::Same, &cells)
+}
+
+/// 20,000 sites in a knot: the sums, to 1e-14.
+pub fn many_sites_in_a_mesh(backend: &dyn Backend) -> Verdict {
+    let scene = white(20_000, Weights::Mild, Shape::Trefoil);
+    let output = scene.evaluate(backend, &Request::moments())?;
+    let mut sum = Sum::default();
+    sum.extend(output.volume.iter().copied());
+    let (total, volume) = (sum.total(), scene.room.volume());
+    let off = (total - volume).abs() / volume;
+    ensure!(off <= SUM, "volumes sum to {total} of {volume}: off by {off:e}");
+    Ok(())
+}
+
+fn white(count: u32, weights: Weights, shape: Shape) -> Scene {
+    Case { seed: 3, count, sites: Sites::White, weights, shape, pose: Pose::Plain }.scene()
+}

@@ -1,0 +1,74 @@
+//! Who has a cell and who has not.
+
+use laguerre_core::{Backend, CellStatus};
+
+use crate::bounds::{Bounds, Planes};
+use crate::{Case, Verdict, compare};
+
+/// Of the sites at one position only the one of largest weight may have a cell, of several such the first; and the others
+/// change nothing for anyone else.
+pub fn duplicates(backend: &dyn Backend, case: &Case) -> Verdict {
+    let mut scene = case.scene();
+    let count = scene.len();
+    // Every third site once more, a few with another weight.
+    let mut random = case.random(8);
+    for i in (0..count).step_by(3) {
+        scene.positions.push(scene.positions[i]);
+        if !scene.weights.is_empty() {
+            let weight = scene.weights[i];
+            scene.weights.push(if random.below(2) == 0 { weight } else { weight * random.unit() });
+        }
+    }
+    let output = scene.with_facets(backend)?;
+    let twins = scene.twins();
+    let mut kept = Vec::new();
+    for i in 0..scene.len() {
+        let beaten = (0..scene.len()).find(|&j| {
+            let (v, w) = (scene.weight(i), scene.weight(j));
+            j != i && twins[j] == twins[i] && (w > v || (w == v && j < i))
+        });
+        match beaten {
+            Some(j) => ensure!(output.status[i] == CellStatus::Empty, "site {i} has a cell where site {j} stands"),
+            None => kept.push(i),
+        }
+    }
+    // The scene without them, its cells put back in their places.
+    let mut alone = scene.clone();
+    alone.positions = kept.iter().map(|&i| scene.positions[i]).collect();
+    if !scene.weights.is_empty() {
+        alone.weights = kept.iter().map(|&i| scene.weights[i]).collect();
+    }
+    let without = alone.with_facets(backend)?;
+    let bounds = Bounds::new(&alone, &without, Planes::Same);
+    for (k, &i) in kept.iter().enumerate() {
+        let (a, b, bound) = (without.volume[k], output.volume[i], bounds.volume(k));
+        ensure!((a - b).abs() <= bound, "site {i}: volume {b:e}, without duplicates {a:e}, bound {bound:e}");
+    }
+    Ok(())
+}
+
+/// One site alone has everything, wherever it stands and whatever it weighs.
+pub fn one_site_has_everything(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = Case { count: 1, ..*case }.scene();
+    let output = scene.with_facets(backend)?;
+    let bounds = Bounds::new(&scene, &output, Planes::Same);
+    ensure!(output.status == [CellStatus::Complete], "the only site is {:?}", output.status);
+    let (volume, all, bound) = (output.volume[0], scene.room.volume(), bounds.volume_sum(&scene));
+    ensure!((volume - all).abs() <= bound, "the only site has {volume} of {all}, bound {bound:e}");
+    let facets = output.facets.as_ref().map_or(0, |f| f.area.len());
+    ensure!(facets == 0, "the only site has {facets} neighbours");
+    // Twice the same site: the second adds nothing.
+    let mut twice = scene.clone();
+    twice.positions.push(scene.positions[0]);
+    twice.weights.extend(scene.weights.first().copied());
+    let mut both = twice.with_facets(backend)?;
+    ensure!(both.status[1] == CellStatus::Empty, "the second of two equal sites is {:?}", both.status[1]);
+    both.status.truncate(1);
+    both.volume.truncate(1);
+    both.barycenter.truncate(1);
+    if let (Some(facets), Some(boundary)) = (&mut both.facets, &mut both.boundary) {
+        facets.offsets.truncate(2);
+        boundary.truncate(1);
+    }
+    compare::identical(&output, &both)
+}

@@ -1,0 +1,108 @@
+//! The cells partition their container: their integrals sum to its.
+
+use glam::{DMat3, DVec3};
+use laguerre_core::summation::Sum;
+use laguerre_core::{Backend, Request};
+
+use crate::bounds::{Bounds, Planes, ROUNDINGS, U};
+use crate::compare::lies_in_surface;
+use crate::{Case, Scene, Verdict};
+
+/// Volumes are not negative and sum to the container's.
+pub fn volume(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let output = scene.with_facets(backend)?;
+    let bounds = Bounds::new(&scene, &output, Planes::Same);
+    let mut sum = Sum::default();
+    for (i, &v) in output.volume.iter().enumerate() {
+        ensure!(v >= 0.0, "site {i} has volume {v:e}");
+        sum.add(v);
+    }
+    let (total, volume, bound) = (sum.total(), scene.room.volume(), bounds.volume_sum(&scene));
+    let off = (total - volume).abs();
+    ensure!(off <= bound, "the volumes sum to {total}, not {volume}: off by {off:e}, bound {bound:e}");
+    Ok(())
+}
+
+/// Volumes times barycenters sum to the container's.
+pub fn first_moment(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let output = scene.with_facets(backend)?;
+    let middle = DVec3::from(scene.room.barycenter());
+    let mut sums = [Sum::default(); 3];
+    for (&v, &b) in output.volume.iter().zip(&output.barycenter).filter(|(v, _)| **v != 0.0) {
+        let moment = v * (DVec3::from(b) - middle);
+        (0..3).for_each(|k| sums[k].add(moment[k]));
+    }
+    let off = DVec3::from_array(sums.map(|s| s.total())).length();
+    let bound = moment_bound(&scene, &Bounds::new(&scene, &output, Planes::Same), middle, 1);
+    ensure!(off <= bound, "Σ v (b − B) is {off:e}, bound {bound:e}");
+    Ok(())
+}
+
+/// Second moments, moved to a common point, sum to the container's.
+pub fn second_moment(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let output = scene.evaluate(backend, &Request::moments().with_facets().with_second_moments())?;
+    let middle = DVec3::from(scene.room.barycenter());
+    let moments = output.second_moment.as_deref().unwrap_or_default();
+    let mut sums = [Sum::default(); 6];
+    for (i, moment) in moments.iter().enumerate().filter(|(i, _)| output.volume[*i] != 0.0) {
+        let arm = DVec3::from(output.barycenter[i]) - middle;
+        for (k, [r, c]) in ENTRIES.into_iter().enumerate() {
+            sums[k].add(moment[k]);
+            sums[k].add(output.volume[i] * arm[r] * arm[c]);
+        }
+        // A moment about one's own barycenter: the variance along every axis is that of a measure.
+        let rounding = moment_bound(&scene, &Bounds::new(&scene, &output, Planes::Same), middle, 2);
+        ensure!(moment[..3].iter().all(|m| *m >= -rounding), "site {i}: second moment {moment:?}");
+    }
+    let expected = second_moment_of(&scene, middle);
+    let off = (0..6).map(|k| (sums[k].total() - expected[k]).abs()).fold(0.0, f64::max);
+    let bound = moment_bound(&scene, &Bounds::new(&scene, &output, Planes::Same), middle, 2);
+    ensure!(off <= bound, "second moments sum to {:?}, not {expected:?}: bound {bound:e}", sums.map(|s| s.total()));
+    Ok(())
+}
+
+/// The cells' pieces of the boundary have together the area of the surface.
+pub fn boundary_area(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let output = scene.with_facets(backend)?;
+    let bounds = Bounds::new(&scene, &output, Planes::Same);
+    let in_surface = |i: usize, j: usize| lies_in_surface(&scene, i, j, &bounds);
+    // Counted as facets of some cells or as boundary of others: the law does not say.
+    if (0..scene.len()).any(|i| (0..i).any(|j| in_surface(i, j))) {
+        return Ok(());
+    }
+    let mut sum = Sum::default();
+    sum.extend(output.boundary.iter().flatten().map(|b| b.area));
+    let (total, area, bound) = (sum.total(), scene.room.area(), bounds.area_sum(&scene));
+    let off = (total - area).abs();
+    ensure!(off <= bound, "the boundaries' areas sum to {total}, not {area}: off by {off:e}, bound {bound:e}");
+    Ok(())
+}
+
+/// Rows and columns of the entries of a second moment, as the output orders them.
+const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
+
+/// Bound of a sum of moments of the given order about `middle` (length³⁺ᵒʳᵈᵉʳ): that of volumes times the diagonal to the
+/// order. Barycenters are coordinates besides: rounded to u times their distance from the origin.
+fn moment_bound(scene: &Scene, bounds: &Bounds, middle: DVec3, order: i32) -> f64 {
+    let arm = scene.room.extents().length();
+    let coordinates = ROUNDINGS * U * middle.length() * scene.room.volume() * arm.powi(order - 1);
+    bounds.volume_sum(scene) * arm.powi(order) + coordinates
+}
+
+/// ∫ (x − m)(x − m)ᵀ dx of a room, by its surface's tetrahedra with apex m.
+fn second_moment_of(scene: &Scene, m: DVec3) -> [f64; 6] {
+    let mesh = scene.room.mesh();
+    let mut sums = [Sum::default(); 6];
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|v| DVec3::from(mesh.vertices[v as usize]) - m);
+        let (volume, sum) = (DMat3::from_cols(a, b, c).determinant() / 6.0, a + b + c);
+        for (k, [r, s]) in ENTRIES.into_iter().enumerate() {
+            sums[k].add(volume / 20.0 * (a[r] * a[s] + b[r] * b[s] + c[r] * c[s] + sum[r] * sum[s]));
+        }
+    }
+    sums.map(|s| s.total())
+}

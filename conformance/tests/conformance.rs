@@ -1,0 +1,48 @@
+//! Runs every check for every backend that was built, as `backend::area::check`.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use laguerre_conformance::{CHECKS, backends, regressions};
+use laguerre_core::Backend;
+use libtest_mimic::{Arguments, Failed, Trial};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let mut trials = Vec::new();
+    let mut present = Vec::new();
+    for (name, opened) in backends::built() {
+        match opened {
+            Ok(backend) => {
+                present.push(name);
+                trials.extend(trials_of(name, &Arc::from(backend)));
+            }
+            // It was built, so someone counts on it.
+            Err(error) => trials.push(Trial::test(format!("{name}::opens"), move || Err(error.to_string().into()))),
+        }
+    }
+    // Not as trials: a filter on the command line must not hide what is missing.
+    let mut missing = backends::required();
+    missing.retain(|name| !present.contains(&name.as_str()));
+    if !missing.is_empty() {
+        eprintln!("LAGUERRE_REQUIRE names {}, not there: build with these features", missing.join(", "));
+        return ExitCode::FAILURE;
+    }
+    if trials.is_empty() {
+        eprintln!("no backend was built, so nothing can be checked: build with the feature `cpu`");
+        return ExitCode::FAILURE;
+    }
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn trials_of(name: &str, backend: &Arc<dyn Backend>) -> Vec<Trial> {
+    let check = |check: &str, run: Box<dyn FnOnce(&dyn Backend) -> Result<(), String> + Send>| {
+        let backend = Arc::clone(backend);
+        Trial::test(format!("{name}::{check}"), move || run(&*backend).map_err(Failed::from))
+    };
+    let mut trials: Vec<Trial> = CHECKS.iter().map(|&(of, run)| check(of, Box::new(run))).collect();
+    for &(of, law, case) in regressions::CASES {
+        trials.push(check(&format!("regressions::{of}"), Box::new(move |backend| law(backend, &case))));
+    }
+    trials
+}

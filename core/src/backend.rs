@@ -1,0 +1,46 @@
+//! The trait behind which the CPU and GPUs stand.
+
+use crate::{Output, PowerDiagram, Request, Result};
+
+/// Who computes, for reports.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BackendInfo {
+    /// `cpu`, `ocl`.
+    pub backend: &'static str,
+    /// The device in its own words.
+    pub device: String,
+    /// `f64` or `f32`.
+    pub precision: &'static str,
+    /// Host threads at work.
+    pub threads: usize,
+}
+
+/// Something that can compute a restricted power diagram.
+///
+/// # Contract
+///
+/// *What the caller has already checked.* A [`PowerDiagram`] and its domain exist only validated: sites are finite, the
+/// domain closed and oriented. The implementation takes the sites from
+/// [`PowerDiagram::prepare`](crate::diagram::PowerDiagram::prepare), which sorts them, sets coincident ones aside and
+/// moves everything into the internal frame.
+///
+/// *What the implementation owes.* Every cell of the output is `Complete` or `Empty`, each by proof; `Uncertified` occurs only
+/// where the request's `epsilon` ended the search. Per-cell trouble (a capacity that was too small, a sign that floating
+/// point could not decide) is its own to settle and never leaves it. The geometry is [`crate::cell`]; a backend writes
+/// storage, scheduling and transfer, and never restates it. The output does not depend on the number of threads,
+/// nor on what was evaluated before.
+///
+/// *Which errors can reach the caller.* `Input`, only from `prepare` (sites out of range of the domain); `Device` for device,
+/// driver and memory. Never a partial result passed as whole.
+///
+/// *Reuse.* Evaluating again with the same backend reuses its buffers; with the same domain, its grid.
+pub trait Backend: Send + Sync {
+    /// Who computes.
+    fn info(&self) -> BackendInfo;
+
+    /// Computes what `request` asks for, for every site of `diagram`.
+    ///
+    /// # Errors
+    /// See the contract above.
+    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output>;
+}

@@ -1,0 +1,277 @@
+//! Clipping a cell by a half-space (design: paper §2.2, with the boundary of the hole found without a walk).
+
+use super::plane::Plane;
+use super::status::{
+    COMPLETE, CUT, EMPTY, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, P_FULL, SEEN_CONFLICT, SEEN_UNCERTAIN,
+    SIGN_UNKNOWN, TAG_BOX, UNCERTAIN, UNTOUCHED, V_FULL,
+};
+use super::store::CellStore;
+use super::vector::{Real, V3, v3};
+use super::vertex::{Triplet, place_vertex};
+use super::wide::sign_of_conflict;
+
+/// Starts the cell as the box with minimum corner `lo` and maximum corner `hi`, in the frame of the site.
+///
+/// Planes 0 to 5 keep x ≥ lo.x, x ≤ hi.x, y ≥ lo.y, y ≤ hi.y, z ≥ lo.z, z ≤ hi.z.
+pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
+    if (s.cap_p() < 6) || (s.cap_v() < 8) {
+        return P_FULL;
+    }
+    set_box_plane(s, 0, v3(1.0, 0.0, 0.0), -lo.x);
+    set_box_plane(s, 1, v3(-1.0, 0.0, 0.0), hi.x);
+    set_box_plane(s, 2, v3(0.0, 1.0, 0.0), -lo.y);
+    set_box_plane(s, 3, v3(0.0, -1.0, 0.0), hi.y);
+    set_box_plane(s, 4, v3(0.0, 0.0, 1.0), -lo.z);
+    set_box_plane(s, 5, v3(0.0, 0.0, -1.0), hi.z);
+    s.set_planes(6);
+    s.set_vertices(8);
+    let mut v: u32 = 0;
+    while v < 8 {
+        let on_x: u32 = v & 1;
+        let on_y: u32 = (v >> 1) & 1;
+        let on_z: u32 = (v >> 2) & 1;
+        // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
+        if ((on_x + on_y) + on_z) & 1 == 0 {
+            s.set_triplet(v, Triplet { a: on_x, b: 2 + on_y, c: 4 + on_z });
+        } else {
+            s.set_triplet(v, Triplet { a: on_x, b: 4 + on_z, c: 2 + on_y });
+        }
+        let placed: u32 = place_vertex(s, v);
+        if placed != COMPLETE {
+            return placed;
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {
+    s.set_plane(f, Plane { n: n, d: d });
+    s.set_tag(f, TAG_BOX);
+    s.set_link(f, 0);
+}
+
+/// Clips the cell by `plane`, keeping the side where `n·x + d ≥ 0`; `tag` says whose plane it is. Returns `CUT`, `UNTOUCHED`,
+/// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again.
+pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
+    if s.planes() == s.cap_p() {
+        compact_planes(s);
+        if s.planes() == s.cap_p() {
+            return P_FULL;
+        }
+    }
+    let k: u32 = s.planes();
+    s.set_plane(k, plane);
+
+    // 1. Mark the vertices in conflict; what floating point cannot decide is decided exactly, and zero is no conflict.
+    let seen: u32 = s.mark_conflicts(k);
+    if (seen & (SEEN_CONFLICT | SEEN_UNCERTAIN)) == 0 {
+        return UNTOUCHED;
+    }
+    if seen == SEEN_CONFLICT {
+        return EMPTY;
+    }
+    if (seen & SEEN_UNCERTAIN) != 0 {
+        if settle_marks(s, k) != COMPLETE {
+            return UNCERTAIN;
+        }
+    }
+
+    // 2. Link the planes around the hole. Marked vertex (a, b, c) contributes the directed edges a→b, b→c, c→a; an edge
+    //    cancels its reverse. Around plane a the marked vertices form one chain, so the exclusive or of their b and c
+    //    telescopes to next(a) ^ previous(a) on the boundary of the hole, and to 0 inside it.
+    let end: u32 = s.vertices();
+    let mut marked: u32 = 0;
+    let mut v: u32 = s.next_conflict(0, end);
+    while v < end {
+        let t: Triplet = s.triplet(v);
+        toggle_link(s, t.a, t.b ^ t.c);
+        toggle_link(s, t.b, t.c ^ t.a);
+        toggle_link(s, t.c, t.a ^ t.b);
+        marked += 1;
+        v = s.next_conflict(v + 1, end);
+    }
+    if marked == 0 {
+        return UNTOUCHED;
+    }
+    if marked == end {
+        return EMPTY;
+    }
+    s.set_tag(k, tag);
+    s.set_link(k, 0);
+    s.set_planes(k + 1);
+
+    // 3. One directed edge of that boundary, and from it once around: each edge a→b gives the new vertex (a, b, k), first
+    //    into the places of the marked vertices, then at the end.
+    let mut edge: Triplet = Triplet { a: 0, b: 0, c: 0 };
+    find_boundary_edge(s, end, &mut edge);
+    let first: u32 = edge.a;
+    let mut from: u32 = edge.a;
+    let mut to: u32 = edge.b;
+    let mut count: u32 = end;
+    let mut hole: u32 = s.next_conflict(0, end);
+    let mut status: u32;
+    let mut steps: u32 = 0;
+    loop {
+        // The boundary is one cycle through each plane at most once; more steps would mean inconsistent signs.
+        steps += 1;
+        if steps > k {
+            status = UNCERTAIN;
+            break;
+        }
+        let mut slot: u32 = hole;
+        if hole < end {
+            s.set_mark(hole, MARK_KEEP);
+            hole = s.next_conflict(hole + 1, end);
+        } else {
+            if count == s.cap_v() {
+                status = V_FULL;
+                break;
+            }
+            slot = count;
+            count += 1;
+        }
+        s.set_triplet(slot, Triplet { a: from, b: to, c: k });
+        status = place_vertex(s, slot);
+        if status != COMPLETE {
+            break;
+        }
+        let next: u32 = s.link(to) ^ from;
+        s.set_link(to, 0);
+        if to == first {
+            break;
+        }
+        from = to;
+        to = next;
+    }
+    if status != COMPLETE {
+        clear_links(s);
+        return status;
+    }
+
+    // 4. Fill the places left over from the end.
+    while (hole < end) && (hole < count) {
+        count -= 1;
+        if hole == count {
+            break;
+        }
+        if s.mark(count) == MARK_CONFLICT {
+            continue;
+        }
+        s.set_triplet(hole, s.triplet(count));
+        s.set_position(hole, s.position(count), s.radius(count));
+        s.set_mark(hole, MARK_KEEP);
+        hole = s.next_conflict(hole + 1, count);
+    }
+    s.set_vertices(count);
+    return CUT;
+}
+
+/// Decides every uncertain mark against plane `k` by the exact sign.
+fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
+    let mut v: u32 = 0;
+    while v < s.vertices() {
+        if s.mark(v) == MARK_UNCERTAIN {
+            let sign: i32 = sign_of_conflict(s, v, k);
+            if sign == SIGN_UNKNOWN {
+                return UNCERTAIN;
+            }
+            let mut mark: u32 = MARK_KEEP;
+            if sign < 0 {
+                mark = MARK_CONFLICT;
+            }
+            s.set_mark(v, mark);
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+#[inline(always)]
+fn toggle_link<S: CellStore>(s: &mut S, f: u32, change: u32) {
+    let link: u32 = s.link(f) ^ change;
+    s.set_link(f, link);
+}
+
+fn clear_links<S: CellStore>(s: &mut S) {
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        s.set_link(f, 0);
+        f += 1;
+    }
+}
+
+/// Finds a directed edge a→b of a marked vertex whose reverse belongs to no marked vertex.
+fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut Triplet) {
+    let mut v: u32 = s.next_conflict(0, end);
+    while v < end {
+        let t: Triplet = s.triplet(v);
+        if is_boundary_edge(s, end, t.a, t.b) != 0 {
+            edge.a = t.a;
+            edge.b = t.b;
+            return;
+        }
+        if is_boundary_edge(s, end, t.b, t.c) != 0 {
+            edge.a = t.b;
+            edge.b = t.c;
+            return;
+        }
+        if is_boundary_edge(s, end, t.c, t.a) != 0 {
+            edge.a = t.c;
+            edge.b = t.a;
+            return;
+        }
+        v = s.next_conflict(v + 1, end);
+    }
+}
+
+/// Whether the edge a→b of a marked vertex lies on the boundary of the hole: both planes do, and no marked vertex has b→a.
+#[inline(always)]
+fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32) -> u32 {
+    if (s.link(a) == 0) || (s.link(b) == 0) {
+        return 0;
+    }
+    let mut v: u32 = s.next_conflict(0, end);
+    while v < end {
+        let t: Triplet = s.triplet(v);
+        if ((t.a == b) && (t.b == a)) || ((t.b == b) && (t.c == a)) || ((t.c == b) && (t.a == a)) {
+            return 0;
+        }
+        v = s.next_conflict(v + 1, end);
+    }
+    return 1;
+}
+
+/// Drops the planes that no vertex lies on and renumbers the others in order.
+pub fn compact_planes<S: CellStore>(s: &mut S) {
+    let mut v: u32 = 0;
+    while v < s.vertices() {
+        let t: Triplet = s.triplet(v);
+        s.set_link(t.a, 1);
+        s.set_link(t.b, 1);
+        s.set_link(t.c, 1);
+        v += 1;
+    }
+    // The link of a kept plane becomes its new number plus one.
+    let mut kept: u32 = 0;
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        if s.link(f) != 0 {
+            if kept != f {
+                s.set_plane(kept, s.plane(f));
+                s.set_tag(kept, s.tag(f));
+            }
+            kept += 1;
+            s.set_link(f, kept);
+        }
+        f += 1;
+    }
+    v = 0;
+    while v < s.vertices() {
+        let t: Triplet = s.triplet(v);
+        s.set_triplet(v, Triplet { a: s.link(t.a) - 1, b: s.link(t.b) - 1, c: s.link(t.c) - 1 });
+        v += 1;
+    }
+    clear_links(s);
+    s.set_planes(kept);
+}

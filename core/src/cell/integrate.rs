@@ -1,0 +1,270 @@
+//! Integrals over a convex cell by six signed tetrahedra per vertex (paper §3), and over its facets.
+
+use super::plane::Plane;
+use super::status::{COMPLETE, UNCERTAIN};
+use super::store::CellStore;
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, norm_1, scale, sub, v3};
+use super::vertex::Triplet;
+
+/// Flags of [`integrate`](super::integrate_cell): volume and first moment alone.
+pub const VOLUME_ONLY: u32 = 0;
+/// Also every half-space's facet.
+pub const FACETS: u32 = 1;
+/// Also second moments.
+pub const SECOND_MOMENTS: u32 = 2;
+
+/// Sums over one facet.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FacetSum {
+    /// Area.
+    pub area: Real,
+    /// ∫ x dA, in the frame of the site.
+    pub moment: V3,
+    /// Sum of the magnitudes of the areas that were added, and of those that a unit of relative error in the planes' offsets moves:
+    /// what the area's rounding is measured by.
+    pub size: Real,
+}
+
+/// Sums over one restricted cell, in the frame of its site.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CellSums {
+    /// Volume.
+    pub volume: Real,
+    /// ∫ x dx.
+    pub first: V3,
+    /// ∫ x², y², z² dx.
+    pub second_diagonal: V3,
+    /// ∫ xy, xz, yz dx.
+    pub second_mixed: V3,
+    /// Sum of the magnitudes of the volumes that were added, and of those that a unit of relative error in the planes' offsets
+    /// moves: what the volume's rounding is measured by.
+    pub size: Real,
+    /// Area of the boundary within the cell.
+    pub boundary_area: Real,
+    /// ∫ x dA over the boundary.
+    pub boundary_moment: V3,
+    /// ∫ n dA over the boundary, `n` outward.
+    pub boundary_vector: V3,
+    /// ∫ n·x dA over the boundary.
+    pub boundary_flux: Real,
+}
+
+/// Roundings that one signed volume or area has gone through, at most: about ten each for the feet H and I and the
+/// vertex, eight for the determinant, the rest for the sum of up to some hundred terms of mixed sign.
+const ROUNDINGS: Real = 64.0;
+
+/// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
+pub fn volume_is_above_bound(sums: CellSums) -> u32 {
+    if sums.volume.abs() > ((ROUNDINGS * UNIT_ROUNDOFF) * sums.size) {
+        return 1;
+    }
+    return 0;
+}
+
+/// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
+pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
+    if sum.area.abs() > ((ROUNDINGS * UNIT_ROUNDOFF) * sum.size) {
+        return 1;
+    }
+    return 0;
+}
+
+/// Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly: the
+/// square of the vertices' bound.
+const NEARLY_PARALLEL: Real = 1e-20;
+
+/// One plane as the integrals see it: moved to the reference point, with its foot.
+#[derive(Clone, Copy)]
+struct Side {
+    index: u32,
+    n: V3,
+    d: Real,
+    square: Real,
+    /// H = −d n/|n|².
+    foot: V3,
+}
+
+/// Adds `weight` times the integrals of the present polytope to `sums`, and to the facets' sums.
+///
+/// `center` is the point that the tetrahedra share; any point will do, one in or near the polytope keeps the digits.
+/// For each vertex and each of its edges (f, g): `I` the foot of `center` on the edge's line, `H_f` on the plane;
+/// signed volumes `+det(H_g, I, v)/6` and `−det(H_f, I, v)/6`.
+pub(crate) fn integrate<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32, sums: &mut CellSums) -> u32 {
+    let mut part: CellSums = CellSums::default();
+    let mut v: u32 = 0;
+    while v < s.vertices() {
+        let t: Triplet = s.triplet(v);
+        let position: V3 = sub(s.position(v), center);
+        let a: Side = side(s, t.a, center);
+        let b: Side = side(s, t.b, center);
+        let c: Side = side(s, t.c, center);
+        if add_edge(s, a, b, position, weight, center, flags, &mut part) != COMPLETE {
+            return UNCERTAIN;
+        }
+        if add_edge(s, b, c, position, weight, center, flags, &mut part) != COMPLETE {
+            return UNCERTAIN;
+        }
+        if add_edge(s, c, a, position, weight, center, flags, &mut part) != COMPLETE {
+            return UNCERTAIN;
+        }
+        v += 1;
+    }
+    // `part` holds sixfold volumes, and moments about `center` scaled alike: 24 of the first, 120 of the second.
+    let volume: Real = (weight / 6.0) * part.volume;
+    let first: V3 = scale(weight / 24.0, part.first);
+    let about: V3 = scale(volume, center);
+    sums.volume = sums.volume + volume;
+    sums.first = add(sums.first, add(first, about));
+    sums.size = sums.size + (part.size / 6.0);
+    if (flags & SECOND_MOMENTS) != 0 {
+        // ∫ (y + c)(y + c)ᵀ = ∫ yyᵀ + c mᵀ + m cᵀ + V ccᵀ, m = ∫ y.
+        let twice: V3 = add(add(first, first), about);
+        let diagonal: V3 = v3(center.x * twice.x, center.y * twice.y, center.z * twice.z);
+        let both: V3 = add(first, about);
+        let mixed: V3 = v3(
+            (center.x * both.y) + (first.x * center.y),
+            (center.x * both.z) + (first.x * center.z),
+            (center.y * both.z) + (first.y * center.z),
+        );
+        sums.second_diagonal = add(sums.second_diagonal, add(scale(weight / 120.0, part.second_diagonal), diagonal));
+        sums.second_mixed = add(sums.second_mixed, add(scale(weight / 120.0, part.second_mixed), mixed));
+    }
+    return COMPLETE;
+}
+
+/// Plane `f` as seen from `center`.
+#[inline(always)]
+fn side<S: CellStore>(s: &S, f: u32, center: V3) -> Side {
+    let plane: Plane = s.plane(f);
+    let square: Real = dot(plane.n, plane.n);
+    let d: Real = plane.d + dot(plane.n, center);
+    return Side { index: f, n: plane.n, d: d, square: square, foot: scale(-(d / square), plane.n) };
+}
+
+/// Adds the two tetrahedra of one vertex and its edge (f, g).
+#[inline(always)]
+fn add_edge<S: CellStore>(
+    s: &mut S,
+    f: Side,
+    g: Side,
+    position: V3,
+    weight: Real,
+    center: V3,
+    flags: u32,
+    part: &mut CellSums,
+) -> u32 {
+    let direction: V3 = cross(f.n, g.n);
+    let square: Real = dot(direction, direction);
+    let mut foot: V3 = v3(0.0, 0.0, 0.0);
+    if square > ((NEARLY_PARALLEL * f.square) * g.square) {
+        // I = (−d_f n_g×x − d_g x×n_f) / |x|², x = n_f×n_g
+        foot = scale(-1.0 / square, add(scale(f.d, cross(g.n, direction)), scale(g.d, cross(direction, f.n))));
+    } else if s.exact_foot(f.index, g.index, center, &mut foot) != COMPLETE {
+        return UNCERTAIN;
+    }
+    let spoke: V3 = cross(foot, position);
+    // Where the site is not inside, the planes' roundings are those of offsets as large as the way to `center`.
+    part.size = part.size + (norm_1(center) * norm_1(spoke));
+    add_tetrahedron(dot(g.foot, spoke), g.foot, foot, position, flags, part);
+    add_tetrahedron(-dot(f.foot, spoke), f.foot, foot, position, flags, part);
+    if (flags & FACETS) != 0 {
+        add_triangle(s, g, foot, position, -weight, center);
+        add_triangle(s, f, foot, position, weight, center);
+    }
+    return COMPLETE;
+}
+
+/// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
+/// `U(hhᵀ+iiᵀ+vvᵀ+ssᵀ)/20`, `s = h+i+v`.
+#[inline(always)]
+fn add_tetrahedron(volume: Real, h: V3, i: V3, v: V3, flags: u32, part: &mut CellSums) {
+    let sum: V3 = add(add(h, i), v);
+    part.volume = part.volume + volume;
+    part.size = part.size + volume.abs();
+    part.first = add(part.first, scale(volume, sum));
+    if (flags & SECOND_MOMENTS) != 0 {
+        let diagonal: V3 = v3(
+            squares(h.x, i.x, v.x) + (sum.x * sum.x),
+            squares(h.y, i.y, v.y) + (sum.y * sum.y),
+            squares(h.z, i.z, v.z) + (sum.z * sum.z),
+        );
+        let mixed: V3 = v3(
+            products(h.x, h.y, i.x, i.y, v.x, v.y) + (sum.x * sum.y),
+            products(h.x, h.z, i.x, i.z, v.x, v.z) + (sum.x * sum.z),
+            products(h.y, h.z, i.y, i.z, v.y, v.z) + (sum.y * sum.z),
+        );
+        part.second_diagonal = add(part.second_diagonal, scale(volume, diagonal));
+        part.second_mixed = add(part.second_mixed, scale(volume, mixed));
+    }
+}
+
+#[inline(always)]
+fn squares(a: Real, b: Real, c: Real) -> Real {
+    return ((a * a) + (b * b)) + (c * c);
+}
+
+#[inline(always)]
+fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> Real {
+    return ((a * b) + (c * d)) + (e * f);
+}
+
+/// Adds the triangle (H, I, v) to the facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
+/// `area·(H + I + v)/3`.
+#[inline(always)]
+fn add_triangle<S: CellStore>(s: &mut S, f: Side, foot: V3, position: V3, sign: Real, center: V3) {
+    let normal: V3 = cross(sub(foot, f.foot), sub(position, f.foot));
+    let area: Real = ((0.5 * sign) * dot(normal, f.n)) / f.square.sqrt();
+    let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), position)), center);
+    let mut sum: FacetSum = s.facet(f.index);
+    sum.area = sum.area + area;
+    sum.moment = add(sum.moment, scale(area, middle));
+    sum.size = sum.size + (area.abs() + (norm_1(center) * norm_1(sub(position, foot))));
+    s.set_facet(f.index, sum);
+}
+
+/// Sets the facets' sums to zero.
+pub(crate) fn reset_facets<S: CellStore>(s: &mut S) {
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        s.set_facet(f, FacetSum::default());
+        f += 1;
+    }
+}
+
+/// Adds the facet of plane `f`, which bounds the domain, to the boundary's sums. `weight` is what the facet was
+/// integrated with: its own sign does not count, the boundary's area is absolute. `outward` is the domain's outward side, +1 where the
+/// half-space keeps the domain's inside.
+pub(crate) fn add_boundary<S: CellStore>(s: &S, f: u32, weight: Real, outward: Real, sums: &mut CellSums) {
+    let sum: FacetSum = s.facet(f);
+    let plane: Plane = s.plane(f);
+    let area: Real = weight * sum.area;
+    let length: Real = dot(plane.n, plane.n).sqrt();
+    sums.boundary_area = sums.boundary_area + area;
+    sums.boundary_moment = add(sums.boundary_moment, scale(weight, sum.moment));
+    sums.boundary_vector = sub(sums.boundary_vector, scale((outward * area) / length, plane.n));
+    sums.boundary_flux = sums.boundary_flux + (((outward * area) * plane.d) / length);
+}
+
+/// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
+pub(crate) fn reference_point<S: CellStore>(s: &S) -> V3 {
+    let mut inside: u32 = 1;
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        if s.plane(f).d < 0.0 {
+            inside = 0;
+        }
+        f += 1;
+    }
+    let mut mean: V3 = v3(0.0, 0.0, 0.0);
+    if inside != 0 {
+        return mean;
+    }
+    let mut v: u32 = 0;
+    while v < s.vertices() {
+        mean = add(mean, s.position(v));
+        v += 1;
+    }
+    return scale(1.0 / (s.vertices() as Real), mean);
+}

@@ -1,0 +1,62 @@
+//! THE algorithm, written once: one cell, in the frame of its site, over a [`CellStore`] that says where it lives.
+//!
+//! A cell begins as a box ([`begin`]), is cut by bisectors ([`clip`]) until the security tests
+//! ([`security_reach`], [`box_cannot_cut`]) prove that no other site can cut it, and is integrated over the container
+//! ([`integrate_cell`]). Signs are exact and a zero is no conflict, which amounts to moving each plane outward by an
+//! infinitesimal that dominates all earlier ones: the cell is always a simple polytope, and clipping cannot fail.
+//!
+//! # The dialect
+//!
+//! This text is meant to be translated to OpenCL C, so it keeps to a subset of Rust: constants, `#[repr(C)]` structs,
+//! free functions; the first parameter may be the store, any other `&mut` is to a local; no slices, references into the
+//! store, tuples, `Option`, `match`, iterators, closures, operators on structs, or panics; locals carry types; float expressions are
+//! fully parenthesised, with `sqrt` and `fabs` alone and no fused operation; integers never wrap; functions return a `u32` status or
+//! a plain value. Only `store.rs` (the trait, and the plain store that tests use) is written by hand for each backend.
+
+// The dialect says what C would say.
+#![allow(
+    clippy::assign_op_pattern,
+    clippy::collapsible_if,
+    clippy::needless_return,
+    clippy::neg_cmp_op_on_partial_ord,
+    clippy::redundant_field_names,
+    clippy::too_many_arguments
+)]
+
+mod clip;
+mod cone;
+mod integrate;
+mod plane;
+mod security;
+mod status;
+mod store;
+mod vector;
+mod vertex;
+mod wide;
+
+pub use clip::{begin, clip, compact_planes};
+pub use cone::{integrate_cell, lies_outside};
+pub use integrate::{
+    CellSums, FACETS, FacetSum, SECOND_MOMENTS, VOLUME_ONLY, facet_is_above_bound, volume_is_above_bound,
+};
+pub use plane::{Plane, bisector};
+pub use security::{box_cannot_cut, farthest_vertex, security_reach};
+pub use status::*;
+pub use store::{CellStore, PlainStore, Triangle, Voxel};
+pub use vector::{Real, UNIT_ROUNDOFF, V3, v3};
+pub use vertex::Triplet;
+
+/// The flags of [`integrate_cell`] that answer a request.
+pub fn flags_of(request: &crate::Request) -> u32 {
+    let mut flags = VOLUME_ONLY;
+    if request.facets {
+        flags |= FACETS;
+    }
+    if request.second_moments {
+        flags |= SECOND_MOMENTS;
+    }
+    flags
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,373 @@
+//! Where a cell lives: the trait that the algorithm is written over, and the plain store of tests and of the oracle.
+//!
+//! This file is the boundary of the dialect: every backend writes its own storage behind these names.
+
+use super::integrate::FacetSum;
+use super::plane::Plane;
+use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, norm_1};
+use super::vertex::Triplet;
+use crate::domain_grid::DomainGrid;
+use crate::exact;
+
+/// A triangle of the domain: the indices of its vertices, outward oriented.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Triangle {
+    /// First vertex.
+    pub a: u32,
+    /// Second vertex.
+    pub b: u32,
+    /// Third vertex.
+    pub c: u32,
+}
+
+/// A voxel of the domain's grid.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Voxel {
+    /// Index along x.
+    pub i: u32,
+    /// Index along y.
+    pub j: u32,
+    /// Index along z.
+    pub k: u32,
+}
+
+/// Storage of one cell under construction, and the view of the domain that its integration needs.
+///
+/// Indices are below the counts that the store itself reports; writes at the count append. All positions and planes
+/// are in the frame of the cell's site (the site at 0); the domain is in the diagram's frame.
+pub trait CellStore {
+    /// Room for half-spaces.
+    fn cap_p(&self) -> u32;
+    /// Room for vertices.
+    fn cap_v(&self) -> u32;
+    /// Number of half-spaces.
+    fn planes(&self) -> u32;
+    /// Sets the number of half-spaces.
+    fn set_planes(&mut self, count: u32);
+    /// Number of vertices.
+    fn vertices(&self) -> u32;
+    /// Sets the number of vertices.
+    fn set_vertices(&mut self, count: u32);
+
+    /// Half-space `f`.
+    fn plane(&self, f: u32) -> Plane;
+    /// Sets half-space `f`.
+    fn set_plane(&mut self, f: u32, plane: Plane);
+    /// What half-space `f` belongs to: a site, or one of the `TAG_` constants.
+    fn tag(&self, f: u32) -> u32;
+    /// Sets what half-space `f` belongs to.
+    fn set_tag(&mut self, f: u32, tag: u32);
+    /// Scratch number of half-space `f`, zero between calls of `clip`.
+    fn link(&self, f: u32) -> u32;
+    /// Sets the scratch number of half-space `f`.
+    fn set_link(&mut self, f: u32, link: u32);
+
+    /// The three half-spaces of vertex `v`.
+    fn triplet(&self, v: u32) -> Triplet;
+    /// Sets the three half-spaces of vertex `v`.
+    fn set_triplet(&mut self, v: u32, triplet: Triplet);
+    /// Position of vertex `v`.
+    fn position(&self, v: u32) -> V3;
+    /// Error radius of vertex `v`, see `place_vertex`.
+    fn radius(&self, v: u32) -> Real;
+    /// Sets position and error radius of vertex `v`.
+    fn set_position(&mut self, v: u32, position: V3, radius: Real);
+    /// Mark of vertex `v`, one of the `MARK_` constants.
+    fn mark(&self, v: u32) -> u32;
+    /// Sets the mark of vertex `v`.
+    fn set_mark(&mut self, v: u32, mark: u32);
+
+    /// Keeps a copy of the vertices, for `restore`.
+    fn save(&mut self);
+    /// Puts the vertices back as they were at `save`.
+    fn restore(&mut self);
+
+    /// The sums of half-space `f`'s facet.
+    fn facet(&self, f: u32) -> FacetSum;
+    /// Sets the sums of half-space `f`'s facet.
+    fn set_facet(&mut self, f: u32, sum: FacetSum);
+
+    /// The domain's grid, where there is one.
+    fn domain(&self) -> Option<&DomainGrid>;
+    /// The cell's site, in the diagram's frame.
+    fn site(&self) -> V3;
+
+    /// First marked vertex in conflict at or after `from` and below `end`; `end` if there is none.
+    #[inline(always)]
+    fn next_conflict(&self, from: u32, end: u32) -> u32 {
+        let mut v = from;
+        while v < end && self.mark(v) != MARK_CONFLICT {
+            v += 1;
+        }
+        v
+    }
+
+    /// Marks every vertex with its side of plane `k` and returns the summary: which of the `SEEN_` bits occurred. The door
+    /// for SIMD: an override returns the same marks.
+    ///
+    /// Uncertain: `|n·v + d|` at most `‖n‖₁·radius + 4u|d|`.
+    #[inline(always)]
+    fn mark_conflicts(&mut self, k: u32) -> u32 {
+        let plane = self.plane(k);
+        let size = norm_1(plane.n);
+        let slack = (4.0 * UNIT_ROUNDOFF) * plane.d.abs();
+        let mut seen = 0;
+        for v in 0..self.vertices() {
+            let value = dot(plane.n, self.position(v)) + plane.d;
+            let bound = (size * self.radius(v)) + slack;
+            let (mark, bit) = if value > bound {
+                (MARK_KEEP, SEEN_KEEP)
+            } else if value < -bound {
+                (MARK_CONFLICT, SEEN_CONFLICT)
+            } else {
+                (MARK_UNCERTAIN, SEEN_UNCERTAIN)
+            };
+            self.set_mark(v, mark);
+            seen |= bit;
+        }
+        seen
+    }
+
+    /// The largest squared distance of a vertex from the site, and the largest error radius, as x and y. The other door for
+    /// SIMD: a maximum does not depend on the order.
+    #[inline(always)]
+    fn farthest(&self) -> V3 {
+        let mut square: Real = 0.0;
+        let mut radius: Real = 0.0;
+        for v in 0..self.vertices() {
+            let position = self.position(v);
+            square = square.max(dot(position, position));
+            radius = radius.max(self.radius(v));
+        }
+        V3 { x: square, y: radius, z: 0.0 }
+    }
+
+    /// The exact sign of `det [n|d]` of the planes of `t` and plane `k`. On a device: `SIGN_UNKNOWN`.
+    fn exact_sign(&mut self, t: Triplet, k: u32) -> i32 {
+        exact::sign_of_planes(self.plane(t.a), self.plane(t.b), self.plane(t.c), self.plane(k))
+    }
+
+    /// The exact position of the vertex with triplet `t`, rounded once; returns `COMPLETE`. On a device: `UNCERTAIN`.
+    fn exact_position(&mut self, t: Triplet, position: &mut V3) -> u32 {
+        exact::position(self.plane(t.a), self.plane(t.b), self.plane(t.c), position)
+    }
+
+    /// The exact foot, relative to `center`, of the perpendicular from `center` to the line of planes `f` and `g`, rounded
+    /// once; returns `COMPLETE`. On a device: `UNCERTAIN`.
+    fn exact_foot(&mut self, f: u32, g: u32, center: V3, foot: &mut V3) -> u32 {
+        exact::foot(self.plane(f), self.plane(g), center, foot)
+    }
+
+    /// The exact sign of `det(a − o, b − o, c − o)` for triangle `t` and voxel corner `o`.
+    fn exact_cone_sign(&mut self, t: u32, corner: Voxel) -> i32 {
+        let (a, b, c) = (self.triangle_point(t, 0), self.triangle_point(t, 1), self.triangle_point(t, 2));
+        exact::sign_of_cone(a, b, c, self.corner(corner))
+    }
+
+    /// Whether the cell is restricted to a domain (1) or to its initial box alone (0).
+    #[inline(always)]
+    fn has_domain(&self) -> u32 {
+        u32::from(self.domain().is_some())
+    }
+
+    /// The voxel that holds `x` (in the diagram's frame), clamped into the grid.
+    fn voxel_of(&self, x: V3) -> Voxel {
+        self.domain().map_or(Voxel::default(), |grid| Voxel {
+            i: grid.voxel_of(0, x.x),
+            j: grid.voxel_of(1, x.y),
+            k: grid.voxel_of(2, x.z),
+        })
+    }
+
+    /// Minimum corner of a voxel, in the diagram's frame.
+    fn corner(&self, voxel: Voxel) -> V3 {
+        self.domain().map_or(V3::default(), |grid| {
+            let [x, y, z] = grid.corner([voxel.i, voxel.j, voxel.k]);
+            V3 { x, y, z }
+        })
+    }
+
+    /// Winding number of a voxel's minimum corner.
+    fn winding(&self, voxel: Voxel) -> i32 {
+        self.domain().map_or(1, |grid| grid.winding([voxel.i, voxel.j, voxel.k]))
+    }
+
+    /// How many voxels from `lo` to `hi` (inclusive) the surface meets.
+    fn surface_voxels(&self, lo: Voxel, hi: Voxel) -> u32 {
+        self.domain().map_or(0, |grid| grid.surface_voxels([lo.i, lo.j, lo.k], [hi.i, hi.j, hi.k]))
+    }
+
+    /// Where the triangle list of a voxel begins.
+    fn list_begin(&self, voxel: Voxel) -> u32 {
+        self.domain().map_or(0, |grid| grid.offsets()[grid.voxel_index([voxel.i, voxel.j, voxel.k])])
+    }
+
+    /// Where the triangle list of a voxel ends.
+    fn list_end(&self, voxel: Voxel) -> u32 {
+        self.domain().map_or(0, |grid| grid.offsets()[grid.voxel_index([voxel.i, voxel.j, voxel.k]) + 1])
+    }
+
+    /// The triangle at entry `e` of the lists.
+    fn list_entry(&self, e: u32) -> u32 {
+        self.domain().map_or(0, |grid| grid.entries()[e as usize])
+    }
+
+    /// The lowest voxel whose list holds triangle `t`, componentwise.
+    fn lowest_voxel(&self, t: u32) -> Voxel {
+        self.domain().map_or(Voxel::default(), |grid| {
+            let [i, j, k] = grid.lowest_voxels()[t as usize];
+            Voxel { i, j, k }
+        })
+    }
+
+    /// The vertices of triangle `t`.
+    fn triangle(&self, t: u32) -> Triangle {
+        self.domain().map_or(Triangle::default(), |grid| {
+            let [a, b, c] = grid.triangles()[t as usize];
+            Triangle { a, b, c }
+        })
+    }
+
+    /// Vertex `i` of the domain, in the diagram's frame.
+    fn domain_point(&self, i: u32) -> V3 {
+        self.domain().map_or(V3::default(), |grid| {
+            let [x, y, z] = grid.vertices()[i as usize];
+            V3 { x, y, z }
+        })
+    }
+
+    /// Corner `corner` (0, 1, 2) of triangle `t`, in the diagram's frame.
+    fn triangle_point(&self, t: u32, corner: u32) -> V3 {
+        let triangle = self.triangle(t);
+        self.domain_point([triangle.a, triangle.b, triangle.c][corner as usize])
+    }
+}
+
+/// The plain store: growing arrays of structs, no capacities but `u32`. Slow and obvious; for tests and for the oracle.
+#[derive(Clone, Debug, Default)]
+pub struct PlainStore<'a> {
+    planes: Vec<(Plane, u32, u32, FacetSum)>,
+    plane_count: usize,
+    vertices: Vec<PlainVertex>,
+    vertex_count: usize,
+    saved: Vec<PlainVertex>,
+    domain: Option<&'a DomainGrid>,
+    site: V3,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct PlainVertex {
+    triplet: Triplet,
+    position: V3,
+    radius: Real,
+    mark: u32,
+}
+
+impl<'a> PlainStore<'a> {
+    /// An empty store for the cell of `site` (in the diagram's frame).
+    pub fn new(site: [f64; 3], domain: Option<&'a DomainGrid>) -> Self {
+        let [x, y, z] = site;
+        Self { domain, site: V3 { x, y, z }, ..Self::default() }
+    }
+
+    fn plane_slot(&mut self, f: u32) -> &mut (Plane, u32, u32, FacetSum) {
+        let f = f as usize;
+        if f >= self.planes.len() {
+            self.planes.resize(f + 1, Default::default());
+        }
+        &mut self.planes[f]
+    }
+
+    fn vertex_slot(&mut self, v: u32) -> &mut PlainVertex {
+        let v = v as usize;
+        if v >= self.vertices.len() {
+            self.vertices.resize(v + 1, PlainVertex::default());
+        }
+        &mut self.vertices[v]
+    }
+}
+
+impl CellStore for PlainStore<'_> {
+    fn cap_p(&self) -> u32 {
+        u32::MAX >> 4
+    }
+    fn cap_v(&self) -> u32 {
+        u32::MAX >> 4
+    }
+    fn planes(&self) -> u32 {
+        self.plane_count as u32
+    }
+    fn set_planes(&mut self, count: u32) {
+        self.plane_count = count as usize;
+    }
+    fn vertices(&self) -> u32 {
+        self.vertex_count as u32
+    }
+    fn set_vertices(&mut self, count: u32) {
+        self.vertex_count = count as usize;
+    }
+    fn plane(&self, f: u32) -> Plane {
+        self.planes[f as usize].0
+    }
+    fn set_plane(&mut self, f: u32, plane: Plane) {
+        self.plane_slot(f).0 = plane;
+    }
+    fn tag(&self, f: u32) -> u32 {
+        self.planes[f as usize].1
+    }
+    fn set_tag(&mut self, f: u32, tag: u32) {
+        self.plane_slot(f).1 = tag;
+    }
+    fn link(&self, f: u32) -> u32 {
+        self.planes[f as usize].2
+    }
+    fn set_link(&mut self, f: u32, link: u32) {
+        self.plane_slot(f).2 = link;
+    }
+    fn triplet(&self, v: u32) -> Triplet {
+        self.vertices[v as usize].triplet
+    }
+    fn set_triplet(&mut self, v: u32, triplet: Triplet) {
+        self.vertex_slot(v).triplet = triplet;
+    }
+    fn position(&self, v: u32) -> V3 {
+        self.vertices[v as usize].position
+    }
+    fn radius(&self, v: u32) -> Real {
+        self.vertices[v as usize].radius
+    }
+    fn set_position(&mut self, v: u32, position: V3, radius: Real) {
+        let slot = self.vertex_slot(v);
+        slot.position = position;
+        slot.radius = radius;
+    }
+    fn mark(&self, v: u32) -> u32 {
+        self.vertices[v as usize].mark
+    }
+    fn set_mark(&mut self, v: u32, mark: u32) {
+        self.vertex_slot(v).mark = mark;
+    }
+    fn save(&mut self) {
+        self.saved.clear();
+        self.saved.extend_from_slice(&self.vertices[..self.vertex_count]);
+    }
+    fn restore(&mut self) {
+        self.vertices.clone_from(&self.saved);
+        self.vertex_count = self.saved.len();
+    }
+    fn facet(&self, f: u32) -> FacetSum {
+        self.planes[f as usize].3
+    }
+    fn set_facet(&mut self, f: u32, sum: FacetSum) {
+        self.plane_slot(f).3 = sum;
+    }
+    fn domain(&self) -> Option<&DomainGrid> {
+        self.domain
+    }
+    fn site(&self) -> V3 {
+        self.site
+    }
+}

@@ -1,0 +1,149 @@
+//! Laws of the cell alone: combinatorics, exactness of signs, integrals of shapes known in closed form.
+
+use super::*;
+use super::{integrate::integrate, integrate::reset_facets};
+
+fn unit_box<'a>() -> PlainStore<'a> {
+    let mut store = PlainStore::new([0.0; 3], None);
+    assert_eq!(begin(&mut store, v3(-0.5, -0.5, -0.5), v3(0.5, 0.5, 0.5)), COMPLETE);
+    store
+}
+
+/// V = 2F − 4, every triplet positive exactly, every directed edge met by its reverse.
+fn assert_simple(store: &PlainStore<'_>) {
+    let mut edges = std::collections::HashSet::new();
+    let mut used = std::collections::HashSet::new();
+    for v in 0..store.vertices() {
+        let t = store.triplet(v);
+        let row = |f: u32| store.plane(f);
+        // det [n|d] with a last row (0, 0, 0, 1) is det(n_a, n_b, n_c).
+        let unit = Plane { n: v3(0.0, 0.0, 0.0), d: 1.0 };
+        assert_eq!(crate::exact::sign_of_planes(row(t.a), row(t.b), row(t.c), unit), 1, "{t:?}");
+        for (a, b) in [(t.a, t.b), (t.b, t.c), (t.c, t.a)] {
+            assert!(edges.insert((a, b)), "edge {a}→{b} twice");
+            used.insert(a);
+        }
+    }
+    assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))));
+    assert_eq!(store.vertices() as usize, 2 * used.len() - 4);
+}
+
+#[test]
+fn a_corner_cut_off() {
+    let mut store = unit_box();
+    // x + y + z ≤ 1: cuts off a corner tetrahedron with legs ½.
+    assert_eq!(clip(&mut store, Plane { n: v3(-1.0, -1.0, -1.0), d: 1.0 }, 7), CUT);
+    assert_simple(&store);
+    let mut sums = CellSums::default();
+    reset_facets(&mut store);
+    assert_eq!(integrate(&mut store, 1.0, v3(0.1, -0.2, 0.05), FACETS | SECOND_MOMENTS, &mut sums), COMPLETE);
+    let leg: f64 = 0.5;
+    let corner = leg.powi(3) / 6.0;
+    // The corner's centroid is ¼ leg from the corner along each axis.
+    let first = -corner * (0.5 - leg / 4.0);
+    // ∫x² over the corner: legs measured from the corner, ∫t² = leg⁵/60, ∫t = leg⁴/24.
+    let second = 1.0 / 12.0 - (0.25 * corner - leg.powi(4) / 24.0 + leg.powi(5) / 60.0);
+    // ∫xy: ∫(½−s)(½−t) = ¼V − ½·2·leg⁴/24 + leg⁵/120.
+    let mixed = -(0.25 * corner - leg.powi(4) / 24.0 + leg.powi(5) / 120.0);
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} is not {b}");
+    close(sums.volume, 1.0 - corner);
+    for x in [sums.first.x, sums.first.y, sums.first.z] {
+        close(x, first);
+    }
+    for x in [sums.second_diagonal.x, sums.second_diagonal.y, sums.second_diagonal.z] {
+        close(x, second);
+    }
+    for x in [sums.second_mixed.x, sums.second_mixed.y, sums.second_mixed.z] {
+        close(x, mixed);
+    }
+    let facet = store.facet(6);
+    close(facet.area, 3.0_f64.sqrt() / 2.0 * 0.5 * leg * leg * 2.0);
+    close(facet.moment.x / facet.area, 0.5 - leg / 3.0);
+    close(store.facet(1).area, 1.0 - leg * leg / 2.0);
+}
+
+#[test]
+fn planes_through_vertices_do_not_cut() {
+    let mut store = unit_box();
+    for n in [v3(-1.0, -1.0, -1.0), v3(1.0, 1.0, 1.0), v3(-1.0, 0.0, 0.0)] {
+        let d = 0.5 * (n.x.abs() + n.y.abs() + n.z.abs());
+        assert_eq!(clip(&mut store, Plane { n, d }, 0), UNTOUCHED);
+    }
+    // Through four vertices: halves the box, the vertices on the plane are kept.
+    assert_eq!(clip(&mut store, Plane { n: v3(1.0, 1.0, 0.0), d: 0.0 }, 0), CUT);
+    assert_simple(&store);
+    // The other half space of the same plane leaves a flat polytope, which is still simple, of volume zero.
+    assert_eq!(clip(&mut store, Plane { n: v3(-1.0, -1.0, 0.0), d: 0.0 }, 0), CUT);
+    assert_simple(&store);
+    let mut sums = CellSums::default();
+    assert_eq!(integrate_cell(&mut store, VOLUME_ONLY, 0, &mut sums), EMPTY);
+}
+
+/// All neighbours in a lattice block, whose bisectors meet by the dozen in single points.
+fn lattice_planes(n: i32, rotation: [[f64; 3]; 3]) -> Vec<Plane> {
+    let mut planes = Vec::new();
+    for i in -n..=n {
+        for j in -n..=n {
+            for k in -n..=n {
+                if (i, j, k) != (0, 0, 0) {
+                    let p = [i, j, k].map(|c| 0.2 * f64::from(c));
+                    let r = rotation.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]);
+                    planes.push(bisector(v3(r[0], r[1], r[2]), 0.0));
+                }
+            }
+        }
+    }
+    planes
+}
+
+#[test]
+fn lattices_stay_simple_in_any_order() {
+    let (c, s) = (0.6_f64.cos(), 0.6_f64.sin());
+    let tilted = [[c, -s * 0.8, s * 0.6], [s, c * 0.8, -c * 0.6], [0.0, 0.6, 0.8]];
+    for rotation in [[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], tilted] {
+        let planes = lattice_planes(2, rotation);
+        for stride in [1, 7, 37, 101] {
+            let mut store = unit_box();
+            for i in 0..planes.len() {
+                let status = clip(&mut store, planes[i * stride % planes.len()], 0);
+                assert!(status == CUT || status == UNTOUCHED);
+                assert_simple(&store);
+            }
+            let mut sums = CellSums::default();
+            assert_eq!(integrate_cell(&mut store, FACETS, 0, &mut sums), COMPLETE);
+            assert!((sums.volume - 0.008).abs() < 1e-17, "{}", sums.volume);
+            let faces = (0..store.planes()).filter(|&f| facet_is_above_bound(store.facet(f)) != 0);
+            let area: f64 = faces.map(|f| store.facet(f).area).sum();
+            assert!((area - 0.24).abs() < 1e-14, "{area}");
+        }
+    }
+}
+
+#[test]
+fn security_tests_have_no_false_proof() {
+    let mut store = unit_box();
+    let r = farthest_vertex(&store);
+    assert!((r - 0.75_f64.sqrt()).abs() < 1e-13 && r >= 0.75_f64.sqrt());
+    // A site just inside twice the radius, in the direction of a corner, cuts; at the reach it does not.
+    let toward = |distance: f64| scale_to(distance);
+    assert_eq!(clip(&mut store, bisector(toward(2.0 * r * (1.0 - 1e-12)), 0.0), 0), CUT);
+    let mut store = unit_box();
+    assert!(security_reach(r, 0.0) >= 2.0 * r);
+    assert_eq!(clip(&mut store, bisector(toward(security_reach(r, 0.0)), 0.0), 0), UNTOUCHED);
+    // With a heavier neighbour the reach grows just so far.
+    let reach = security_reach(r, 0.3);
+    assert_eq!(clip(&mut store, bisector(toward(reach), -0.3), 0), UNTOUCHED);
+    assert_eq!(clip(&mut store, bisector(toward(reach * (1.0 - 1e-12)), -0.3), 0), CUT);
+    // The sharp test: a wall of sites beyond a face cuts its corners when it stands nearer to them than the site does.
+    let store = unit_box();
+    let wall = |x: f64| (v3(x, -0.5, -0.5), v3(x, 0.5, 0.5));
+    let (lo, hi) = wall(0.5 + 0.75_f64.sqrt() + 1e-12);
+    assert_eq!(box_cannot_cut(&store, lo, hi, 0.0), 1);
+    let (lo, hi) = wall(0.5 + 0.75_f64.sqrt() - 1e-12);
+    assert_eq!(box_cannot_cut(&store, lo, hi, 0.0), 0);
+}
+
+fn scale_to(distance: f64) -> V3 {
+    let c = distance / 3.0_f64.sqrt();
+    v3(c, c, c)
+}

@@ -1,0 +1,135 @@
+//! The wider stage of the signs: double-double arithmetic, about 104 bits, which decides nearly all that floating point
+//! leaves open. Products are split by Dekker's method, so that no fused operation is needed.
+
+use super::plane::Plane;
+use super::status::SIGN_UNKNOWN;
+use super::store::CellStore;
+use super::vector::Real;
+use super::vertex::Triplet;
+
+/// An unevaluated sum `hi + lo`, `|lo| ≤ u|hi|`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+struct Wide {
+    hi: Real,
+    lo: Real,
+}
+
+/// Dekker's constant 2²⁷ + 1: halves of 26 bits.
+const SPLITTER: Real = 134217729.0;
+
+/// Error of the whole determinant in units of its sum of magnitudes: each minor, product and sum errs by at most 2⁻¹⁰²
+/// of the magnitudes it adds; a term passes through two minors, one product and five sums.
+const WIDE_ERROR: Real = 1.5777218104420236e-30;
+
+/// Below this the error terms of the products could underflow.
+const WIDE_SMALLEST: Real = 1e-260;
+
+/// The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
+/// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`.
+pub(crate) fn sign_of_conflict<S: CellStore>(s: &mut S, v: u32, k: u32) -> i32 {
+    let t: Triplet = s.triplet(v);
+    let a: Plane = s.plane(t.a);
+    let b: Plane = s.plane(t.b);
+    let c: Plane = s.plane(t.c);
+    let e: Plane = s.plane(k);
+    let sign: i32 = wide_sign(a, b, c, e);
+    if sign != SIGN_UNKNOWN {
+        return sign;
+    }
+    return s.exact_sign(t, k);
+}
+
+/// The sign of `det [n|d](a, b, c, e)` by double-double arithmetic, or `SIGN_UNKNOWN`.
+fn wide_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
+    // Laplace expansion along the first two columns: x, y against z, d.
+    let mut sum: Wide = Wide { hi: 0.0, lo: 0.0 };
+    let mut size: Real = 0.0;
+    add_term(&mut sum, &mut size, a.n.x, a.n.y, b.n.x, b.n.y, c.n.z, c.d, e.n.z, e.d, 1.0);
+    add_term(&mut sum, &mut size, a.n.x, a.n.y, c.n.x, c.n.y, b.n.z, b.d, e.n.z, e.d, -1.0);
+    add_term(&mut sum, &mut size, a.n.x, a.n.y, e.n.x, e.n.y, b.n.z, b.d, c.n.z, c.d, 1.0);
+    add_term(&mut sum, &mut size, b.n.x, b.n.y, c.n.x, c.n.y, a.n.z, a.d, e.n.z, e.d, 1.0);
+    add_term(&mut sum, &mut size, b.n.x, b.n.y, e.n.x, e.n.y, a.n.z, a.d, c.n.z, c.d, -1.0);
+    add_term(&mut sum, &mut size, c.n.x, c.n.y, e.n.x, e.n.y, a.n.z, a.d, b.n.z, b.d, 1.0);
+    if (size < WIDE_SMALLEST) || !(sum.hi.abs() > (WIDE_ERROR * size)) {
+        return SIGN_UNKNOWN;
+    }
+    if sum.hi < 0.0 {
+        return -1;
+    }
+    return 1;
+}
+
+/// Adds `sign·(x_0 y_1 − x_1 y_0)·(z_2 w_3 − z_3 w_2)` to `sum`, and the magnitude of its parts to `size`.
+#[inline(always)]
+fn add_term(
+    sum: &mut Wide,
+    size: &mut Real,
+    x0: Real,
+    y0: Real,
+    x1: Real,
+    y1: Real,
+    z2: Real,
+    w2: Real,
+    z3: Real,
+    w3: Real,
+    sign: Real,
+) {
+    let left: Wide = minor(x0, y0, x1, y1);
+    let right: Wide = minor(z2, w2, z3, w3);
+    let product: Wide = multiply(left, right);
+    let scaled: Wide = Wide { hi: sign * product.hi, lo: sign * product.lo };
+    *sum = wide_add(*sum, scaled);
+    let left_size: Real = (x0 * y1).abs() + (x1 * y0).abs();
+    let right_size: Real = (z2 * w3).abs() + (z3 * w2).abs();
+    *size = *size + (left_size * right_size);
+}
+
+/// `x_0 y_1 − x_1 y_0`.
+#[inline(always)]
+fn minor(x0: Real, y0: Real, x1: Real, y1: Real) -> Wide {
+    let p: Wide = product_exact(x0, y1);
+    let q: Wide = product_exact(x1, y0);
+    let negated: Wide = Wide { hi: -q.hi, lo: -q.lo };
+    return wide_add(p, negated);
+}
+
+/// `a·b`, exactly.
+#[inline(always)]
+fn product_exact(a: Real, b: Real) -> Wide {
+    let p: Real = a * b;
+    let ta: Real = SPLITTER * a;
+    let a_hi: Real = ta - (ta - a);
+    let a_lo: Real = a - a_hi;
+    let tb: Real = SPLITTER * b;
+    let b_hi: Real = tb - (tb - b);
+    let b_lo: Real = b - b_hi;
+    let error: Real = (((a_hi * b_hi) - p) + ((a_hi * b_lo) + (a_lo * b_hi))) + (a_lo * b_lo);
+    return Wide { hi: p, lo: error };
+}
+
+/// `a + b`, both halves exactly, then rounded to double-double.
+#[inline(always)]
+fn wide_add(a: Wide, b: Wide) -> Wide {
+    let high: Wide = sum_exact(a.hi, b.hi);
+    let low: Wide = sum_exact(a.lo, b.lo);
+    let first: Wide = sum_exact(high.hi, high.lo + low.hi);
+    return sum_exact(first.hi, first.lo + low.lo);
+}
+
+/// `a·b`.
+#[inline(always)]
+fn multiply(a: Wide, b: Wide) -> Wide {
+    let p: Wide = product_exact(a.hi, b.hi);
+    let rest: Real = p.lo + ((a.hi * b.lo) + (a.lo * b.hi));
+    return sum_exact(p.hi, rest);
+}
+
+/// `a + b`, exactly.
+#[inline(always)]
+fn sum_exact(a: Real, b: Real) -> Wide {
+    let s: Real = a + b;
+    let t: Real = s - a;
+    let error: Real = (a - (s - t)) + (b - t);
+    return Wide { hi: s, lo: error };
+}

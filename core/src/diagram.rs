@@ -1,0 +1,218 @@
+//! Sites, weights and the container they are restricted to.
+
+use crate::domain_grid::DomainGrid;
+use crate::frame::Frame;
+use crate::site_grid::SiteGrid;
+use crate::{Domain, Error, Result};
+
+/// Largest coordinate magnitude that is accepted (its fifth power, a second moment, is still a number), and the inverse of the smallest extent of a container.
+pub const LARGEST_COORDINATE: f64 = 1e60;
+
+/// How far from the container's minimum corner a site may stand, in units of its frame (one to two largest extents).
+/// Positions relative to the container lose a digit for each factor of ten beyond it; this bound leaves twelve.
+pub const FARTHEST_SITE: f64 = 1024.0;
+
+/// Largest difference of two weights, in squared units of the container's frame.
+pub const LARGEST_WEIGHT_SPREAD: f64 = 1_048_576.0;
+
+/// What the cells are cut by.
+#[derive(Clone, Debug)]
+pub enum Container {
+    /// An axis-aligned box, given by its minimum and maximum corners.
+    Box([f64; 3], [f64; 3]),
+    /// A triangulated domain.
+    Domain(Domain),
+}
+
+/// Weighted sites and the container of their cells: the input of [`Backend::evaluate`](crate::Backend::evaluate).
+///
+/// The power distance of `x` to site `i` is `‖x − p_i‖² − w_i`; a larger weight is a larger cell.
+#[derive(Clone, Debug)]
+pub struct PowerDiagram {
+    positions: Vec<[f64; 3]>,
+    weights: Vec<f64>,
+    container: Option<Container>,
+}
+
+impl PowerDiagram {
+    /// Sites at `positions` with `weights` (length²), one for each; an empty slice stands for all equal (a Voronoi
+    /// diagram). Until restricted, the container is the bounding box of the sites.
+    ///
+    /// # Errors
+    /// `Input` where there is no site, the lengths differ, there are more than 2³¹ sites, or a number is not finite or
+    /// beyond [`LARGEST_COORDINATE`] (its square for weights).
+    pub fn new(positions: &[[f64; 3]], weights: &[f64]) -> Result<Self> {
+        let mut diagram = Self { positions: Vec::new(), weights: Vec::new(), container: None };
+        diagram.set_sites(positions, weights)?;
+        Ok(diagram)
+    }
+
+    /// Replaces the sites, keeping the container: the loop of a solver.
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::new`]; the diagram is unchanged then.
+    pub fn set_sites(&mut self, positions: &[[f64; 3]], weights: &[f64]) -> Result<()> {
+        if positions.is_empty() {
+            return Err(Error::input("no sites: at least one is needed"));
+        }
+        if positions.len() > 1 << 31 {
+            return Err(Error::input(format!("{} sites: at most 2147483648 are possible", positions.len())));
+        }
+        if !weights.is_empty() && weights.len() != positions.len() {
+            return Err(Error::input(format!(
+                "{} weights for {} sites: give one for each, or none",
+                weights.len(),
+                positions.len()
+            )));
+        }
+        for (i, p) in positions.iter().enumerate() {
+            if let Some(x) = p.iter().find(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
+                return Err(Error::input(format!("site {i}: coordinate {x} is not a number within ±1e60")));
+            }
+        }
+        for (i, w) in weights.iter().enumerate() {
+            if w.is_nan() || w.abs() > LARGEST_COORDINATE * LARGEST_COORDINATE {
+                return Err(Error::input(format!("site {i}: weight {w} is not a number within ±1e120")));
+            }
+        }
+        self.positions.clear();
+        self.positions.extend_from_slice(positions);
+        self.weights.clear();
+        self.weights.extend_from_slice(weights);
+        Ok(())
+    }
+
+    /// Restricts the cells to a triangulated domain (shared, not copied).
+    #[must_use]
+    pub fn restricted_to(self, domain: &Domain) -> Self {
+        Self { container: Some(Container::Domain(domain.clone())), ..self }
+    }
+
+    /// Restricts the cells to the box with minimum corner `lo` and maximum corner `hi`.
+    ///
+    /// # Errors
+    /// `Input` where the box is not finite, inverted, or flat.
+    pub fn in_box(self, lo: [f64; 3], hi: [f64; 3]) -> Result<Self> {
+        for k in 0..3 {
+            let axis = ["x", "y", "z"][k];
+            if !(lo[k].abs() <= LARGEST_COORDINATE && hi[k].abs() <= LARGEST_COORDINATE) {
+                return Err(Error::input(format!("box: its {axis} range {}..{} is not within ±1e60", lo[k], hi[k])));
+            }
+            if hi[k] - lo[k] <= 1.0 / LARGEST_COORDINATE {
+                return Err(Error::input(format!(
+                    "box: its {axis} range {}..{} is empty or flat; give minimum corner, then maximum corner",
+                    lo[k], hi[k]
+                )));
+            }
+        }
+        Ok(Self { container: Some(Container::Box(lo, hi)), ..self })
+    }
+
+    /// The sites, in the caller's order and unit.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// The weights, in the caller's order and unit; empty where all are equal.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The domain, if the diagram is restricted to one.
+    pub fn domain(&self) -> Option<&Domain> {
+        match &self.container {
+            Some(Container::Domain(domain)) => Some(domain),
+            _ => None,
+        }
+    }
+
+    /// The container: the domain, the box, or the bounding box of the sites.
+    ///
+    /// # Errors
+    /// `Input` where no container was given and the bounding box of the sites is flat.
+    pub fn container(&self) -> Result<Container> {
+        if let Some(container) = &self.container {
+            return Ok(container.clone());
+        }
+        let (lo, hi) = bounding_box(&self.positions);
+        if (0..3).any(|k| hi[k] - lo[k] <= 1.0 / LARGEST_COORDINATE) {
+            return Err(Error::input(format!(
+                "the bounding box of the {} sites is flat: give a box or a domain to restrict their cells to",
+                self.positions.len()
+            )));
+        }
+        Ok(Container::Box(lo, hi))
+    }
+
+    /// Everything moved into the internal frame, sites sorted into a grid. Called by backends, once an evaluation.
+    ///
+    /// # Errors
+    /// `Input` where a site or weight is out of range of the container ([`FARTHEST_SITE`], [`LARGEST_WEIGHT_SPREAD`]),
+    /// or where there is none.
+    pub fn prepare(&self) -> Result<Prepared> {
+        let (frame, lo, hi, domain) = match self.container()? {
+            Container::Box(lo, hi) => {
+                let frame = Frame::of_box(lo, hi);
+                (frame, frame.enter(lo), frame.enter(hi), None)
+            }
+            Container::Domain(domain) => {
+                let grid = domain.grid();
+                let (lo, hi) = (grid.corner([0; 3]), grid.corner(grid.dims()));
+                (*domain.frame(), lo, hi, Some(domain))
+            }
+        };
+        let positions: Vec<[f64; 3]> = self.positions.iter().map(|&p| frame.enter(p)).collect();
+        if let Some(i) = positions.iter().position(|p| p.iter().any(|x| x.abs() > FARTHEST_SITE)) {
+            return Err(Error::input(format!(
+                "site {i} at {:?} is out of range: sites must stand within about {FARTHEST_SITE} times the largest extent of \
+                 the domain or box",
+                self.positions[i]
+            )));
+        }
+        let unit2 = frame.unit() * frame.unit();
+        let base = self.weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let weights: Vec<f64> = self.weights.iter().map(|w| (w / unit2).clamp(f64::MIN, f64::MAX)).collect();
+        if let Some(i) = self.weights.iter().position(|w| (w - base) / unit2 > LARGEST_WEIGHT_SPREAD) {
+            return Err(Error::input(format!(
+                "site {i} has weight {}, the smallest weight is {base}: weights must differ by less than about \
+                 {LARGEST_WEIGHT_SPREAD} times the squared largest extent of the domain or box",
+                self.weights[i]
+            )));
+        }
+        Ok(Prepared { frame, lo, hi, domain, sites: SiteGrid::new(&positions, &weights) })
+    }
+}
+
+/// The smallest box around `points`, as its minimum and maximum corners.
+pub fn bounding_box(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
+    let mut lo = [f64::INFINITY; 3];
+    let mut hi = [f64::NEG_INFINITY; 3];
+    for p in points {
+        for k in 0..3 {
+            lo[k] = lo[k].min(p[k]);
+            hi[k] = hi[k].max(p[k]);
+        }
+    }
+    (lo, hi)
+}
+
+/// A diagram in the internal frame: what backends work on.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The map between the caller's world and the frame.
+    pub frame: Frame,
+    /// Minimum corner of the initial cell (the box, or the domain's grid), in the frame.
+    pub lo: [f64; 3],
+    /// Maximum corner of the initial cell, in the frame.
+    pub hi: [f64; 3],
+    domain: Option<Domain>,
+    /// The sites, sorted.
+    pub sites: SiteGrid,
+}
+
+impl Prepared {
+    /// The domain's grid, if the diagram is restricted to a domain.
+    pub fn domain_grid(&self) -> Option<&DomainGrid> {
+        self.domain.as_ref().map(Domain::grid)
+    }
+}

@@ -1,0 +1,194 @@
+//! The domain: a closed triangle mesh, validated once.
+
+mod moments;
+mod topology;
+
+use std::fmt;
+use std::sync::{Arc, OnceLock};
+
+use crate::diagram::{LARGEST_COORDINATE, bounding_box};
+use crate::domain_grid::DomainGrid;
+use crate::frame::Frame;
+use crate::{Error, Result};
+
+/// Most triangles that a domain may have: the grid's lists, at most 8 entries a triangle and voxel, are indexed by `u32`.
+pub const MOST_TRIANGLES: usize = 1 << 28;
+
+/// A closed triangle mesh with its integrals, shared and never copied: cloning it is cheap.
+///
+/// The domain is the function `winding(x)` on space: 1 inside a simple closed surface whose triangles are
+/// counterclockwise seen from outside, 0 outside; shells add up. Its volume is `∫ winding`.
+#[derive(Clone)]
+pub struct Domain {
+    inner: Arc<Inner>,
+}
+
+struct Inner {
+    vertices: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    volume: f64,
+    barycenter: [f64; 3],
+    area: f64,
+    lo: [f64; 3],
+    hi: [f64; 3],
+    notes: Vec<String>,
+    frame: Frame,
+    grid: OnceLock<DomainGrid>,
+}
+
+impl Domain {
+    /// The domain bounded by `triangles`, indices into `vertices`, counterclockwise seen from outside.
+    ///
+    /// Vertices at identical positions become one; triangles with two equal vertices and vertices of no triangle are
+    /// dropped. Every edge must then be met equally often in each direction, which is to be closed: several components,
+    /// shells, surfaces that touch and edges shared by four triangles are legal. A mesh whose volume is negative is
+    /// turned inside out, with a note.
+    ///
+    /// # Errors
+    /// `Input` where an index or a coordinate is out of range, the surface is open or not consistently oriented, or
+    /// nothing is enclosed. Faces and vertices are counted from 0 in the order given.
+    pub fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
+        check_numbers(vertices, triangles)?;
+        let mut mesh = topology::weld(vertices, triangles);
+        if mesh.triangles.is_empty() {
+            return Err(Error::input(format!(
+                "all {} triangles of the domain have two vertices at one place: nothing is enclosed; check the scale of \
+                 the mesh",
+                triangles.len()
+            )));
+        }
+        topology::check_closed(&mesh)?;
+        let (lo, hi) = bounding_box(&mesh.vertices);
+        let extent = (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
+        if extent < 1.0 / LARGEST_COORDINATE {
+            return Err(Error::input(format!(
+                "the domain's largest extent is {extent:e}: it must be at least 1e-60; scale the mesh up"
+            )));
+        }
+        let frame = Frame::of_box(lo, hi);
+        let inside: Vec<[f64; 3]> = mesh.vertices.iter().map(|&v| frame.enter(v)).collect();
+        let moments = moments::Moments::of_mesh(&inside, &mesh.triangles);
+        let unit = frame.unit();
+        let mut volume = moments.volume * unit * unit * unit;
+        if volume == 0.0 {
+            return Err(Error::input(format!(
+                "the domain's {} triangles enclose volume 0: give a closed surface that bounds a solid",
+                mesh.triangles.len()
+            )));
+        }
+        let mut notes = Vec::new();
+        let dropped = triangles.len() - mesh.triangles.len();
+        if dropped > 0 {
+            notes.push(format!("{dropped} triangles with two vertices at one place were dropped"));
+        }
+        if volume < 0.0 {
+            volume = -volume;
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            notes.push("the mesh was oriented inward: all its triangles were flipped".to_owned());
+        }
+        Ok(Self {
+            inner: Arc::new(Inner {
+                volume,
+                barycenter: frame.leave(moments.barycenter),
+                area: moments.area * unit * unit,
+                vertices: mesh.vertices,
+                triangles: mesh.triangles,
+                lo,
+                hi,
+                notes,
+                frame,
+                grid: OnceLock::new(),
+            }),
+        })
+    }
+
+    /// The vertices, each once, in the caller's unit and order of first appearance.
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        &self.inner.vertices
+    }
+
+    /// The triangles as indices into [`Domain::vertices`], counterclockwise seen from outside.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.inner.triangles
+    }
+
+    /// `∫ winding(x) dx`, positive, in the caller's unit cubed, to two roundings.
+    pub fn volume(&self) -> f64 {
+        self.inner.volume
+    }
+
+    /// `∫ winding(x) x dx / volume`, in the caller's unit, to a few roundings of the box's coordinates.
+    pub fn barycenter(&self) -> [f64; 3] {
+        self.inner.barycenter
+    }
+
+    /// The sum of the areas of all triangles, in the caller's unit squared.
+    pub fn area(&self) -> f64 {
+        self.inner.area
+    }
+
+    /// The smallest box around the triangles: its minimum and maximum corners, in the caller's unit.
+    pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
+        (self.inner.lo, self.inner.hi)
+    }
+
+    /// What was changed on the way in, one line each; empty where the mesh was taken as it is.
+    pub fn notes(&self) -> &[String] {
+        &self.inner.notes
+    }
+
+    /// The frame in which cells are computed: that of the bounding box.
+    pub fn frame(&self) -> &Frame {
+        &self.inner.frame
+    }
+
+    /// The grid over the domain, in the coordinates of [`Domain::frame`]; built on the first call.
+    pub fn grid(&self) -> &DomainGrid {
+        self.inner.grid.get_or_init(|| {
+            let vertices: Vec<[f64; 3]> = self.inner.vertices.iter().map(|&v| self.inner.frame.enter(v)).collect();
+            DomainGrid::new(&vertices, &self.inner.triangles)
+        })
+    }
+}
+
+impl fmt::Debug for Domain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let inner = &self.inner;
+        f.debug_struct("Domain")
+            .field("vertices", &inner.vertices.len())
+            .field("triangles", &inner.triangles.len())
+            .field("volume", &inner.volume)
+            .field("bounding_box", &(inner.lo, inner.hi))
+            .field("notes", &inner.notes)
+            .finish()
+    }
+}
+
+fn check_numbers(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<()> {
+    if triangles.is_empty() {
+        return Err(Error::input("the domain has no triangles: give a closed triangle mesh"));
+    }
+    if triangles.len() > MOST_TRIANGLES {
+        return Err(Error::input(format!(
+            "the domain has {} triangles: at most {MOST_TRIANGLES} are possible; simplify the mesh",
+            triangles.len()
+        )));
+    }
+    for (i, v) in vertices.iter().enumerate() {
+        if let Some(x) = v.iter().find(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
+            return Err(Error::input(format!("vertex {i} of the domain: coordinate {x} is not a number within ±1e60")));
+        }
+    }
+    for (f, t) in triangles.iter().enumerate() {
+        if let Some(i) = t.iter().find(|&&i| i as usize >= vertices.len()) {
+            return Err(Error::input(format!(
+                "face {f} of the domain: vertex index {i} (counted from 0) is out of range; there are {} vertices",
+                vertices.len()
+            )));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

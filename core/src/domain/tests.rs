@@ -1,0 +1,156 @@
+//! Laws of a validated mesh, and what is refused.
+
+use super::*;
+
+const CUBE: [[u32; 3]; 12] = [
+    [0, 2, 1],
+    [1, 2, 3],
+    [4, 5, 6],
+    [5, 7, 6],
+    [0, 1, 4],
+    [1, 5, 4],
+    [2, 6, 3],
+    [3, 6, 7],
+    [0, 4, 2],
+    [2, 4, 6],
+    [1, 3, 5],
+    [3, 7, 5],
+];
+const OCTAHEDRON: [[u32; 3]; 8] =
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+
+fn cube(lo: [f64; 3], hi: [f64; 3]) -> Vec<[f64; 3]> {
+    (0..8).map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { lo[k] } else { hi[k] })).collect()
+}
+
+fn octahedron(center: [f64; 3], radius: f64) -> Vec<[f64; 3]> {
+    (0..6)
+        .map(|i| {
+            let mut v = center;
+            v[i / 2] += if i % 2 == 0 { radius } else { -radius };
+            v
+        })
+        .collect()
+}
+
+fn message(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> String {
+    Domain::new(vertices, triangles).expect_err("must be refused").to_string()
+}
+
+fn assert_close(found: f64, right: f64) {
+    assert!((found - right).abs() <= 4e-16 * right.abs(), "{found} is not {right}");
+}
+
+#[test]
+fn integrals_of_known_shapes() {
+    for moved in [0.0, 0.375, 1000.0, -1000.0, 1_000_000.0] {
+        let domain = Domain::new(&cube([moved; 3], [moved + 0.5, moved + 1.25, moved + 3.0]), &CUBE).unwrap();
+        assert_close(domain.volume(), 0.5 * 1.25 * 3.0);
+        assert_close(domain.area(), 2.0 * (0.5 * 1.25 + 1.25 * 3.0 + 0.5 * 3.0));
+        for (x, half) in domain.barycenter().into_iter().zip([0.25, 0.625, 1.5]) {
+            assert_close(x, moved + half);
+        }
+        assert_eq!(domain.bounding_box(), ([moved; 3], [moved + 0.5, moved + 1.25, moved + 3.0]));
+        let domain = Domain::new(&octahedron([moved, moved - 7.0, 2.0 * moved], 0.75), &OCTAHEDRON).unwrap();
+        assert_close(domain.volume(), 4.0 / 3.0 * 0.75_f64.powi(3));
+        assert_close(domain.area(), 4.0 * 3.0_f64.sqrt() * 0.75 * 0.75);
+        for (x, right) in domain.barycenter().into_iter().zip([moved, moved - 7.0, 2.0 * moved]) {
+            assert!((x - right).abs() <= 4e-16 * (right.abs() + 1.0), "{x} is not {right}");
+        }
+    }
+    for scale in [1e-55, 1e55] {
+        let domain = Domain::new(&cube([scale; 3], [3.0 * scale; 3]), &CUBE).unwrap();
+        let side = 3.0 * scale - scale;
+        // Three more roundings in the quotient.
+        assert!((domain.volume() / side / side / side - 1.0).abs() <= 8e-16);
+        assert_close(domain.barycenter()[1], 2.0 * scale);
+    }
+}
+
+#[test]
+fn an_inward_mesh_is_flipped_with_a_note() {
+    let inward = CUBE.map(|[a, b, c]| [a, c, b]);
+    let domain = Domain::new(&cube([0.0; 3], [1.0; 3]), &inward).unwrap();
+    assert_eq!(domain.volume(), 1.0);
+    assert_eq!(domain.barycenter(), [0.5; 3]);
+    assert!(domain.notes()[0].contains("flipped"));
+    let straight = Domain::new(&cube([0.0; 3], [1.0; 3]), &CUBE).unwrap();
+    assert!(straight.notes().is_empty());
+    for domain in [domain, straight] {
+        let grid = domain.grid();
+        assert_eq!(grid.winding([0, 1, 2].map(|k| grid.voxel_of(k, 0.5))), 1);
+    }
+}
+
+#[test]
+fn a_soup_is_welded_and_what_is_unused_ignored() {
+    let corners = cube([-0.0; 3], [1.0; 3]);
+    let mut soup: Vec<[f64; 3]> = CUBE.iter().flatten().map(|&i| corners[i as usize]).collect();
+    soup.iter_mut().step_by(5).for_each(|v| v.iter_mut().for_each(|x| *x = if *x == 0.0 { 0.0 } else { *x }));
+    let mut triangles: Vec<[u32; 3]> = (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    // A far vertex of no triangle, and a needle to another that welding makes disappear.
+    soup.extend([[50.0; 3], [-50.0; 3]]);
+    triangles.push([0, 1, 0]);
+    triangles.push([37, 2, 37]);
+    let domain = Domain::new(&soup, &triangles).unwrap();
+    assert_eq!((domain.vertices().len(), domain.triangles().len()), (8, 12));
+    assert_eq!(domain.bounding_box(), ([0.0; 3], [1.0; 3]));
+    assert_eq!(domain.volume(), 1.0);
+    assert!(domain.notes()[0].starts_with("2 triangles"));
+}
+
+#[test]
+fn legal_but_unusual_surfaces() {
+    // Two cubes that share an edge: it is met twice each way.
+    let mut vertices = cube([0.0; 3], [1.0; 3]);
+    vertices.extend(cube([1.0, 1.0, 0.0], [2.0, 2.0, 1.0]));
+    let two: Vec<[u32; 3]> = CUBE.into_iter().chain(CUBE.map(|t| t.map(|i| i + 8))).collect();
+    assert_eq!(Domain::new(&vertices, &two).unwrap().volume(), 2.0);
+    // A cavity: the inner shell is oriented inward.
+    vertices.truncate(8);
+    vertices.extend(cube([0.25; 3], [0.75; 3]));
+    let cavity: Vec<[u32; 3]> = CUBE.into_iter().chain(CUBE.map(|[a, b, c]| [a + 8, c + 8, b + 8])).collect();
+    assert_eq!(Domain::new(&vertices, &cavity).unwrap().volume(), 1.0 - 0.125);
+    // A triangle of zero area with three different vertices: the edge 1-2 split at its middle on one side only.
+    let mut vertices = cube([0.0; 3], [1.0; 3]);
+    vertices.push([0.5, 0.5, 0.0]);
+    let mut split = CUBE.to_vec();
+    split[0] = [0, 2, 8];
+    split.extend([[0, 8, 1], [2, 1, 8]]);
+    let domain = Domain::new(&vertices, &split).unwrap();
+    assert_eq!((domain.triangles().len(), domain.volume()), (14, 1.0));
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let vertices = cube([0.0; 3], [1.0; 3]);
+    assert!(message(&vertices, &[]).contains("no triangles"));
+    let mut bad = CUBE;
+    bad[7][1] = 8;
+    let text = message(&vertices, &bad);
+    assert!(text.contains("face 7") && text.contains("index 8"), "{text}");
+    for x in [f64::NAN, f64::INFINITY, -2e100] {
+        let mut vertices = vertices.clone();
+        vertices[3][1] = x;
+        assert!(message(&vertices, &CUBE).contains("vertex 3"));
+    }
+    let open = message(&vertices, &CUBE[..11]);
+    assert!(open.contains("open") && open.contains("face 3") && open.contains("[1.0, 1.0, 1.0]"), "{open}");
+    let mut fin = CUBE.to_vec();
+    fin.extend([[0, 1, 7], [1, 0, 7], [0, 1, 7]]);
+    let text = message(&vertices, &fin);
+    assert!(text.contains("open") && text.contains("belongs to 5 triangles"), "{text}");
+    let mut turned = CUBE;
+    turned[4].swap(0, 1);
+    let text = message(&vertices, &turned);
+    assert!(text.contains("not consistently oriented") && text.contains("met 2 times"), "{text}");
+    assert!(!text.contains("open"), "{text}");
+    // Nothing enclosed: a flat pillow off the axes, two opposite cubes, and triangles that are all points.
+    let flat = [[0.1, 0.2, 0.3], [0.7, 0.9, 1.3], [0.4, -0.8, 2.9]];
+    assert!(message(&flat, &[[0, 1, 2], [0, 2, 1]]).contains("volume 0"));
+    let both: Vec<[u32; 3]> = CUBE.into_iter().chain(CUBE.map(|[a, b, c]| [a, c, b])).collect();
+    assert!(message(&vertices, &both).contains("volume 0"));
+    assert!(message(&[[1.0; 3]; 3], &[[0, 1, 2]]).contains("two vertices at one place"));
+    let tiny = cube([0.0; 3], [1e-101; 3]);
+    assert!(message(&tiny, &CUBE).contains("extent"));
+}

@@ -1,0 +1,94 @@
+//! Meshes: `.obj` and `.off`, and the domains made of them.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use super::{MESH_ENDINGS, ending, io_error, obj, off};
+use crate::{Domain, Error, Result};
+
+/// A triangle mesh as a file holds it: not checked for anything but indices that exist.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Positions of the vertices.
+    pub vertices: Vec<[f64; 3]>,
+    /// Triangles, as indices into `vertices`. A polygon becomes a fan from its first corner, which keeps a closed mesh
+    /// closed and encloses what the polygon encloses, convex or not, as long as it is flat.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Reads a mesh by the file's ending: `.obj` (Wavefront) or `.off` (text).
+///
+/// # Errors
+/// `Io` where the file cannot be read; `Input`, with file and line, where it is not what its ending says.
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh> {
+    let path = path.as_ref();
+    let format = ending(path, MESH_ENDINGS)?;
+    let file = File::open(path).map_err(|e| io_error(path, "open", &e))?;
+    let reader = BufReader::with_capacity(1 << 18, file);
+    let mesh = match format {
+        ".off" => off::parse_off(reader),
+        _ => obj::parse_obj(reader),
+    };
+    let mesh = mesh.map_err(|e| e.at(path.display()))?;
+    if mesh.triangles.is_empty() {
+        return Err(Error::input(format!("{}: no faces in it", path.display())));
+    }
+    Ok(mesh)
+}
+
+impl Domain {
+    /// Reads a domain from a closed triangle mesh, `.obj` or `.off` by the file's ending, and validates it as
+    /// [`Domain::new`] does.
+    ///
+    /// # Errors
+    /// As [`read_mesh`], and `Input` where the mesh is not closed.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let mesh = read_mesh(path)?;
+        Self::new(&mesh.vertices, &mesh.triangles).map_err(|e| e.at(path.display()))
+    }
+
+    /// Reads a domain from the text of an `.obj` file in memory.
+    ///
+    /// # Errors
+    /// `Input`, with the line, where it is not one, and where the mesh is not closed.
+    pub fn from_obj(text: &[u8]) -> Result<Self> {
+        let mesh = obj::parse_obj(text)?;
+        Self::new(&mesh.vertices, &mesh.triangles)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scratch;
+    use super::*;
+    use crate::ErrorKind;
+
+    #[test]
+    fn errors_name_the_file() {
+        let folder = scratch("mesh");
+        let path = folder.join("m.off");
+        assert_eq!(read_mesh(&path).unwrap_err().kind(), ErrorKind::Io);
+        std::fs::write(&path, "OFF\n1 1 0\n").unwrap();
+        let expected = format!("{}: line 3: the file ends after 0 of 1 vertices", path.display());
+        assert_eq!(read_mesh(&path).unwrap_err().to_string(), expected);
+        std::fs::write(&path, "OFF\n0 0 0\n").unwrap();
+        assert_eq!(read_mesh(&path).unwrap_err().to_string(), format!("{}: no faces in it", path.display()));
+        assert!(Domain::load(folder.join("m.stl")).unwrap_err().to_string().contains("known here: .obj, .off"));
+        // A folder with the ending of a mesh.
+        std::fs::create_dir(folder.join("d.obj")).unwrap();
+        assert_eq!(read_mesh(folder.join("d.obj")).unwrap_err().to_string().lines().count(), 1);
+    }
+
+    #[test]
+    fn the_bunny_is_a_domain() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/meshes/bunny.obj");
+        let bunny = Domain::load(&path).unwrap();
+        assert_eq!((bunny.vertices().len(), bunny.triangles().len()), (1839, 3674));
+        // Its volume, summed in ordinary arithmetic by another program: good to the digits that are compared.
+        assert!((bunny.volume() - 194.288_371_812).abs() < 1e-9, "{}", bunny.volume());
+        let text = std::fs::read(&path).unwrap();
+        assert_eq!(Domain::from_obj(&text).unwrap().volume(), bunny.volume());
+    }
+}

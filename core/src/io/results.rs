@@ -1,0 +1,191 @@
+//! Results: cells (`.csv`, `.npy`) and facets (`.csv`).
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::{CELLS_ENDINGS, FACETS_ENDINGS, atomic, ending, npy};
+use crate::{Error, Output, PowerDiagram, Result};
+
+/// Writes one row for each site, in the caller's order, by the file's ending.
+///
+/// * `.csv`: header `site,volume,x,y,z,facets,status`: the volume and barycenter of the restricted cell, the number of its
+///   facets (with other sites and with the boundary; empty where facets were not asked for), and the word of its
+///   [`CellStatus`](crate::CellStatus). Numbers read back to the same bits; the barycenter of an empty cell is `NaN`.
+/// * `.npy`: shape (N, 4), 64-bit floats: volume and barycenter; an empty cell is volume 0 and NaN barycenter.
+///
+/// The file appears whole or not at all.
+///
+/// # Errors
+/// `Input` for an unknown ending or an output of another diagram; `Io` where writing failed.
+pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+    let path = path.as_ref();
+    let format = ending(path, CELLS_ENDINGS)?;
+    check_fit(diagram, output)?;
+    match format {
+        ".npy" => {
+            let rows = output.volume.iter().zip(&output.barycenter).flat_map(|(&v, &[x, y, z])| [v, x, y, z]);
+            atomic::write_whole(path, |w| npy::write_rows(w, output.volume.len(), 4, rows))
+        }
+        _ => atomic::write_whole(path, |w| cells_csv(w, output)),
+    }
+}
+
+/// Writes one row for each facet and direction, sorted by site and then neighbour: header
+/// `site,neighbor,area,x,y,z,distance`, with area and barycenter of the facet within the domain, and the distance between the
+/// two sites. An interior facet stands once in each direction. Neighbour −1 is the boundary of the domain or box: the
+/// area and barycenter of the piece of it that lies in the cell, the distance being an empty field, since there is no second site.
+///
+/// The file appears whole or not at all.
+///
+/// # Errors
+/// `Input` for an unknown ending, an output of another diagram, or one without facets; `Io` where writing failed.
+pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+    let path = path.as_ref();
+    ending(path, FACETS_ENDINGS)?;
+    check_fit(diagram, output)?;
+    if output.facets.is_none() {
+        return Err(Error::input("this output has no facets: ask for them with Request::with_facets"));
+    }
+    atomic::write_whole(path, |w| facets_csv(w, output))
+}
+
+/// Number of facets of the cell of site `i`, its piece of the boundary counting as one; `None` where not asked for.
+pub(super) fn facet_count(output: &Output, i: usize) -> Option<usize> {
+    let facets = output.facets.as_ref()?;
+    let boundary = output.boundary.as_ref().is_some_and(|b| b[i].area > 0.0);
+    Some(facets.offsets[i + 1] - facets.offsets[i] + usize::from(boundary))
+}
+
+/// An output is plain data that a caller can mix up; what is indexed below must be there.
+fn check_fit(diagram: &PowerDiagram, output: &Output) -> Result<()> {
+    let n = diagram.positions().len();
+    let facets_fit = output.facets.as_ref().is_none_or(|f| {
+        let m = f.neighbor.len();
+        f.offsets.len() == n + 1
+            && f.offsets.windows(2).all(|w| w[0] <= w[1])
+            && f.offsets[n] <= m
+            && f.area.len() == m
+            && f.barycenter.len() == m
+            && f.distance.len() == m
+    });
+    let fit = output.volume.len() == n
+        && output.barycenter.len() == n
+        && output.status.len() == n
+        && output.boundary.as_ref().is_none_or(|b| b.len() == n)
+        && facets_fit;
+    if fit { Ok(()) } else { Err(Error::input(format!("this output is not that of a diagram of {n} sites"))) }
+}
+
+fn cells_csv(w: &mut dyn Write, output: &Output) -> io::Result<()> {
+    writeln!(w, "site,volume,x,y,z,facets,status")?;
+    for (i, (volume, [x, y, z])) in output.volume.iter().zip(&output.barycenter).enumerate() {
+        // `{:?}` is the shortest text that reads back to the same number.
+        write!(w, "{i},{volume:?},{x:?},{y:?},{z:?},")?;
+        if let Some(count) = facet_count(output, i) {
+            write!(w, "{count}")?;
+        }
+        writeln!(w, ",{}", output.status[i].word())?;
+    }
+    Ok(())
+}
+
+fn facets_csv(w: &mut dyn Write, output: &Output) -> io::Result<()> {
+    writeln!(w, "site,neighbor,area,x,y,z,distance")?;
+    let Some(facets) = &output.facets else { return Ok(()) };
+    for (i, row) in facets.offsets.windows(2).enumerate() {
+        if let Some(boundary) = output.boundary.as_ref().map(|b| &b[i]).filter(|b| b.area > 0.0) {
+            let [x, y, z] = boundary.barycenter;
+            writeln!(w, "{i},-1,{:?},{x:?},{y:?},{z:?},", boundary.area)?;
+        }
+        for k in row[0]..row[1] {
+            let ([x, y, z], distance) = (facets.barycenter[k], facets.distance[k]);
+            writeln!(w, "{i},{},{:?},{x:?},{y:?},{z:?},{distance:?}", facets.neighbor[k].site, facets.area[k])?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scratch;
+    use super::*;
+    use crate::{Boundary, CellStatus, FacetList, Neighbor};
+
+    /// Two sites with a facet between them, and a third that is hidden.
+    fn three() -> (PowerDiagram, Output) {
+        let positions = [[0.25, 0.5, 0.5], [0.75, 0.5, 0.5], [0.75, 0.5, 0.5]];
+        let diagram = PowerDiagram::new(&positions, &[]).unwrap();
+        let neighbor = |site| Neighbor { site, image: [0; 3] };
+        let output = Output {
+            status: vec![CellStatus::Complete, CellStatus::Uncertified, CellStatus::Empty],
+            volume: vec![1.0 / 3.0, 1e-300, 0.0],
+            barycenter: vec![[0.1, -0.2, 1e17], [0.75, 0.5, 0.5], [f64::NAN; 3]],
+            facets: Some(FacetList {
+                offsets: vec![0, 1, 2, 2],
+                neighbor: vec![neighbor(1), neighbor(0)],
+                area: vec![0.7, 0.7],
+                barycenter: vec![[0.5; 3]; 2],
+                distance: vec![0.5, 0.5],
+            }),
+            boundary: Some(vec![
+                Boundary { area: 3.0, barycenter: [0.125, 0.5, 0.5], ..Boundary::default() },
+                Boundary::default(),
+                Boundary::default(),
+            ]),
+            ..Output::default()
+        };
+        (diagram, output)
+    }
+
+    #[test]
+    fn cells_read_back_exactly() {
+        let (diagram, mut output) = three();
+        let folder = scratch("cells");
+        let csv = folder.join("cells.csv");
+        write_cells(&csv, &diagram, &output).unwrap();
+        let text = std::fs::read_to_string(&csv).unwrap();
+        assert_eq!(
+            text,
+            "site,volume,x,y,z,facets,status\n0,0.3333333333333333,0.1,-0.2,1e17,2,complete\n\
+             1,1e-300,0.75,0.5,0.5,1,uncertified\n2,0.0,NaN,NaN,NaN,0,empty\n"
+        );
+        let volume: f64 = text.lines().nth(1).unwrap().split(',').nth(1).unwrap().parse().unwrap();
+        assert_eq!(volume, output.volume[0]);
+        (output.facets, output.boundary) = (None, None);
+        write_cells(&csv, &diagram, &output).unwrap();
+        assert!(std::fs::read_to_string(&csv).unwrap().contains("\n2,0.0,NaN,NaN,NaN,,empty\n"));
+
+        let path = folder.join("cells.npy");
+        write_cells(&path, &diagram, &output).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
+        assert_eq!(npy.shape(), [3, 4]);
+        let back: Vec<f64> = npy.into_vec().unwrap();
+        assert_eq!(back[..8], [1.0 / 3.0, 0.1, -0.2, 1e17, 1e-300, 0.75, 0.5, 0.5]);
+        assert!(back[8] == 0.0 && back[9..].iter().all(|x| x.is_nan()));
+    }
+
+    #[test]
+    fn facets_stand_in_both_directions_and_the_boundary_as_minus_one() {
+        let (diagram, mut output) = three();
+        let path = scratch("facets").join("facets.csv");
+        write_facets(&path, &diagram, &output).unwrap();
+        assert_eq!(
+            std::fs::read_to_string(&path).unwrap(),
+            "site,neighbor,area,x,y,z,distance\n0,-1,3.0,0.125,0.5,0.5,\n0,1,0.7,0.5,0.5,0.5,0.5\n\
+             1,0,0.7,0.5,0.5,0.5,0.5\n"
+        );
+        output.facets = None;
+        assert!(write_facets(&path, &diagram, &output).unwrap_err().to_string().contains("has no facets"));
+    }
+
+    #[test]
+    fn what_does_not_fit_leaves_nothing() {
+        let (diagram, mut output) = three();
+        let folder = scratch("misfit");
+        assert!(write_cells(folder.join("cells.vtk"), &diagram, &output).is_err());
+        output.volume.pop();
+        assert!(write_cells(folder.join("cells.csv"), &diagram, &output).is_err());
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
+    }
+}

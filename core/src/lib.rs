@@ -1,0 +1,32 @@
+//! Everything of `laguerre` that does not depend on where the code runs: the words (sites, domain, diagram, request,
+//! output), the one text of the algorithm ([`cell`]), and the [`Backend`] trait that runs it somewhere.
+//!
+//! Users depend on the facade crate `laguerre`, which re-exports what they need.
+#![forbid(unsafe_code)]
+
+pub mod assemble;
+pub mod backend;
+pub mod cell;
+pub mod diagram;
+pub mod domain;
+pub mod domain_grid;
+pub mod error;
+pub mod exact;
+pub mod frame;
+pub mod io;
+#[cfg(any(test, feature = "test-util"))]
+pub mod oracle;
+pub mod output;
+pub mod passes;
+pub mod request;
+#[cfg(any(test, feature = "test-util"))]
+pub mod shapes;
+pub mod site_grid;
+pub mod summation;
+
+pub use backend::{Backend, BackendInfo};
+pub use diagram::PowerDiagram;
+pub use domain::Domain;
+pub use error::{Error, ErrorKind, Result};
+pub use output::{Boundary, CellStatus, FacetList, Neighbor, Output, PassReport};
+pub use request::{Progress, Request};

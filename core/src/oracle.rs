@@ -1,0 +1,62 @@
+//! The naive oracle: every site clips every cell, in sorted order, with no grid and no early stop. It shares the clipping
+//! with the backends, so it tests completeness; what tests the clipping is what shares nothing with it.
+
+use crate::assemble::{Assembler, CellRecord, collect_facets};
+use crate::backend::{Backend, BackendInfo};
+use crate::cell::{self, CellSums, PlainStore, bisector, v3};
+use crate::output::CellStatus;
+use crate::{Error, ErrorKind, Output, PowerDiagram, Request, Result};
+
+/// The naive backend, of quadratic cost.
+#[derive(Clone, Debug, Default)]
+pub struct Naive {
+    only: Option<Vec<u32>>,
+}
+
+impl Naive {
+    /// An oracle for the given sites alone (the caller's indices); other cells are left `Empty`.
+    pub fn only(sites: &[u32]) -> Self {
+        Self { only: Some(sites.to_vec()) }
+    }
+}
+
+impl Backend for Naive {
+    fn info(&self) -> BackendInfo {
+        BackendInfo { backend: "naive", device: "oracle".into(), precision: "f64", threads: 1 }
+    }
+
+    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        let prepared = diagram.prepare()?;
+        let mut assembler = Assembler::new(&prepared, request);
+        let flags = cell::flags_of(request);
+        let sites = prepared.sites.sites();
+        for (i, &[x, y, z, w]) in sites.iter().enumerate() {
+            if self.only.as_ref().is_some_and(|only| !only.contains(&prepared.sites.order()[i])) {
+                continue;
+            }
+            let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+            let corner = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
+            let mut status = cell::begin(&mut store, corner(prepared.lo), corner(prepared.hi));
+            for (j, &[nx, ny, nz, nw]) in sites.iter().enumerate() {
+                if j != i && status != cell::EMPTY {
+                    status = cell::clip(&mut store, bisector(v3(nx - x, ny - y, nz - z), w - nw), j as u32);
+                }
+            }
+            let mut sums = CellSums::default();
+            if matches!(status, cell::CUT | cell::UNTOUCHED | cell::COMPLETE) {
+                status = cell::integrate_cell(&mut store, flags, 0, &mut sums);
+            }
+            let status = match status {
+                cell::COMPLETE => CellStatus::Complete,
+                cell::EMPTY => CellStatus::Empty,
+                other => return Err(Error::new(ErrorKind::Device, format!("cell {i} ended with status {other}"))),
+            };
+            let mut facets = Vec::new();
+            if request.facets {
+                collect_facets(&store, &mut facets);
+            }
+            assembler.add(&CellRecord { site: i as u32, status, sums }, &facets);
+        }
+        Ok(assembler.finish())
+    }
+}

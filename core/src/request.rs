@@ -1,0 +1,60 @@
+//! What to compute: a [`Request`].
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A counter of finished cells, shared with whoever draws a progress bar.
+#[derive(Clone, Debug, Default)]
+pub struct Progress(Arc<AtomicUsize>);
+
+impl Progress {
+    /// `cells` more are finished. Called by backends.
+    pub fn advance(&self, cells: usize) {
+        self.0.fetch_add(cells, Ordering::Relaxed);
+    }
+
+    /// How many cells are finished so far.
+    pub fn finished(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// What to compute for every cell. Volumes and barycenters always; the rest on request.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct Request {
+    /// Facets with every neighbour, and the cell's piece of the boundary.
+    pub facets: bool,
+    /// Second moments.
+    pub second_moments: bool,
+    /// `Some(ε)`: stop each cell at the paper's security radius enlarged by the factor `1 + ε` (paper §2.3), with no
+    /// certificate: cells for which that cannot be shown to suffice are marked `Uncertified`.
+    pub epsilon: Option<f64>,
+    /// Where to count finished cells.
+    pub progress: Progress,
+}
+
+impl Request {
+    /// Volumes and barycenters.
+    pub fn moments() -> Self {
+        Self::default()
+    }
+
+    /// Also the facets shared with each neighbour, and the cell's piece of the boundary.
+    #[must_use]
+    pub fn with_facets(self) -> Self {
+        Self { facets: true, ..self }
+    }
+
+    /// Also the second moments.
+    #[must_use]
+    pub fn with_second_moments(self) -> Self {
+        Self { second_moments: true, ..self }
+    }
+
+    /// Stop at the paper's enlarged security radius instead of a proof (see [`Request::epsilon`]).
+    #[must_use]
+    pub fn with_epsilon(self, epsilon: f64) -> Self {
+        Self { epsilon: Some(epsilon), ..self }
+    }
+}

@@ -1,0 +1,71 @@
+//! What a person would otherwise type from memory: `cargo xtask test`, `cargo xtask check`.
+#![forbid(unsafe_code)]
+
+mod run;
+
+use std::env;
+use std::process::ExitCode;
+
+use run::{Counts, cargo, cargo_test};
+
+const USAGE: &str = "usage: cargo xtask COMMAND
+
+  test [FILTER…]   all tests of the workspace, doc tests and the conformance suite of every backend included;
+                   LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
+  check            formatting, clippy and documentation, warnings as errors";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match words[..] {
+        ["test", ref filters @ ..] => test(filters),
+        ["check"] => check(),
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("xtask: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs all tests, keeps on after a failure, and ends with the sum.
+fn test(filters: &[&str]) -> Result<(), String> {
+    let required = env::var("LAGUERRE_REQUIRE").unwrap_or_else(|_| "cpu".to_owned());
+    let variables = [("LAGUERRE_REQUIRE", required.as_str())];
+    let mut counts = Counts::default();
+    // `cargo test --all-targets` leaves doc tests out, and without it benches are not built: hence two runs. Benches are only
+    // built: a timing is not a test.
+    let mut failures = Vec::new();
+    for arguments in [&["--lib", "--bins", "--tests", "--examples"][..], &["--doc"]] {
+        let mut line = vec!["test", "--locked", "--workspace", "--all-features", "--no-fail-fast"];
+        line.extend(arguments);
+        line.push("--");
+        line.extend(filters);
+        let (ran, ok) = cargo_test(&line, &variables)?;
+        counts += ran;
+        if !ok {
+            failures.push(arguments.join(" "));
+        }
+    }
+    cargo(&["build", "--locked", "--workspace", "--all-features", "--benches"], &[])?;
+    println!("{counts}");
+    match failures.is_empty() && counts.failed == 0 {
+        true => Ok(()),
+        false => Err(format!("tests failed (cargo test {})", failures.join(", cargo test "))),
+    }
+}
+
+/// Formatting, lints and documentation; the first that fails ends it.
+fn check() -> Result<(), String> {
+    cargo(&["fmt", "--all", "--check"], &[])?;
+    let clippy = ["clippy", "--locked", "--workspace", "--all-features", "--all-targets", "--", "-D", "warnings"];
+    cargo(&clippy, &[])?;
+    let doc = ["doc", "--locked", "--workspace", "--all-features", "--no-deps"];
+    cargo(&doc, &[("RUSTDOCFLAGS", "-D warnings")])
+}

@@ -15,6 +15,9 @@ const WORTH_SHARP_TEST: usize = 8;
 /// Voxels around a site's own, along each axis, up to which rows of voxels are searched instead of the pyramid.
 const ROWS: Real = 4.0;
 
+/// Candidates between two looks at whether the cell already lies outside the domain.
+const BETWEEN_LOOKS: usize = 8;
+
 /// A candidate as one number to sort by: its squared distance, rounded to `f32`, then its sorted index.
 type Candidate = u64;
 
@@ -87,15 +90,17 @@ impl Search {
         let enlarged = epsilon.map(|e| 1.0 + e);
         let mut search = CellSearch { store, prepared, site, position: [x, y, z], weight, farthest, enlarged, outcome };
         let block = self.gather_block(&search, clusters);
-        for &candidate in &self.candidates {
-            if !search.visit(candidate as u32) {
+        // Cells outside the domain need not be complete to be known empty.
+        for some in self.candidates.chunks(BETWEEN_LOOKS) {
+            for &candidate in some {
+                if !search.visit(candidate as u32) {
+                    return search.outcome;
+                }
+            }
+            if cell::lies_outside(search.store) != 0 {
+                search.outcome.status = EMPTY;
                 return search.outcome;
             }
-        }
-        // Cells outside the domain need not be complete to be known empty.
-        if cell::lies_outside(search.store) != 0 {
-            search.outcome.status = EMPTY;
-            return search.outcome;
         }
         self.visit_rest(&mut search, block);
         search.outcome

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use laguerre::diagram::LARGEST_COORDINATE;
 
 /// Restricted power diagrams: the cells of weighted sites, cut by a domain, and integrals over them.
 ///
@@ -186,8 +187,8 @@ fn parse_box(text: &str) -> Result<Corners, String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|word| match word.trim().parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(x),
-            _ => Err(format!("'{}' is not a finite number", word.trim())),
+            Ok(x) if x.abs() <= LARGEST_COORDINATE => Ok(x),
+            _ => Err(format!("'{}' is not a number within ±{LARGEST_COORDINATE:e}", word.trim())),
         })
         .collect::<Result<_, _>>()?;
     let [x0, y0, z0, x1, y1, z1] = *numbers.as_slice() else {
@@ -230,11 +231,11 @@ mod tests {
     }
 
     #[test]
-    fn boxes_are_six_finite_numbers_in_order() {
+    fn boxes_are_six_numbers_in_order() {
         let corners = parse_box("-1,0,0, 1,2,3e0").unwrap();
         assert_eq!(corners, Corners { lo: [-1.0, 0.0, 0.0], hi: [1.0, 2.0, 3.0] });
         assert!(parse_box("0,0,0,1,1").unwrap_err().starts_with("5 numbers"));
-        assert!(parse_box("0,0,0,1,1,inf").is_err());
+        assert!(parse_box("0,0,0,1,1,inf").unwrap_err().starts_with("'inf' is not a number within"));
         assert!(parse_box("0,0,0,1,0,1").unwrap_err().starts_with("its y range"));
     }
 }

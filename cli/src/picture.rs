@@ -74,7 +74,7 @@ impl View {
         let height = ((hi[1] - lo[1]) * scale + 2.0 * margin).ceil();
         let drawable = scale.is_finite() && scale > 0.0 && height < 20.0 * f64::from(width);
         let corner = [lo[0] - margin / scale, hi[1] + margin / scale];
-        drawable.then(|| Self { plane: *plane, curves, corner, scale, width, height: height as u32 })
+        drawable.then_some(Self { plane: *plane, curves, corner, scale, width, height: height as u32 })
     }
 
     fn paint(&self, diagram: &PowerDiagram, output: &Output) -> Option<Pixmap> {

@@ -18,7 +18,7 @@ const BLUE_SPREAD: f64 = 0.1;
 const MOST_STEPS: usize = 40;
 /// Tiles of a mirrored distribution along each axis.
 const TILES: u32 = 5;
-/// Random points that are tried at most in search of those inside: more would seem to hang.
+/// Points that are tried at most in search of those inside: more would seem to hang.
 const MOST_TRIES: f64 = 1e10;
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
@@ -66,6 +66,9 @@ impl<'a> Sampler<'a> {
     }
 
     fn sample(&mut self, distribution: Distribution, count: u32) -> Result<Vec<[f64; 3]>> {
+        if f64::from(count) / self.share_inside() > MOST_TRIES {
+            return Err(Error::input("the domain fills too little of its box to find so many sites inside it"));
+        }
         match distribution {
             Distribution::White => self.white(count),
             Distribution::Blue => {
@@ -81,9 +84,6 @@ impl<'a> Sampler<'a> {
 
     /// Independent and uniform.
     pub(crate) fn white(&mut self, count: u32) -> Result<Vec<[f64; 3]>> {
-        if f64::from(count) / self.share_inside() > MOST_TRIES {
-            return Err(Error::input("the domain fills too little of its box to find sites inside it at random"));
-        }
         let mut positions = Vec::new();
         while positions.len() < count as usize {
             let p = std::array::from_fn(|k| self.corners.lo[k] + self.unit() * self.extent[k]);

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use laguerre_conformance::{CHECKS, backends, regressions};
+use laguerre_conformance::{CHECKS, Verdict, backends, regressions};
 use laguerre_core::Backend;
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -35,8 +35,11 @@ fn main() -> ExitCode {
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
+/// A check, or a law with its case.
+type Run = Box<dyn FnOnce(&dyn Backend) -> Verdict + Send>;
+
 fn trials_of(name: &str, backend: &Arc<dyn Backend>) -> Vec<Trial> {
-    let check = |check: &str, run: Box<dyn FnOnce(&dyn Backend) -> Result<(), String> + Send>| {
+    let check = |check: &str, run: Run| {
         let backend = Arc::clone(backend);
         Trial::test(format!("{name}::{check}"), move || run(&*backend).map_err(Failed::from))
     };

@@ -136,12 +136,12 @@ impl<R: BufRead> Geometry<R> {
 
 impl<R: BufRead> BufRead for Geometry<R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        if self.taken == self.buffer.len() {
-            if let Err(error) = self.advance() {
-                let told = super::atomic::as_io(&error);
-                self.error = Some(error);
-                return Err(told);
-            }
+        if self.taken == self.buffer.len()
+            && let Err(error) = self.advance()
+        {
+            let told = super::atomic::as_io(&error);
+            self.error = Some(error);
+            return Err(told);
         }
         Ok(&self.buffer[self.taken..])
     }

@@ -80,8 +80,7 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
     let mut count: Option<(usize, u64)> = None;
     // (number of the first site's line, its columns).
     let mut shape: Option<(usize, usize)> = None;
-    loop {
-        let Some(row) = lines.next_line()?.map(parse_row) else { break };
+    while let Some(row) = lines.next_line()?.map(parse_row) {
         let number = lines.number();
         match row {
             Row::Count(n) if shape.is_none() && count.is_none() => count = Some((number, n)),

@@ -78,6 +78,9 @@ pub fn write_vtu(path: impl AsRef<Path>, cells: &[CellMesh], output: &Output) ->
     })
 }
 
+/// Writes the numbers of one array.
+type WriteArray<'a> = dyn Fn(&mut dyn Write) -> io::Result<()> + 'a;
+
 /// One array of the file: what its XML says, how long it is, and how it is written.
 struct Array<'a> {
     section: &'static str,
@@ -85,7 +88,7 @@ struct Array<'a> {
     kind: &'static str,
     components: u32,
     bytes: u64,
-    write: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+    write: Box<WriteArray<'a>>,
 }
 
 fn arrays<'a>(cells: &'a [CellMesh], output: &'a Output) -> Vec<Array<'a>> {

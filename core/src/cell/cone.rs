@@ -1,16 +1,13 @@
-//! Restriction to the domain by signed truncated cones (paper §4, with winding numbers, exact signs and no merge).
+//! Truncated cones over triangles, and the prisms behind them (paper §4, with exact signs).
 
-use super::clip::{clip, compact_planes};
-use super::integrate::{
-    CellSums, FACETS, VOLUME_ONLY, add_boundary, integrate, reference_point, reset_facets, volume_is_above_bound,
-};
-use super::plane::{Plane, cone_side, triangle_plane};
+use super::clip::clip;
+use super::integrate::{CellSums, FACETS, FacetSum, add_boundary, integrate, integrate_facet};
+use super::plane::{Plane, cone_side, triangle_plane, wall_over_edge};
 use super::status::{
-    BOUNDARY, COMPLETE, CUT, EMPTY, P_FULL, SEEN_CONFLICT, SIGN_UNKNOWN, TAG_BOX, TAG_CONE, TAG_TRIANGLE, UNCERTAIN,
-    UNTOUCHED,
+    COMPLETE, CUT, EMPTY, SEEN_CONFLICT, SEEN_KEEP, SIGN_UNKNOWN, TAG_CONE, TAG_TRIANGLE, UNCERTAIN, UNTOUCHED,
 };
 use super::store::{CellStore, Triangle, Voxel};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, norm_max, sub, v3};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, scale, sub, v3};
 
 /// A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
 #[derive(Clone, Copy)]
@@ -23,219 +20,8 @@ struct TruncatedCone {
     side_2: Plane,
 }
 
-/// The integrals of the finished cell over the container: the domain where there is one, weighted by its winding number,
-/// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
-/// where the cell's voxels hold triangles.
-///
-/// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards.
-pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, sums: &mut CellSums) -> u32 {
-    *sums = CellSums::default();
-    compact_planes(s);
-    let center: V3 = reference_point(s);
-    if s.has_domain() == 0 {
-        let status: u32 = integrate_whole(s, 1.0, center, flags, sums);
-        if (status == COMPLETE) && ((flags & FACETS) != 0) {
-            add_box_faces(s, sums);
-        }
-        return status;
-    }
-    let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    voxels_of_cell(s, &mut lo, &mut hi);
-    let winding: i32 = s.winding(lo);
-    if s.surface_voxels(lo, hi) == 0 {
-        // No triangle near: the winding number is the same all over the cell.
-        return integrate_whole(s, winding as Real, center, flags, sums);
-    }
-    if interior_only != 0 {
-        return BOUNDARY;
-    }
-    // Room for the four planes of a cone, whose indices must not move.
-    if (s.cap_p() - s.planes()) < 4 {
-        return P_FULL;
-    }
-    if (flags & FACETS) != 0 {
-        reset_facets(s);
-    }
-    if winding != 0 {
-        let status: u32 = integrate(s, winding as Real, center, flags, sums);
-        if status != COMPLETE {
-            return status;
-        }
-    }
-    let mut touched: u32 = 0;
-    let cones: u32 = add_cones(s, lo, hi, center, flags, &mut touched, sums);
-    if cones != COMPLETE {
-        return cones;
-    }
-    if touched == 0 {
-        // No piece ends at its triangle: the surface does not meet the cell, and the winding number within is the nearest
-        // integer to the quotient.
-        let mut whole: CellSums = CellSums::default();
-        let status: u32 = integrate(s, 1.0, center, VOLUME_ONLY, &mut whole);
-        if status != COMPLETE {
-            return status;
-        }
-        if volume_is_above_bound(whole) == 0 {
-            return EMPTY;
-        }
-        let quotient: Real = sums.volume / whole.volume;
-        let mut inner: i32 = (quotient.abs() + 0.5) as i32;
-        if quotient < 0.0 {
-            inner = -inner;
-        }
-        *sums = CellSums::default();
-        return integrate_whole(s, inner as Real, center, flags, sums);
-    }
-    if volume_is_above_bound(*sums) == 0 {
-        return EMPTY;
-    }
-    return COMPLETE;
-}
-
-/// Whether (1) the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
-pub fn lies_outside<S: CellStore>(s: &S) -> u32 {
-    if s.has_domain() == 0 {
-        return 0;
-    }
-    let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    voxels_of_cell(s, &mut lo, &mut hi);
-    if (s.surface_voxels(lo, hi) == 0) && (s.winding(lo) == 0) {
-        return 1;
-    }
-    return 0;
-}
-
-/// The integrals of the whole cell, times `weight`.
-fn integrate_whole<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32, sums: &mut CellSums) -> u32 {
-    if weight == 0.0 {
-        return EMPTY;
-    }
-    if (flags & FACETS) != 0 {
-        reset_facets(s);
-    }
-    let status: u32 = integrate(s, weight, center, flags, sums);
-    if status != COMPLETE {
-        return status;
-    }
-    if volume_is_above_bound(*sums) == 0 {
-        return EMPTY;
-    }
-    return COMPLETE;
-}
-
-/// The faces of the initial box are the boundary where there is no domain.
-fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
-    let mut f: u32 = 0;
-    while f < s.planes() {
-        if s.tag(f) == TAG_BOX {
-            add_boundary(s, f, 1.0, 1.0, sums);
-        }
-        f += 1;
-    }
-}
-
-/// The voxels that the bounding box of the cell meets, rounded outward.
-fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
-    let mut low: V3 = s.position(0);
-    let mut high: V3 = low;
-    let mut radius: Real = s.radius(0);
-    let mut v: u32 = 1;
-    while v < s.vertices() {
-        let p: V3 = s.position(v);
-        low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
-        high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
-        radius = larger(radius, s.radius(v));
-        v += 1;
-    }
-    let site: V3 = s.site();
-    // The vertices' error, and the rounding of moving them into the diagram's frame.
-    let margin: Real = radius + ((4.0 * UNIT_ROUNDOFF) * (norm_max(site) + larger(norm_max(low), norm_max(high))));
-    let outward: V3 = v3(margin, margin, margin);
-    *lo = s.voxel_of(sub(add(site, low), outward));
-    *hi = s.voxel_of(add(add(site, high), outward));
-}
-
-#[inline(always)]
-fn smaller(a: Real, b: Real) -> Real {
-    if b < a {
-        return b;
-    }
-    return a;
-}
-
-#[inline(always)]
-fn larger(a: Real, b: Real) -> Real {
-    if b > a {
-        return b;
-    }
-    return a;
-}
-
-/// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
-/// where a piece ends at its triangle.
-fn add_cones<S: CellStore>(
-    s: &mut S,
-    lo: Voxel,
-    hi: Voxel,
-    center: V3,
-    flags: u32,
-    touched: &mut u32,
-    sums: &mut CellSums,
-) -> u32 {
-    s.save();
-    let mut k: u32 = lo.k;
-    while k <= hi.k {
-        let mut j: u32 = lo.j;
-        while j <= hi.j {
-            let mut i: u32 = lo.i;
-            while i <= hi.i {
-                let voxel: Voxel = Voxel { i: i, j: j, k: k };
-                let end: u32 = s.list_end(voxel);
-                let mut entry: u32 = s.list_begin(voxel);
-                while entry < end {
-                    let t: u32 = s.list_entry(entry);
-                    if is_first_voxel(s.lowest_voxel(t), lo, voxel) != 0 {
-                        let status: u32 = add_cone(s, t, lo, center, flags, touched, sums);
-                        if status != COMPLETE {
-                            return status;
-                        }
-                    }
-                    entry += 1;
-                }
-                i += 1;
-            }
-            j += 1;
-        }
-        k += 1;
-    }
-    return COMPLETE;
-}
-
-/// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
-#[inline(always)]
-fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> u32 {
-    let mut i: u32 = lowest.i;
-    let mut j: u32 = lowest.j;
-    let mut k: u32 = lowest.k;
-    if lo.i > i {
-        i = lo.i;
-    }
-    if lo.j > j {
-        j = lo.j;
-    }
-    if lo.k > k {
-        k = lo.k;
-    }
-    if ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k) {
-        return 1;
-    }
-    return 0;
-}
-
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
-fn add_cone<S: CellStore>(
+pub(crate) fn add_cone<S: CellStore>(
     s: &mut S,
     t: u32,
     apex: Voxel,
@@ -244,17 +30,13 @@ fn add_cone<S: CellStore>(
     touched: &mut u32,
     sums: &mut CellSums,
 ) -> u32 {
-    let mut cone: TruncatedCone = TruncatedCone {
-        sign: 0.0,
-        end: Plane::default(),
-        side_0: Plane::default(),
-        side_1: Plane::default(),
-        side_2: Plane::default(),
-    };
+    let mut cone: TruncatedCone = no_cone();
     if make_cone(s, t, apex, &mut cone) != COMPLETE {
         return UNCERTAIN;
     }
     if cone.sign == 0.0 {
+        // The cone is flat, but the surface may still divide the cell.
+        *touched = 1;
         return COMPLETE;
     }
     // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
@@ -266,6 +48,29 @@ fn add_cone<S: CellStore>(
     {
         return COMPLETE;
     }
+    let mut status: u32 = clip_by_sides(s, cone);
+    if status == COMPLETE {
+        status = clip(s, cone.end, TAG_TRIANGLE);
+        if status == CUT {
+            *touched = 1;
+        }
+        if (status == CUT) || (status == UNTOUCHED) {
+            if (flags & FACETS) != 0 {
+                reset_from(s, base);
+            }
+            status = integrate(s, -cone.sign, center, flags, sums);
+        }
+    }
+    s.restore();
+    s.set_planes(base);
+    if status == EMPTY {
+        return COMPLETE;
+    }
+    return status;
+}
+
+/// Clips by the three sides; `COMPLETE` where something is left.
+fn clip_by_sides<S: CellStore>(s: &mut S, cone: TruncatedCone) -> u32 {
     let mut status: u32 = clip(s, cone.side_0, TAG_CONE);
     if (status == CUT) || (status == UNTOUCHED) {
         status = clip(s, cone.side_1, TAG_CONE);
@@ -273,26 +78,46 @@ fn add_cone<S: CellStore>(
     if (status == CUT) || (status == UNTOUCHED) {
         status = clip(s, cone.side_2, TAG_CONE);
     }
-    let end_index: u32 = s.planes();
     if (status == CUT) || (status == UNTOUCHED) {
-        status = clip(s, cone.end, TAG_TRIANGLE);
+        return COMPLETE;
     }
-    if (status == CUT) || (status == UNTOUCHED) {
-        if (flags & FACETS) != 0 {
-            reset_from(s, base);
-        }
-        let ended: u32 = status;
-        status = integrate(s, -cone.sign, center, flags, sums);
-        if (status == COMPLETE) && (ended == CUT) {
-            *touched = 1;
-            if (flags & FACETS) != 0 {
-                add_boundary(s, end_index, -cone.sign, -cone.sign, sums);
-            }
+    return status;
+}
+
+/// Adds the part of triangle `t` within the cell to the boundary's sums: the facet on the triangle's plane of the cell's intersection
+/// with the prism behind it. (The cone would do, but its sides can be nearly parallel to the triangle.)
+pub(crate) fn add_surface<S: CellStore>(s: &mut S, t: u32, apex: Voxel, center: V3, sums: &mut CellSums) -> u32 {
+    let mut prism: TruncatedCone = no_cone();
+    if make_prism(s, t, apex, &mut prism) != COMPLETE {
+        return UNCERTAIN;
+    }
+    let base: u32 = s.planes();
+    s.set_plane(base, prism.end);
+    let seen: u32 = s.mark_conflicts(base);
+    if (seen == SEEN_CONFLICT) || (seen == SEEN_KEEP) {
+        return COMPLETE;
+    }
+    if (all_in_conflict(s, base, prism.side_0) != 0)
+        || (all_in_conflict(s, base, prism.side_1) != 0)
+        || (all_in_conflict(s, base, prism.side_2) != 0)
+    {
+        return COMPLETE;
+    }
+    let mut status: u32 = clip_by_sides(s, prism);
+    let end_index: u32 = s.planes();
+    if status == COMPLETE {
+        status = clip(s, prism.end, TAG_TRIANGLE);
+    }
+    if status == CUT {
+        let mut facet: FacetSum = FacetSum::default();
+        status = integrate_facet(s, end_index, center, &mut facet);
+        if status == COMPLETE {
+            add_boundary(facet, prism.end, -prism.sign, sums);
         }
     }
     s.restore();
     s.set_planes(base);
-    if (status == EMPTY) || (status == COMPLETE) {
+    if (status == EMPTY) || (status == UNTOUCHED) {
         return COMPLETE;
     }
     return status;
@@ -338,6 +163,45 @@ fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedC
     cone.side_0 = side_over_edge(triangle.a, triangle.b, a, b, o, o_in, cone.sign);
     cone.side_1 = side_over_edge(triangle.b, triangle.c, b, c, o, o_in, cone.sign);
     cone.side_2 = side_over_edge(triangle.c, triangle.a, c, a, o, o_in, cone.sign);
+    return COMPLETE;
+}
+
+/// No cone yet.
+fn no_cone() -> TruncatedCone {
+    return TruncatedCone {
+        sign: 0.0,
+        end: Plane::default(),
+        side_0: Plane::default(),
+        side_1: Plane::default(),
+        side_2: Plane::default(),
+    };
+}
+
+/// The prism over triangle `t`, in the frame of the site, on the side that the cone from `apex` keeps: where the surface touches
+/// the cell, both then decide alike.
+fn make_prism<S: CellStore>(s: &mut S, t: u32, apex: Voxel, prism: &mut TruncatedCone) -> u32 {
+    let triangle: Triangle = s.triangle(t);
+    let a: V3 = s.domain_point(triangle.a);
+    let b: V3 = s.domain_point(triangle.b);
+    let c: V3 = s.domain_point(triangle.c);
+    let o: V3 = s.corner(apex);
+    let sign: i32 = cone_sign(s, t, apex, sub(a, o), sub(b, o), sub(c, o));
+    if sign == SIGN_UNKNOWN {
+        return UNCERTAIN;
+    }
+    prism.sign = 1.0;
+    if sign < 0 {
+        prism.sign = -1.0;
+    }
+    let site: V3 = s.site();
+    let a_in: V3 = sub(a, site);
+    let b_in: V3 = sub(b, site);
+    let c_in: V3 = sub(c, site);
+    prism.end = triangle_plane(a_in, b_in, c_in, prism.sign);
+    let n: V3 = scale(prism.sign, prism.end.n);
+    prism.side_0 = wall_over_edge(n, a_in, b_in);
+    prism.side_1 = wall_over_edge(n, b_in, c_in);
+    prism.side_2 = wall_over_edge(n, c_in, a_in);
     return COMPLETE;
 }
 

@@ -21,9 +21,8 @@ pub struct FacetSum {
     pub area: Real,
     /// ∫ x dA, in the frame of the site.
     pub moment: V3,
-    /// Sum of the magnitudes of the areas that were added, and of those that a unit of relative error in the planes' offsets moves:
-    /// what the area's rounding is measured by.
-    pub size: Real,
+    /// What rounding may have added to the area, at most.
+    pub rounding: Real,
 }
 
 /// Sums over one restricted cell, in the frame of its site.
@@ -38,9 +37,8 @@ pub struct CellSums {
     pub second_diagonal: V3,
     /// ∫ xy, xz, yz dx.
     pub second_mixed: V3,
-    /// Sum of the magnitudes of the volumes that were added, and of those that a unit of relative error in the planes' offsets
-    /// moves: what the volume's rounding is measured by.
-    pub size: Real,
+    /// What rounding may have added to the volume, at most.
+    pub rounding: Real,
     /// Area of the boundary within the cell.
     pub boundary_area: Real,
     /// ∫ x dA over the boundary.
@@ -55,9 +53,14 @@ pub struct CellSums {
 /// vertex, eight for the determinant, the rest for the sum of up to some hundred terms of mixed sign.
 const ROUNDINGS: Real = 64.0;
 
+/// Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
+/// correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
+/// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
+const ROUNDINGS_ACROSS: Real = 8.0;
+
 /// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
 pub fn volume_is_above_bound(sums: CellSums) -> u32 {
-    if sums.volume.abs() > ((ROUNDINGS * UNIT_ROUNDOFF) * sums.size) {
+    if sums.volume.abs() > sums.rounding {
         return 1;
     }
     return 0;
@@ -65,7 +68,7 @@ pub fn volume_is_above_bound(sums: CellSums) -> u32 {
 
 /// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
 pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
-    if sum.area.abs() > ((ROUNDINGS * UNIT_ROUNDOFF) * sum.size) {
+    if sum.area.abs() > sum.rounding {
         return 1;
     }
     return 0;
@@ -96,17 +99,18 @@ pub(crate) fn integrate<S: CellStore>(s: &mut S, weight: Real, center: V3, flags
     let mut v: u32 = 0;
     while v < s.vertices() {
         let t: Triplet = s.triplet(v);
-        let position: V3 = sub(s.position(v), center);
+        let at: Corner =
+            Corner { position: sub(s.position(v), center), distance: norm_1(s.position(v)), radius: s.radius(v) };
         let a: Side = side(s, t.a, center);
         let b: Side = side(s, t.b, center);
         let c: Side = side(s, t.c, center);
-        if add_edge(s, a, b, position, weight, center, flags, &mut part) != COMPLETE {
+        if add_edge(s, a, b, at, weight, center, flags, &mut part) != COMPLETE {
             return UNCERTAIN;
         }
-        if add_edge(s, b, c, position, weight, center, flags, &mut part) != COMPLETE {
+        if add_edge(s, b, c, at, weight, center, flags, &mut part) != COMPLETE {
             return UNCERTAIN;
         }
-        if add_edge(s, c, a, position, weight, center, flags, &mut part) != COMPLETE {
+        if add_edge(s, c, a, at, weight, center, flags, &mut part) != COMPLETE {
             return UNCERTAIN;
         }
         v += 1;
@@ -117,7 +121,7 @@ pub(crate) fn integrate<S: CellStore>(s: &mut S, weight: Real, center: V3, flags
     let about: V3 = scale(volume, center);
     sums.volume = sums.volume + volume;
     sums.first = add(sums.first, add(first, about));
-    sums.size = sums.size + (part.size / 6.0);
+    sums.rounding = sums.rounding + (part.rounding / 6.0);
     if (flags & SECOND_MOMENTS) != 0 {
         // ∫ (y + c)(y + c)ᵀ = ∫ yyᵀ + c mᵀ + m cᵀ + V ccᵀ, m = ∫ y.
         let twice: V3 = add(add(first, first), about);
@@ -143,37 +147,59 @@ fn side<S: CellStore>(s: &S, f: u32, center: V3) -> Side {
     return Side { index: f, n: plane.n, d: d, square: square, foot: scale(-(d / square), plane.n) };
 }
 
+/// A vertex as the integrals see it.
+#[derive(Clone, Copy)]
+struct Corner {
+    /// Relative to the reference point.
+    position: V3,
+    /// ‖·‖₁ of its way from the site.
+    distance: Real,
+    /// Its error radius.
+    radius: Real,
+}
+
 /// Adds the two tetrahedra of one vertex and its edge (f, g).
 #[inline(always)]
 fn add_edge<S: CellStore>(
     s: &mut S,
     f: Side,
     g: Side,
-    position: V3,
+    at: Corner,
     weight: Real,
     center: V3,
     flags: u32,
     part: &mut CellSums,
 ) -> u32 {
-    let direction: V3 = cross(f.n, g.n);
-    let square: Real = dot(direction, direction);
     let mut foot: V3 = v3(0.0, 0.0, 0.0);
-    if square > ((NEARLY_PARALLEL * f.square) * g.square) {
-        // I = (−d_f n_g×x − d_g x×n_f) / |x|², x = n_f×n_g
-        foot = scale(-1.0 / square, add(scale(f.d, cross(g.n, direction)), scale(g.d, cross(direction, f.n))));
-    } else if s.exact_foot(f.index, g.index, center, &mut foot) != COMPLETE {
+    if foot_on_edge(s, f, g, center, &mut foot) != COMPLETE {
         return UNCERTAIN;
     }
-    let spoke: V3 = cross(foot, position);
-    // Where the site is not inside, the planes' roundings are those of offsets as large as the way to `center`.
-    part.size = part.size + (norm_1(center) * norm_1(spoke));
-    add_tetrahedron(dot(g.foot, spoke), g.foot, foot, position, flags, part);
-    add_tetrahedron(-dot(f.foot, spoke), f.foot, foot, position, flags, part);
+    let spoke: V3 = cross(foot, at.position);
+    add_tetrahedron(dot(g.foot, spoke), g.foot, foot, at.position, flags, part);
+    add_tetrahedron(-dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
+    part.rounding = part.rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if (flags & FACETS) != 0 {
-        add_triangle(s, g, foot, position, -weight, center);
-        add_triangle(s, f, foot, position, weight, center);
+        let mut sum: FacetSum = s.facet(g.index);
+        add_triangle(g, foot, at, -weight, center, &mut sum);
+        s.set_facet(g.index, sum);
+        sum = s.facet(f.index);
+        add_triangle(f, foot, at, weight, center, &mut sum);
+        s.set_facet(f.index, sum);
     }
     return COMPLETE;
+}
+
+/// The foot of the perpendicular from the reference point to the line of planes f and g:
+/// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`.
+#[inline(always)]
+fn foot_on_edge<S: CellStore>(s: &mut S, f: Side, g: Side, center: V3, foot: &mut V3) -> u32 {
+    let direction: V3 = cross(f.n, g.n);
+    let square: Real = dot(direction, direction);
+    if square > ((NEARLY_PARALLEL * f.square) * g.square) {
+        *foot = scale(-1.0 / square, add(scale(f.d, cross(g.n, direction)), scale(g.d, cross(direction, f.n))));
+        return COMPLETE;
+    }
+    return s.exact_foot(f.index, g.index, center, foot);
 }
 
 /// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
@@ -182,7 +208,7 @@ fn add_edge<S: CellStore>(
 fn add_tetrahedron(volume: Real, h: V3, i: V3, v: V3, flags: u32, part: &mut CellSums) {
     let sum: V3 = add(add(h, i), v);
     part.volume = part.volume + volume;
-    part.size = part.size + volume.abs();
+    part.rounding = part.rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * volume.abs());
     part.first = add(part.first, scale(volume, sum));
     if (flags & SECOND_MOMENTS) != 0 {
         let diagonal: V3 = v3(
@@ -210,18 +236,50 @@ fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> Real {
     return ((a * b) + (c * d)) + (e * f);
 }
 
-/// Adds the triangle (H, I, v) to the facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
+/// Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
 /// `area·(H + I + v)/3`.
 #[inline(always)]
-fn add_triangle<S: CellStore>(s: &mut S, f: Side, foot: V3, position: V3, sign: Real, center: V3) {
-    let normal: V3 = cross(sub(foot, f.foot), sub(position, f.foot));
+fn add_triangle(f: Side, foot: V3, at: Corner, sign: Real, center: V3, sum: &mut FacetSum) {
+    let normal: V3 = cross(sub(foot, f.foot), sub(at.position, f.foot));
     let area: Real = ((0.5 * sign) * dot(normal, f.n)) / f.square.sqrt();
-    let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), position)), center);
-    let mut sum: FacetSum = s.facet(f.index);
+    let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), at.position)), center);
     sum.area = sum.area + area;
     sum.moment = add(sum.moment, scale(area, middle));
-    sum.size = sum.size + (area.abs() + (norm_1(center) * norm_1(sub(position, foot))));
-    s.set_facet(f.index, sum);
+    sum.rounding = sum.rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * area.abs());
+    sum.rounding = sum.rounding + (at.radius * norm_1(sub(at.position, foot)));
+}
+
+/// The sums of the facet of plane `index` alone.
+pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
+    *sum = FacetSum::default();
+    let f: Side = side(s, index, center);
+    let mut v: u32 = 0;
+    while v < s.vertices() {
+        let mut t: Triplet = s.triplet(v);
+        if t.b == index {
+            t = Triplet { a: t.b, b: t.c, c: t.a };
+        } else if t.c == index {
+            t = Triplet { a: t.c, b: t.a, c: t.b };
+        }
+        if t.a == index {
+            // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
+            let at: Corner =
+                Corner { position: sub(s.position(v), center), distance: norm_1(s.position(v)), radius: s.radius(v) };
+            let b: Side = side(s, t.b, center);
+            let c: Side = side(s, t.c, center);
+            let mut foot: V3 = v3(0.0, 0.0, 0.0);
+            if foot_on_edge(s, f, b, center, &mut foot) != COMPLETE {
+                return UNCERTAIN;
+            }
+            add_triangle(f, foot, at, 1.0, center, sum);
+            if foot_on_edge(s, c, f, center, &mut foot) != COMPLETE {
+                return UNCERTAIN;
+            }
+            add_triangle(f, foot, at, -1.0, center, sum);
+        }
+        v += 1;
+    }
+    return COMPLETE;
 }
 
 /// Sets the facets' sums to zero.
@@ -233,18 +291,17 @@ pub(crate) fn reset_facets<S: CellStore>(s: &mut S) {
     }
 }
 
-/// Adds the facet of plane `f`, which bounds the domain, to the boundary's sums. `weight` is what the facet was
-/// integrated with: its own sign does not count, the boundary's area is absolute. `outward` is the domain's outward side, +1 where the
-/// half-space keeps the domain's inside.
-pub(crate) fn add_boundary<S: CellStore>(s: &S, f: u32, weight: Real, outward: Real, sums: &mut CellSums) {
-    let sum: FacetSum = s.facet(f);
-    let plane: Plane = s.plane(f);
-    let area: Real = weight * sum.area;
-    let length: Real = dot(plane.n, plane.n).sqrt();
-    sums.boundary_area = sums.boundary_area + area;
-    sums.boundary_moment = add(sums.boundary_moment, scale(weight, sum.moment));
-    sums.boundary_vector = sub(sums.boundary_vector, scale((outward * area) / length, plane.n));
-    sums.boundary_flux = sums.boundary_flux + (((outward * area) * plane.d) / length);
+/// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
+/// keeps the domain's inside, −1 where it keeps its outside.
+pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
+    if facet_is_above_bound(sum) == 0 {
+        return;
+    }
+    let share: Real = (outward * sum.area) / dot(plane.n, plane.n).sqrt();
+    sums.boundary_area = sums.boundary_area + sum.area;
+    sums.boundary_moment = add(sums.boundary_moment, sum.moment);
+    sums.boundary_vector = sub(sums.boundary_vector, scale(share, plane.n));
+    sums.boundary_flux = sums.boundary_flux + (share * plane.d);
 }
 
 /// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.

@@ -27,6 +27,7 @@ mod clip;
 mod cone;
 mod integrate;
 mod plane;
+mod restrict;
 mod security;
 mod status;
 mod store;
@@ -35,11 +36,11 @@ mod vertex;
 mod wide;
 
 pub use clip::{begin, clip, compact_planes};
-pub use cone::{integrate_cell, lies_outside};
 pub use integrate::{
     CellSums, FACETS, FacetSum, SECOND_MOMENTS, VOLUME_ONLY, facet_is_above_bound, volume_is_above_bound,
 };
 pub use plane::{Plane, bisector};
+pub use restrict::{integrate_cell, lies_outside};
 pub use security::{box_cannot_cut, farthest_vertex, security_reach};
 pub use status::*;
 pub use store::{CellStore, PlainStore, Triangle, Voxel};

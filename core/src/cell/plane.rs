@@ -34,3 +34,10 @@ pub(crate) fn triangle_plane(a: V3, b: V3, c: V3, sign: Real) -> Plane {
     let n: V3 = scale(sign, cross(sub(b, a), sub(c, a)));
     return Plane { n: n, d: -dot(n, a) };
 }
+
+/// The plane through the edge from `a` to `b` of a triangle, across the triangle's own plane of normal `n`; keeps the side
+/// where `(n × (b − a))·(x − a) ≥ 0`: the triangle's, where it is counterclockwise about `n`.
+pub(crate) fn wall_over_edge(n: V3, a: V3, b: V3) -> Plane {
+    let inward: V3 = cross(n, sub(b, a));
+    return Plane { n: inward, d: -dot(inward, a) };
+}

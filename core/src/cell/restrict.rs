@@ -1,0 +1,227 @@
+//! Restriction of a cell to the domain by winding numbers and signed truncated cones (paper §4, with no merge).
+
+use super::clip::compact_planes;
+use super::cone::{add_cone, add_surface};
+use super::integrate::{
+    CellSums, FACETS, VOLUME_ONLY, add_boundary, integrate, reference_point, reset_facets, volume_is_above_bound,
+};
+use super::status::{BOUNDARY, COMPLETE, EMPTY, P_FULL, TAG_BOX};
+use super::store::{CellStore, Voxel};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, norm_max, sub, v3};
+
+/// The integrals of the finished cell over the container: the domain where there is one, weighted by its winding number,
+/// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
+/// where the cell's voxels hold triangles.
+///
+/// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards.
+pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, sums: &mut CellSums) -> u32 {
+    *sums = CellSums::default();
+    compact_planes(s);
+    let center: V3 = reference_point(s);
+    if s.has_domain() == 0 {
+        let status: u32 = integrate_whole(s, 1.0, center, flags, sums);
+        if (status == COMPLETE) && ((flags & FACETS) != 0) {
+            add_box_faces(s, sums);
+        }
+        return status;
+    }
+    let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
+    let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
+    voxels_of_cell(s, &mut lo, &mut hi);
+    let winding: i32 = s.winding(lo);
+    if s.surface_voxels(lo, hi) == 0 {
+        // No triangle near: the winding number is the same all over the cell.
+        return integrate_whole(s, winding as Real, center, flags, sums);
+    }
+    if interior_only != 0 {
+        return BOUNDARY;
+    }
+    // Room for the four planes of a cone, whose indices must not move.
+    if (s.cap_p() - s.planes()) < 4 {
+        return P_FULL;
+    }
+    if (flags & FACETS) != 0 {
+        reset_facets(s);
+    }
+    if winding != 0 {
+        let status: u32 = integrate(s, winding as Real, center, flags, sums);
+        if status != COMPLETE {
+            return status;
+        }
+    }
+    let mut touched: u32 = 0;
+    let cones: u32 = add_cones(s, lo, hi, center, flags, &mut touched, sums);
+    if cones != COMPLETE {
+        return cones;
+    }
+    if touched == 0 {
+        // No piece ends at its triangle: the surface does not meet the cell, and the winding number within is the nearest
+        // integer to the quotient.
+        let mut whole: CellSums = CellSums::default();
+        let status: u32 = integrate(s, 1.0, center, VOLUME_ONLY, &mut whole);
+        if status != COMPLETE {
+            return status;
+        }
+        if volume_is_above_bound(whole) == 0 {
+            return EMPTY;
+        }
+        let quotient: Real = sums.volume / whole.volume;
+        let mut inner: i32 = (quotient.abs() + 0.5) as i32;
+        if quotient < 0.0 {
+            inner = -inner;
+        }
+        *sums = CellSums::default();
+        return integrate_whole(s, inner as Real, center, flags, sums);
+    }
+    if volume_is_above_bound(*sums) == 0 {
+        return EMPTY;
+    }
+    return COMPLETE;
+}
+
+/// Whether (1) the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
+pub fn lies_outside<S: CellStore>(s: &S) -> u32 {
+    if s.has_domain() == 0 {
+        return 0;
+    }
+    let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
+    let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
+    voxels_of_cell(s, &mut lo, &mut hi);
+    if (s.surface_voxels(lo, hi) == 0) && (s.winding(lo) == 0) {
+        return 1;
+    }
+    return 0;
+}
+
+/// The integrals of the whole cell, times `weight`.
+fn integrate_whole<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32, sums: &mut CellSums) -> u32 {
+    if weight == 0.0 {
+        return EMPTY;
+    }
+    if (flags & FACETS) != 0 {
+        reset_facets(s);
+    }
+    let status: u32 = integrate(s, weight, center, flags, sums);
+    if status != COMPLETE {
+        return status;
+    }
+    if volume_is_above_bound(*sums) == 0 {
+        return EMPTY;
+    }
+    return COMPLETE;
+}
+
+/// The faces of the initial box are the boundary where there is no domain.
+fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        if s.tag(f) == TAG_BOX {
+            add_boundary(s.facet(f), s.plane(f), 1.0, sums);
+        }
+        f += 1;
+    }
+}
+
+/// The voxels that the bounding box of the cell meets, rounded outward.
+fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
+    let mut low: V3 = s.position(0);
+    let mut high: V3 = low;
+    let mut radius: Real = s.radius(0);
+    let mut v: u32 = 1;
+    while v < s.vertices() {
+        let p: V3 = s.position(v);
+        low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
+        high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
+        radius = larger(radius, s.radius(v));
+        v += 1;
+    }
+    let site: V3 = s.site();
+    // The vertices' error, and the rounding of moving them into the diagram's frame.
+    let margin: Real = radius + ((4.0 * UNIT_ROUNDOFF) * (norm_max(site) + larger(norm_max(low), norm_max(high))));
+    let outward: V3 = v3(margin, margin, margin);
+    *lo = s.voxel_of(sub(add(site, low), outward));
+    *hi = s.voxel_of(add(add(site, high), outward));
+}
+
+#[inline(always)]
+fn smaller(a: Real, b: Real) -> Real {
+    if b < a {
+        return b;
+    }
+    return a;
+}
+
+#[inline(always)]
+fn larger(a: Real, b: Real) -> Real {
+    if b > a {
+        return b;
+    }
+    return a;
+}
+
+/// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
+/// where a piece ends at its triangle.
+fn add_cones<S: CellStore>(
+    s: &mut S,
+    lo: Voxel,
+    hi: Voxel,
+    center: V3,
+    flags: u32,
+    touched: &mut u32,
+    sums: &mut CellSums,
+) -> u32 {
+    s.save();
+    let mut k: u32 = lo.k;
+    while k <= hi.k {
+        let mut j: u32 = lo.j;
+        while j <= hi.j {
+            let mut i: u32 = lo.i;
+            while i <= hi.i {
+                let voxel: Voxel = Voxel { i: i, j: j, k: k };
+                let end: u32 = s.list_end(voxel);
+                let mut entry: u32 = s.list_begin(voxel);
+                while entry < end {
+                    let t: u32 = s.list_entry(entry);
+                    if is_first_voxel(s.lowest_voxel(t), lo, voxel) != 0 {
+                        let status: u32 = add_cone(s, t, lo, center, flags, touched, sums);
+                        if status != COMPLETE {
+                            return status;
+                        }
+                        if (flags & FACETS) != 0 {
+                            let surface: u32 = add_surface(s, t, lo, center, sums);
+                            if surface != COMPLETE {
+                                return surface;
+                            }
+                        }
+                    }
+                    entry += 1;
+                }
+                i += 1;
+            }
+            j += 1;
+        }
+        k += 1;
+    }
+    return COMPLETE;
+}
+
+/// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
+#[inline(always)]
+fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> u32 {
+    let mut i: u32 = lowest.i;
+    let mut j: u32 = lowest.j;
+    let mut k: u32 = lowest.k;
+    if lo.i > i {
+        i = lo.i;
+    }
+    if lo.j > j {
+        j = lo.j;
+    }
+    if lo.k > k {
+        k = lo.k;
+    }
+    if ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k) {
+        return 1;
+    }
+    return 0;
+}

@@ -1,6 +1,6 @@
 //! The CPU backend of `laguerre`: rayon over the sites in grid order, SIMD inside a cell.
 //!
-//! Storage is [`store`], the search for neighbours [`search`]; the geometry is `laguerre_core::cell`.
+//! Storage is `store.rs`, the search for neighbours `search.rs`; the geometry is `laguerre_core::cell`.
 #![forbid(unsafe_code)]
 
 mod clusters;

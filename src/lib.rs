@@ -22,7 +22,7 @@ pub use laguerre_core::*;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Selection {
-    /// The fastest one that is there.
+    /// The CPU if it was built, else OpenCL.
     #[default]
     Auto,
     /// The CPU, with the given number of threads or one for each core.
@@ -31,7 +31,22 @@ pub enum Selection {
         threads: Option<usize>,
     },
     /// OpenCL.
-    Ocl,
+    Ocl {
+        /// Which devices.
+        devices: DeviceChoice,
+    },
+}
+
+/// Which OpenCL devices to compute on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum DeviceChoice {
+    /// The first GPU that can be used, else the first other device.
+    #[default]
+    First,
+    /// The devices of these numbers, as `laguerre devices` counts them.
+    Numbers(Vec<usize>),
+    /// All that can be used.
+    All,
 }
 
 /// Opens a backend.
@@ -39,16 +54,38 @@ pub enum Selection {
 /// # Errors
 /// `Unavailable` where the backend was not built or has no device.
 pub fn open(selection: Selection) -> Result<Box<dyn Backend>> {
-    let missing = |what: &str| Err(Error::new(ErrorKind::Unavailable, what));
     match selection {
-        #[cfg(feature = "cpu")]
-        Selection::Auto => Ok(Box::new(laguerre_cpu::Cpu::new(None)?)),
-        #[cfg(feature = "cpu")]
-        Selection::Cpu { threads } => Ok(Box::new(laguerre_cpu::Cpu::new(threads)?)),
-        #[cfg(not(feature = "cpu"))]
-        Selection::Auto => missing("no backend was built: build with the feature `cpu`"),
-        #[cfg(not(feature = "cpu"))]
-        Selection::Cpu { .. } => missing("backend cpu was not built: build with the feature `cpu`"),
-        Selection::Ocl => missing("backend ocl is not part of this build: use --backend cpu"),
+        Selection::Auto if cfg!(feature = "cpu") || !cfg!(feature = "ocl") => open_cpu(None),
+        Selection::Auto => open_ocl(DeviceChoice::First),
+        Selection::Cpu { threads } => open_cpu(threads),
+        Selection::Ocl { devices } => open_ocl(devices),
     }
+}
+
+#[cfg(feature = "cpu")]
+fn open_cpu(threads: Option<usize>) -> Result<Box<dyn Backend>> {
+    Ok(Box::new(laguerre_cpu::Cpu::new(threads)?))
+}
+
+#[cfg(not(feature = "cpu"))]
+fn open_cpu(_threads: Option<usize>) -> Result<Box<dyn Backend>> {
+    Err(Error::new(ErrorKind::Unavailable, "backend cpu was not built: build with the feature `cpu`"))
+}
+
+#[cfg(feature = "ocl")]
+fn open_ocl(devices: DeviceChoice) -> Result<Box<dyn Backend>> {
+    let choice = match devices {
+        DeviceChoice::First => laguerre_ocl::DeviceChoice::First,
+        DeviceChoice::Numbers(numbers) => laguerre_ocl::DeviceChoice::Numbers(numbers),
+        DeviceChoice::All => laguerre_ocl::DeviceChoice::All,
+    };
+    Ok(Box::new(laguerre_ocl::Ocl::new(&choice)?))
+}
+
+#[cfg(not(feature = "ocl"))]
+fn open_ocl(_devices: DeviceChoice) -> Result<Box<dyn Backend>> {
+    Err(Error::new(
+        ErrorKind::Unavailable,
+        "backend ocl is not part of this build: build with the feature `ocl`, or use --backend cpu",
+    ))
 }

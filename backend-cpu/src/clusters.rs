@@ -4,6 +4,7 @@
 //! power distance plus `W`, so that one tree serves Voronoi and power diagrams alike.
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use laguerre_core::search::Nearest;
 use std::num::NonZero;
 
 /// First neighbours fetched for a site in a crowded block: about what a Voronoi cell of random sites visits.
@@ -21,9 +22,10 @@ impl Clusters {
         let lifted: Vec<[f64; 4]> = sites.iter().map(|&[x, y, z, w]| [x, y, z, (largest - w).sqrt()]).collect();
         ImmutableKdTree::new_from_slice(&lifted).ok().map(|tree| Self { tree })
     }
+}
 
-    /// The sites of least power distance from `point`, as sorted indices, nearest first.
-    pub(crate) fn nearest(&self, point: [f64; 3], indices: &mut Vec<u32>) {
+impl Nearest for Clusters {
+    fn nearest(&self, point: [f64; 3], indices: &mut Vec<u32>) {
         let [x, y, z] = point;
         indices.clear();
         let found = self.tree.query(&[x, y, z, 0.0]).nearest_n::<SquaredEuclidean<f64>>(NEAREST).execute();

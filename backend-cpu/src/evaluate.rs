@@ -1,12 +1,12 @@
 //! The backend: passes over chunks of sites in grid order.
 
 use crate::clusters::Clusters;
-use crate::search::Search;
 use crate::store::CpuStore;
 use laguerre_core::assemble::{Assembler, CellRecord, FacetRecord, collect_facets};
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
+use laguerre_core::search::{Nearest, Search};
 use laguerre_core::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -68,11 +68,12 @@ impl Backend for Cpu {
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         let prepared = diagram.prepare()?;
         let clusters = clusters_of(&prepared);
+        let clusters = clusters.as_ref().map(|found| found as &dyn Nearest);
         let mut assembler = Assembler::new(&prepared, request);
         let mut exact_cells = 0;
         let all = (0..prepared.sites.len() as u32).collect();
         let passes = run_passes(FIRST, all, |room, cells| -> Result<PassOutcome> {
-            let results = self.pool.install(|| run_chunks(room, cells, &prepared, clusters.as_ref(), request));
+            let results = self.pool.install(|| run_chunks(room, cells, &prepared, clusters, request));
             let mut outcome = PassOutcome::default();
             for result in results {
                 if let Some(site) = result.undecided {
@@ -112,7 +113,7 @@ fn run_chunks(
     room: Capacities,
     cells: &[u32],
     prepared: &Prepared,
-    clusters: Option<&Clusters>,
+    clusters: Option<&dyn Nearest>,
     request: &Request,
 ) -> Vec<ChunkResult> {
     let new_worker = || Worker { store: CpuStore::new(room, prepared.domain_grid()), search: Search::default() };
@@ -133,7 +134,7 @@ fn run_cell(
     worker: &mut Worker<'_>,
     site: u32,
     prepared: &Prepared,
-    clusters: Option<&Clusters>,
+    clusters: Option<&dyn Nearest>,
     request: &Request,
     result: &mut ChunkResult,
 ) {

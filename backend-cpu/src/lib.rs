@@ -1,11 +1,10 @@
 //! The CPU backend of `laguerre`: rayon over the sites in grid order, SIMD inside a cell.
 //!
-//! Storage is `store.rs`, the search for neighbours `search.rs`; the geometry is `laguerre_core::cell`.
+//! Storage is `store.rs`; the geometry is `laguerre_core::cell`, the search for neighbours `laguerre_core::search`.
 #![forbid(unsafe_code)]
 
 mod clusters;
 mod evaluate;
-mod search;
 mod store;
 
 pub use evaluate::Cpu;

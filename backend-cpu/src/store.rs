@@ -5,7 +5,6 @@ use laguerre_core::cell::{
     SEEN_UNCERTAIN, Triplet, UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
-use laguerre_core::exact;
 use laguerre_core::passes::Capacities;
 use wide::f64x4;
 
@@ -290,16 +289,9 @@ impl CellStore for CpuStore<'_> {
         v3(square, radius, 0.0)
     }
 
-    #[cold]
-    fn exact_sign(&mut self, t: Triplet, k: u32) -> i32 {
+    #[inline(always)]
+    fn note_exact(&mut self) {
         self.exact = true;
-        exact::sign_of_planes(self.plane(t.a), self.plane(t.b), self.plane(t.c), self.plane(k))
-    }
-
-    #[cold]
-    fn exact_position(&mut self, t: Triplet, position: &mut V3) -> u32 {
-        self.exact = true;
-        exact::position(self.plane(t.a), self.plane(t.b), self.plane(t.c), position)
     }
 }
 

@@ -21,25 +21,28 @@ Examples:
   laguerre demo                                                    10,000 cells in a bunny, with a picture
   laguerre sample white 100000 --domain bunny.obj -o sites.xyz     sites in the bunny's box
   laguerre integrate sites.xyz --domain bunny.obj -o cells.csv     volume and barycenter of every cell
+  laguerre verify cells.csv sites.xyz --domain bunny.obj           whether they are right
 
-Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified.";
+Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified, or wrong; 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Integrate(IntegrateArgs),
+    Verify(VerifyArgs),
     Sample(SampleArgs),
     Demo(DemoArgs),
 }
 
 /// Volume and barycenter of the power cell of every site, cut by a domain.
 ///
-/// SITES is .xyz or .txt (3 or 4 columns, the fourth the weight; the first line may be the count) or .npy (N×3 or N×4).
+/// SITES is .xyz, .txt or .csv (3 or 4 columns, the fourth the weight; the first line may be the count or the columns' names),
+/// .npy (N×3 or N×4), .ply (its vertices, with a property w or weight), or - for text on standard input.
 /// Without --domain or --box, the cells are cut by the bounding box of the sites.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = INTEGRATE_EXAMPLES)]
 pub(crate) struct IntegrateArgs {
-    /// Sites, with weights in a fourth column: .xyz, .txt or .npy
-    pub(crate) sites: PathBuf,
+    #[command(flatten)]
+    pub(crate) sites: SitesArgs,
 
     #[command(flatten)]
     pub(crate) container: ContainerArgs,
@@ -68,7 +71,52 @@ pub(crate) struct IntegrateArgs {
 const INTEGRATE_EXAMPLES: &str = "\
 Examples:
   laguerre integrate sites.xyz --domain bunny.obj -o cells.csv --facets facets.csv
-  laguerre integrate sites.npy --box 0,0,0,1,1,1 --json";
+  laguerre integrate sites.npy --weights weights.npy --box 0,0,0,1,1,1 --json
+  generate | laguerre integrate - --domain bunny.stl -o cells.vtu";
+
+/// Whether a result file, whoever wrote it, is right: its sums, its cells, its facets.
+///
+/// RESULTS is .csv (site,volume,x,y,z and, if known, facets,status; a row for each site, in their order) or .npy (N×4: volume,
+/// barycenter), as integrate writes it. Every cell is computed anew; a sample of them, and those that seem wrong, also without a
+/// search, by cutting with all sites. Says which cells and facets are wrong, and exits with 4 if any is.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = VERIFY_EXAMPLES)]
+pub(crate) struct VerifyArgs {
+    /// The cells to check: .csv or .npy
+    pub(crate) results: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) sites: SitesArgs,
+
+    #[command(flatten)]
+    pub(crate) container: ContainerArgs,
+
+    /// The facets to check: .csv (site,neighbor,area,x,y,z,distance), as integrate writes them
+    #[arg(long, value_name = "FILE")]
+    pub(crate) facets: Option<PathBuf>,
+
+    /// Cells of the sample that all sites cut
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub(crate) cells: usize,
+
+    /// Another seed takes another sample
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// What numbers may be off, relative to themselves and to the mean volume, area or size, and sums relative to the whole: for
+    /// results of fewer digits. Unless given, 1e-12, and 1e-14 for sums; what rounding adds is allowed for besides
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = parse_epsilon)]
+    pub(crate) tolerance: Option<f64>,
+
+    /// Print one JSON object instead of the findings in words
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const VERIFY_EXAMPLES: &str = "\
+Examples:
+  laguerre verify cells.csv sites.xyz --domain bunny.obj --facets facets.csv
+  laguerre verify theirs.npy sites.npy --box 0,0,0,1,1,1 --tolerance 1e-6 --cells 1000";
 
 /// Sites to compute with: they fill the box of the domain.
 #[derive(ClapArgs, Debug)]
@@ -93,7 +141,7 @@ pub(crate) struct SampleArgs {
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// Where to write the sites: .xyz, .txt or .npy
+    /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
 }
@@ -133,8 +181,19 @@ pub(crate) struct DemoArgs {
 }
 
 #[derive(ClapArgs, Debug)]
+pub(crate) struct SitesArgs {
+    /// Sites, with weights in a fourth column: .xyz, .txt, .csv, .npy, .ply, or - for text on standard input
+    #[arg(value_name = "SITES")]
+    pub(crate) path: PathBuf,
+
+    /// Weights in a file of their own, one for each site: .txt or .csv (one a line) or .npy
+    #[arg(long, value_name = "FILE")]
+    pub(crate) weights: Option<PathBuf>,
+}
+
+#[derive(ClapArgs, Debug)]
 pub(crate) struct ContainerArgs {
-    /// A closed triangle mesh: .obj or .off
+    /// A closed triangle mesh: .obj, .off, .ply or .stl
     #[arg(long, value_name = "MESH", conflicts_with = "box")]
     pub(crate) domain: Option<PathBuf>,
 

@@ -6,14 +6,14 @@ use std::thread;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use laguerre::{Backend, Error, Output, PowerDiagram, Progress, Request, Result, Selection};
+use laguerre::{Backend, DeviceChoice, Error, Output, PowerDiagram, Progress, Request, Result, Selection};
 
 use crate::args::{BackendArgs, BackendChoice, Precision};
 
 /// Opens the backend of the command line. The only place that does.
 pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
     let selection = match (args.backend, args.threads) {
-        (BackendChoice::Ocl, _) => Selection::Ocl,
+        (BackendChoice::Ocl, _) => Selection::Ocl { devices: DeviceChoice::First },
         (BackendChoice::Auto, None) => Selection::Auto,
         // Threads are a matter of the CPU alone.
         (BackendChoice::Auto | BackendChoice::Cpu, threads) => Selection::Cpu { threads },
@@ -22,7 +22,10 @@ pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
     let info = backend.info();
     if args.precision == Precision::F32 && info.precision != "f32" {
         let name = info.backend;
-        return Err(Error::input(format!("--precision f32: backend {name} computes in {} only", info.precision)));
+        return Err(Error::input(format!(
+            "--precision f32: backend {name} computes in {0} only; give --precision {0}",
+            info.precision
+        )));
     }
     Ok(backend)
 }

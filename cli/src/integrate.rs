@@ -4,13 +4,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use laguerre::io::{self, CELLS_ENDINGS, FACETS_ENDINGS};
-use laguerre::{Backend, CellStatus, Error, Output, PowerDiagram, Request, Result};
+use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::args::IntegrateArgs;
 use crate::container::{Container, Whole};
 use crate::evaluate::{evaluate, open};
 use crate::outcome::{Outcome, note, print, say};
 use crate::report::{Report, Seconds};
+use crate::sites;
 
 /// The ending of results that need the geometry of the cells beside the integrals.
 const VTU: &str = ".vtu";
@@ -21,12 +22,11 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let mut seconds = Seconds::default();
 
     let start = Instant::now();
-    let sites = io::read_sites(&args.sites)?;
+    let diagram = sites::read(&args.sites)?;
     let container = Container::read(&args.container)?;
-    let diagram = PowerDiagram::new(&sites.positions, &sites.weights).map_err(|e| e.at(args.sites.display()))?;
-    drop(sites);
     let diagram = container.restrict(diagram)?;
-    let whole = Whole::of(&diagram)?;
+    let whole = Whole::of(&diagram).map_err(|e| e.at(sites::name(&args.sites)))?;
+    note_if_apart(&diagram, &whole);
     seconds.read = start.elapsed().as_secs_f64();
 
     if let Some(domain) = container.domain() {
@@ -39,7 +39,9 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let request = if args.facets.is_some() { request.with_facets() } else { request };
     let request = args.epsilon.into_iter().fold(request, Request::with_epsilon);
     let start = Instant::now();
-    let output = evaluate(backend.as_ref(), &diagram, &request)?;
+    // What is wrong with valid input only now is a site out of the container's range.
+    let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
+    let output = evaluate(backend.as_ref(), &diagram, &request).map_err(of_sites)?;
     seconds.compute = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -100,8 +102,30 @@ fn check(args: &IntegrateArgs) -> Result<()> {
             return Err(Error::input(format!("{}: named for cells and for facets; give two files", path.display())));
         }
     }
+    for path in args.output.iter().chain(&args.facets) {
+        let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
+        if inputs.into_iter().flatten().any(|input| same_file(path, input)) {
+            return Err(Error::input(format!(
+                "{}: would be written over, but is read; name another file",
+                path.display()
+            )));
+        }
+    }
     if args.output.is_none() && args.facets.is_none() && !args.json {
         note("only the summary is printed; name a file with -o to keep the cells");
     }
     Ok(())
+}
+
+/// Whether two paths name one file that is there.
+fn same_file(one: &Path, other: &Path) -> bool {
+    matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
+}
+
+/// Every point of a domain belongs to some cell, so sites that are all elsewhere give an answer; it is seldom the one wanted.
+fn note_if_apart(diagram: &PowerDiagram, whole: &Whole) {
+    let inside = |p: &[f64; 3]| (0..3).all(|k| whole.lo[k] <= p[k] && p[k] <= whole.hi[k]);
+    if !diagram.positions().iter().any(inside) {
+        note("no site is in the domain's box; are sites and domain in the same unit and place?");
+    }
 }

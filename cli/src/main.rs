@@ -12,7 +12,9 @@ mod outcome;
 mod picture;
 mod report;
 mod sample;
+mod sites;
 mod slice;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -21,9 +23,11 @@ use clap::Parser;
 use args::{Args, Command};
 
 fn main() -> ExitCode {
+    outcome::leave_nothing_when_interrupted();
     let result = match Args::try_parse() {
         Ok(Args { command }) => match command {
             Command::Integrate(args) => integrate::run(&args),
+            Command::Verify(args) => verify::run(&args),
             Command::Sample(args) => sample::run(&args),
             Command::Demo(args) => demo::run(&args),
         },

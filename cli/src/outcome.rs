@@ -17,6 +17,8 @@ pub(crate) enum Outcome {
 const WRONG_INPUT: u8 = 2;
 const UNAVAILABLE: u8 = 3;
 const UNCERTIFIED: u8 = 4;
+/// What shells say of a program that Ctrl-C ended.
+const INTERRUPTED: i32 = 130;
 
 /// The exit code, after saying on standard error in one line why it is not 0.
 pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
@@ -31,6 +33,16 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
             }
         }
     }
+}
+
+/// Makes Ctrl-C (and on Unix SIGTERM and SIGHUP) remove what is half-written and exit with code 130.
+pub(crate) fn leave_nothing_when_interrupted() {
+    let interrupted = || {
+        laguerre::io::abandon_writing();
+        std::process::exit(INTERRUPTED);
+    };
+    // `try`: a signal that the caller has set aside (`nohup`, a job in the background) stays set aside, and nothing else is lost.
+    let _ = ctrlc::try_set_handler(interrupted);
 }
 
 /// What clap has to say: help and version as they are, errors in one line.

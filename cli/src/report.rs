@@ -22,6 +22,8 @@ pub(crate) struct Report {
     pub(crate) barycenter_error: f64,
     /// Cells that needed exact arithmetic.
     pub(crate) exact_cells: usize,
+    /// Cells that a device handed back to the host.
+    pub(crate) host_cells: usize,
     pub(crate) backend: &'static str,
     pub(crate) device: String,
     pub(crate) precision: &'static str,
@@ -39,6 +41,8 @@ pub(crate) struct Seconds {
     pub(crate) domain_grid: f64,
     /// From validated arrays in memory to results in memory.
     pub(crate) compute: f64,
+    /// Of that, what a device computed, from sites on the device to results on the device.
+    pub(crate) device: f64,
     pub(crate) write: f64,
 }
 
@@ -66,6 +70,7 @@ impl From<&PassReport> for Pass {
 
 impl Report {
     pub(crate) fn new(output: &Output, whole: &Whole, info: BackendInfo, seconds: Seconds) -> Self {
+        let seconds = Seconds { device: output.device_seconds, ..seconds };
         let (volume_sum, barycenter_error) = sums(output, whole);
         let empty = output.count(CellStatus::Empty);
         Self {
@@ -78,6 +83,7 @@ impl Report {
             relative_error: (volume_sum - whole.volume).abs() / whole.volume,
             barycenter_error,
             exact_cells: output.exact_cells,
+            host_cells: output.host_cells,
             backend: info.backend,
             device: info.device,
             precision: info.precision,

@@ -1,6 +1,6 @@
 //! `laguerre sample`: sites to compute with.
 
-use laguerre::io::{self, SAMPLE_ENDINGS};
+use laguerre::io::{self, SITES_ENDINGS};
 use laguerre::{Domain, Error, PowerDiagram, Result};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -22,7 +22,7 @@ const TILES: u32 = 5;
 const MOST_TRIES: f64 = 1e10;
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
-    io::check_output(&args.output, SAMPLE_ENDINGS)?;
+    io::check_output(&args.output, SITES_ENDINGS)?;
     let container = Container::read(&args.container)?;
     let corners = match &container {
         Container::Domain(domain) => {

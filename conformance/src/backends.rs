@@ -19,6 +19,8 @@ pub fn open(name: &str, threads: Option<usize>) -> Option<Result<Box<dyn Backend
     match name {
         #[cfg(feature = "cpu")]
         "cpu" => Some(laguerre::open(laguerre::Selection::Cpu { threads })),
+        #[cfg(feature = "ocl")]
+        "ocl" => Some(laguerre::open(laguerre::Selection::Ocl { devices: laguerre::DeviceChoice::First })),
         _ => None,
     }
 }
@@ -30,4 +32,4 @@ pub fn required() -> Vec<String> {
 }
 
 /// The names that this suite knows.
-const NAMES: [&str; 1] = ["cpu"];
+const NAMES: [&str; 2] = ["cpu", "ocl"];

@@ -6,8 +6,12 @@
 //! `D`, so planes and vertices are off by a few `u·D`; a volume by that times an area below `D²`; an area by that times a
 //! length below `D`, times the condition number of the facet's vertices.
 
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
 use glam::DVec3;
-use laguerre_core::Output;
+use laguerre_core::{CellStatus, Output};
 
 use crate::Scene;
 use crate::scene::{Facet, rows};
@@ -48,23 +52,27 @@ pub enum Planes {
     Rounded,
 }
 
-/// The bounds that belong to an evaluated scene. Facets must have been asked for.
+/// The bounds that belong to an evaluated scene. Those of areas need its facets.
 #[derive(Debug)]
-pub struct Bounds {
+pub struct Bounds<'a> {
+    scene: &'a Scene,
+    output: &'a Output,
+    /// The facets of each cell.
+    rows: Vec<Vec<Facet>>,
     /// For each site its reach D.
     reach: Vec<f64>,
     /// For each site how far its planes and vertices may be off.
     displacement: Vec<f64>,
-    /// For each cell how much its facets' vertices amplify that.
-    condition: Vec<f64>,
+    /// For each cell how much its facets' vertices amplify that: dear, and found when it is first asked for.
+    condition: Vec<OnceCell<f64>>,
     mean_volume: f64,
     mean_area: f64,
     facet_area: f64,
 }
 
-impl Bounds {
+impl<'a> Bounds<'a> {
     /// The bounds for comparing `output` with another evaluation of `scene`.
-    pub fn new(scene: &Scene, output: &Output, planes: Planes) -> Self {
+    pub fn new(scene: &'a Scene, output: &'a Output, planes: Planes) -> Self {
         let rows = rows(output);
         let reach: Vec<f64> = (0..scene.len()).map(|i| reach(scene, i)).collect();
         let displacement = (0..scene.len())
@@ -79,13 +87,21 @@ impl Bounds {
         let areas: Vec<f64> = rows.iter().flatten().map(|f| f.area).collect();
         let facet_area: f64 = areas.iter().sum();
         Self {
-            condition: (0..scene.len()).map(|i| condition(scene, output, &rows, i, reach[i])).collect(),
+            condition: vec![OnceCell::new(); scene.len()],
             reach,
             displacement,
             mean_volume: scene.room.volume() / scene.len() as f64,
             mean_area: facet_area / areas.len().max(1) as f64,
             facet_area,
+            rows,
+            scene,
+            output,
         }
+    }
+
+    /// The facets of each cell.
+    pub fn rows(&self) -> &[Vec<Facet>] {
+        &self.rows
     }
 
     /// Distance from site `i` to the farthest point of the container (length).
@@ -115,7 +131,26 @@ impl Bounds {
 
     /// What rounding alone does to an area (length²).
     pub fn facet_rounding(&self, i: usize) -> f64 {
-        self.displacement[i] * self.reach[i] * self.condition[i]
+        self.least_facet_rounding(i) * self.condition(i)
+    }
+
+    /// How much the vertices of cell `i` amplify a displacement of its planes.
+    fn condition(&self, i: usize) -> f64 {
+        *self.condition[i].get_or_init(|| condition(self, i))
+    }
+
+    /// What rounding does to an area of the best condition, 1 (length²): at most [`Bounds::facet_rounding`], and cheap. What is
+    /// within this need not be held against that.
+    pub fn least_facet_rounding(&self, i: usize) -> f64 {
+        self.displacement[i] * self.reach[i]
+    }
+
+    /// Bound of the area of a facet that another cell shares with cell `i`, if that is empty (length²): a cell may be called so
+    /// while its volume V is below its rounding. The height of a convex cell over a point of its facet is at least the distance
+    /// to the facet's edge times sin θ, the smallest angle between two of its planes; the mean of that distance is a third of the
+    /// facet's inradius or more, and that at least area/(πd), d the diameter, at most 2D. So V ≥ sin θ area²/(6πD).
+    pub fn facet_of_empty(&self, i: usize) -> f64 {
+        (6.0 * PI * self.reach[i] * self.cell_rounding(i) * self.condition(i)).sqrt()
     }
 
     /// How far a bisector of site `i` may be off (length).
@@ -124,15 +159,29 @@ impl Bounds {
     }
 
     /// Bound of the sum of all volumes (length³): the promise, and a rounding of the coordinates, as they are in the frame of
-    /// the farthest site. The surface is off by [`FEW`]·u·D, a facet by u·D as seen from each side.
-    pub fn volume_sum(&self, scene: &Scene) -> f64 {
+    /// the farthest site. The surface is off by [`FEW`]·u·D, a facet by u·D as seen from each side. Of facets that were not
+    /// asked for nothing is known but that no cell is off by more than its own rounding.
+    pub fn volume_sum(&self) -> f64 {
         let reach = self.reach.iter().copied().fold(0.0, f64::max);
-        SUM * scene.room.volume() + U * reach * (FEW * scene.room.area() + self.facet_area)
+        let rounding = match self.output.facets {
+            Some(_) => U * reach * (FEW * self.scene.room.area() + self.facet_area),
+            None => (0..self.scene.len()).map(|i| self.cell_rounding(i)).sum(),
+        };
+        SUM * self.scene.room.volume() + rounding
     }
 
-    /// Bound of the sum of all boundaries' areas (length²): the promise, and the roundings of all cells.
-    pub fn area_sum(&self, scene: &Scene) -> f64 {
-        CLOSURE * scene.room.area() + (0..scene.len()).map(|i| self.facet_rounding(i)).sum::<f64>()
+    /// Bound of the sum of all boundaries' areas (length²): the promise, and the roundings of all cells. A cell that is called
+    /// empty, being below its rounding, takes its boundary with it: that is no more than the facets that others share with it, if
+    /// the sides lean over them, by the smallest angle of its planes at least.
+    pub fn area_sum(&self) -> f64 {
+        let mut seen = vec![0.0; self.scene.len()];
+        self.rows.iter().flatten().for_each(|f| seen[f.neighbor] += f.area);
+        let empty = |i: &usize| self.output.status[*i] == CellStatus::Empty && seen[*i] > 0.0;
+        let hidden = |i: usize| seen[i] * self.condition(i);
+        let cells = 0..self.scene.len();
+        CLOSURE * self.scene.room.area()
+            + cells.clone().map(|i| self.facet_rounding(i)).sum::<f64>()
+            + cells.filter(empty).map(hidden).sum::<f64>()
     }
 }
 
@@ -153,24 +202,37 @@ fn nearest(scene: &Scene, i: usize) -> f64 {
 
 /// How much the vertices of cell `i`'s facets amplify a displacement of planes: the inverse of the smallest sine of the angle
 /// between two planes that may meet. Two facets on one side; a facet and a triangle that it touches; and, in a cell of
-/// thickness t = V/A, its two sides, with sine about t/D.
-fn condition(scene: &Scene, output: &Output, rows: &[Vec<Facet>], i: usize, reach: f64) -> f64 {
-    let mesh = scene.room.mesh();
+/// thickness t = V/A, its two sides, with sine about t/D. A facet that only the other side sees is one too.
+///
+/// Of an empty cell no more is known than what others see of it, that it is no thicker than the container, and that its volume
+/// is below its rounding: then any two of its facets may meet, and a triangle may be the other side of a slab.
+fn condition(bounds: &Bounds, i: usize) -> f64 {
+    let Bounds { scene, output, rows, .. } = bounds;
+    let (mesh, reach) = (scene.room.mesh(), bounds.reach[i]);
+    let empty = output.status[i] == CellStatus::Empty;
     let boundary = output.boundary.as_ref().map_or(0.0, |b| b[i].area);
     let surface: f64 = rows[i].iter().map(|f| f.area).sum::<f64>() + boundary;
-    let mut worst = if surface > 0.0 { surface * reach / output.volume[i] } else { 1.0 };
-    let normals: Vec<DVec3> = rows[i].iter().map(|f| (scene.site(f.neighbor) - scene.site(i)).normalize()).collect();
+    let (surface, volume) = if empty { (scene.room.area(), scene.room.volume()) } else { (surface, output.volume[i]) };
+    let mut worst = (surface * reach / volume.abs()).max(1.0);
+    // Neighbours and areas, as either side sees them.
+    let mut seen: BTreeMap<usize, f64> = rows[i].iter().map(|f| (f.neighbor, f.area)).collect();
+    for (k, row) in rows.iter().enumerate() {
+        row.iter().filter(|f| f.neighbor == i).for_each(|f| _ = seen.entry(k).or_insert(f.area));
+    }
+    let normals: Vec<DVec3> = seen.keys().map(|&j| (scene.site(j) - scene.site(i)).normalize()).collect();
     for (k, a) in normals.iter().enumerate() {
-        for b in normals[..k].iter().filter(|b| a.dot(**b) > 0.0) {
+        for b in normals[..k].iter().filter(|b| empty || a.dot(**b) > 0.0) {
             worst = worst.max(1.0 / a.cross(*b).length());
         }
     }
-    for (facet, normal) in rows[i].iter().zip(&normals) {
+    for ((&j, area), normal) in seen.iter().zip(&normals) {
+        let distance = scene.site(i).distance(scene.site(j));
+        let thickness = if empty { bounds.cell_rounding(i) / area } else { 0.0 };
         for triangle in &mesh.triangles {
             let [a, b, c] = triangle.map(|v| DVec3::from(mesh.vertices[v as usize]));
-            let heights = [a, b, c].map(|x| scene.power_difference(x, i, facet.neighbor) / (2.0 * facet.distance));
-            let rounding = ROUNDINGS * U * reach;
-            if heights.iter().any(|h| *h >= -rounding) && heights.iter().any(|h| *h <= rounding) {
+            let heights = [a, b, c].map(|x| scene.power_difference(x, i, j) / (2.0 * distance));
+            let near = (ROUNDINGS * U * reach).max(thickness);
+            if heights.iter().any(|h| *h >= -near) && heights.iter().any(|h| *h <= near) {
                 worst = worst.max(1.0 / (b - a).cross(c - a).normalize().cross(*normal).length());
             }
         }

@@ -90,6 +90,17 @@ pub enum Pose {
 impl Pose {
     /// Both poses.
     pub const ALL: [Self; 2] = [Self::Plain, Self::Turned];
+
+    /// The matrix and the shift of `x ↦ matrix · x + shift`, which takes a shape as it was made to this pose.
+    pub fn motion(self) -> (DMat3, DVec3) {
+        match self {
+            Self::Plain => (DMat3::IDENTITY, DVec3::ZERO),
+            Self::Turned => {
+                let turn = DMat3::from_axis_angle(DVec3::new(2.0, -1.0, 3.0).normalize(), 1.1);
+                (turn, DVec3::new(0.7, -5.3, 11.9))
+            }
+        }
+    }
 }
 
 /// What a scene's cells are restricted to.
@@ -177,8 +188,8 @@ fn posed(mesh: Mesh, pose: Pose) -> Mesh {
     match pose {
         Pose::Plain => mesh,
         Pose::Turned => {
-            let turn = DMat3::from_axis_angle(DVec3::new(2.0, -1.0, 3.0).normalize(), 1.1);
-            mesh.transformed(turn, DVec3::new(0.7, -5.3, 11.9))
+            let (turn, shift) = pose.motion();
+            mesh.transformed(turn, shift)
         }
     }
 }

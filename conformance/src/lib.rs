@@ -10,6 +10,7 @@
 //! | `LAGUERRE_REQUIRE=cpu,ocl` | these backends must be there, or the run fails |
 //! | `PROPTEST_CASES=256` | cases of each law |
 //! | `PROPTEST_RNG_SEED=1` | other cases than those that every run tries |
+//! | `LAGUERRE_WORST=1` | the checks against CGAL print their largest errors and where they are |
 #![forbid(unsafe_code)]
 
 /// Returns from a check with the formatted reason unless the condition holds.
@@ -29,8 +30,11 @@ pub mod case;
 pub mod checks;
 pub mod compare;
 pub mod domains;
+pub mod fixtures;
+pub mod given;
 pub mod law;
 pub mod regressions;
+pub mod sanity;
 pub mod scene;
 pub mod sites;
 pub mod weights;
@@ -38,5 +42,7 @@ pub mod weights;
 pub use backends::Check;
 pub use case::Case;
 pub use checks::CHECKS;
+pub use given::Given;
 pub use law::Verdict;
+pub use sanity::sanity_check;
 pub use scene::Scene;

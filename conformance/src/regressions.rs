@@ -3,7 +3,7 @@
 //! A law that fails prints the line to add here; the name says what was wrong.
 
 use crate::checks::{closure, facets, invariance, sums};
-use crate::{Case, domains::Pose, domains::Shape, law::Law, sites::Sites, weights::Weights};
+use crate::{Case, Given, domains::Pose, domains::Shape, law::Law, sites::Sites, weights::Weights};
 
 /// Name, law and case.
 pub const CASES: &[(&str, Law, Case)] = &[
@@ -80,3 +80,6 @@ pub const CASES: &[(&str, Law, Case)] = &[
         },
     ),
 ];
+
+/// Name and scene of what fuzzing found (`fuzz/`); each is held to all laws of one output and to the oracle.
+pub const SCENES: &[(&str, Given)] = &[];

@@ -1,12 +1,15 @@
 //! A concrete input, evaluated and looked at.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
-use laguerre_core::{Backend, CellStatus, Output, PowerDiagram, Request};
+use laguerre_core::diagram::Container;
+use laguerre_core::shapes::Mesh;
+use laguerre_core::{Backend, Output, PowerDiagram, Request};
 
-use crate::Verdict;
 use crate::domains::Room;
+use crate::sanity;
 
 /// Sites, weights and what the cells are restricted to.
 #[derive(Clone, Debug)]
@@ -20,6 +23,21 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The scene of a diagram.
+    ///
+    /// # Errors
+    /// The library's, in words, where there is no container.
+    pub fn of(diagram: &PowerDiagram) -> Result<Self, String> {
+        let room = match diagram.container().map_err(|error| error.to_string())? {
+            Container::Box(lo, hi) => Room::Box(lo, hi),
+            Container::Domain(domain) => {
+                let mesh = Mesh { vertices: domain.vertices().to_vec(), triangles: domain.triangles().to_vec() };
+                Room::Mesh(Arc::new(mesh), domain)
+            }
+        };
+        Ok(Self { positions: diagram.positions().to_vec(), weights: diagram.weights().to_vec(), room })
+    }
+
     /// The diagram of this scene.
     ///
     /// # Errors
@@ -32,13 +50,13 @@ impl Scene {
         }
     }
 
-    /// What `backend` makes of this scene, and a look at whether it is in order ([`sanity_check`]).
+    /// What `backend` makes of this scene, and a look at whether it is in order ([`sanity::form`]).
     ///
     /// # Errors
     /// The library's, or what is out of order.
     pub fn evaluate(&self, backend: &dyn Backend, request: &Request) -> Result<Output, String> {
         let output = backend.evaluate(&self.diagram()?, request).map_err(|error| error.to_string())?;
-        sanity_check(self.positions.len(), request, &output)?;
+        sanity::form(self.positions.len(), request, &output)?;
         Ok(output)
     }
 
@@ -108,73 +126,6 @@ impl Scene {
             room,
         }
     }
-}
-
-/// What is true of every output, whatever the input: lengths agree, an empty cell has volume 0 and barycenter NaN, nothing
-/// else is NaN, facets are sorted rows of known sites, and `Uncertified` occurs only where it was asked for.
-///
-/// # Errors
-/// The first thing out of order.
-pub fn sanity_check(count: usize, request: &Request, output: &Output) -> Verdict {
-    let Output { status, volume, barycenter, .. } = output;
-    ensure!(
-        [status.len(), volume.len(), barycenter.len()] == [count; 3],
-        "{count} sites, but {} statuses, {} volumes, {} barycenters",
-        status.len(),
-        volume.len(),
-        barycenter.len()
-    );
-    for i in 0..count {
-        let (status, volume, barycenter) = (status[i], volume[i], barycenter[i]);
-        ensure!(volume.is_finite(), "site {i}: volume {volume}");
-        match status {
-            CellStatus::Empty => {
-                ensure!(volume == 0.0, "site {i} is empty with volume {volume}");
-                ensure!(barycenter.iter().all(|x| x.is_nan()), "site {i} is empty with barycenter {barycenter:?}");
-            }
-            CellStatus::Complete => {
-                // Negative where the winding number is.
-                ensure!(volume != 0.0, "site {i} is complete with volume 0");
-                ensure!(barycenter.iter().all(|x| x.is_finite()), "site {i}: barycenter {barycenter:?}");
-            }
-            CellStatus::Uncertified => ensure!(request.epsilon.is_some(), "site {i} is uncertified without `epsilon`"),
-        }
-    }
-    ensure!(output.facets.is_some() == request.facets, "facets are there: {}", output.facets.is_some());
-    ensure!(output.boundary.is_some() == request.facets, "boundaries are there: {}", output.boundary.is_some());
-    ensure!(
-        output.second_moment.is_some() == request.second_moments,
-        "second moments are there: {}",
-        output.second_moment.is_some()
-    );
-    if let Some(moments) = &output.second_moment {
-        ensure!(moments.len() == count, "{count} sites, but {} second moments", moments.len());
-        ensure!(moments.iter().flatten().all(|x| x.is_finite()), "a second moment is not finite");
-    }
-    if let Some(boundary) = &output.boundary {
-        ensure!(boundary.len() == count, "{count} sites, but {} boundaries", boundary.len());
-        for (i, b) in boundary.iter().enumerate() {
-            let numbers = b.barycenter.iter().chain(&b.vector_area).chain([&b.area, &b.flux]);
-            ensure!(numbers.into_iter().all(|x| x.is_finite()), "site {i}: boundary {b:?}");
-        }
-    }
-    let Some(facets) = &output.facets else { return Ok(()) };
-    ensure!(facets.offsets.len() == count + 1 && facets.offsets[0] == 0, "facet rows: {:?}", facets.offsets);
-    let total = facets.offsets[count];
-    let lengths = [facets.neighbor.len(), facets.area.len(), facets.barycenter.len(), facets.distance.len()];
-    ensure!(lengths == [total; 4], "{total} facets, but columns of {lengths:?}");
-    for i in 0..count {
-        ensure!(facets.offsets[i] <= facets.offsets[i + 1], "facet row {i} ends before it starts");
-        let row = facets.offsets[i]..facets.offsets[i + 1];
-        ensure!(facets.neighbor[row.clone()].is_sorted_by(|a, b| a < b), "site {i}: neighbours are not sorted");
-        for f in row {
-            let site = facets.neighbor[f].site as usize;
-            ensure!(site < count && site != i, "site {i} has neighbour {site} of {count}");
-            ensure!(facets.area[f].is_finite(), "facet {i}-{site}: area {}", facets.area[f]);
-            ensure!(facets.barycenter[f].iter().all(|x| x.is_finite()), "facet {i}-{site}: no barycenter");
-        }
-    }
-    Ok(())
 }
 
 /// One facet of an output.

@@ -67,12 +67,16 @@ impl PowerDiagram {
         }
         for (i, p) in positions.iter().enumerate() {
             if let Some(x) = p.iter().find(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
-                return Err(Error::input(format!("site {i}: coordinate {x} is not a number within ±1e60")));
+                return Err(Error::input(format!(
+                    "site {i}: coordinate {x:e} is not a number within ±1e60; choose another unit"
+                )));
             }
         }
         for (i, w) in weights.iter().enumerate() {
             if w.is_nan() || w.abs() > LARGEST_COORDINATE * LARGEST_COORDINATE {
-                return Err(Error::input(format!("site {i}: weight {w} is not a number within ±1e120")));
+                return Err(Error::input(format!(
+                    "site {i}: weight {w:e} is not a number within ±1e120; choose another unit"
+                )));
             }
         }
         self.positions.clear();
@@ -96,11 +100,14 @@ impl PowerDiagram {
         for k in 0..3 {
             let axis = ["x", "y", "z"][k];
             if !(lo[k].abs() <= LARGEST_COORDINATE && hi[k].abs() <= LARGEST_COORDINATE) {
-                return Err(Error::input(format!("box: its {axis} range {}..{} is not within ±1e60", lo[k], hi[k])));
+                return Err(Error::input(format!(
+                    "box: its {axis} range {:e}..{:e} is not within ±1e60",
+                    lo[k], hi[k]
+                )));
             }
             if hi[k] - lo[k] <= 1.0 / LARGEST_COORDINATE {
                 return Err(Error::input(format!(
-                    "box: its {axis} range {}..{} is empty or flat; give minimum corner, then maximum corner",
+                    "box: its {axis} range {:e}..{:e} is empty or flat; give minimum corner, then maximum corner",
                     lo[k], hi[k]
                 )));
             }
@@ -165,7 +172,7 @@ impl PowerDiagram {
         if let Some(i) = positions.iter().position(|p| p.iter().any(|x| x.abs() > FARTHEST_SITE)) {
             return Err(Error::input(format!(
                 "site {i} at {:?} is out of range: sites must stand within about {FARTHEST_SITE} times the largest extent of \
-                 the domain or box",
+                 the domain or box; leave it out, or give a larger box",
                 self.positions[i]
             )));
         }
@@ -175,7 +182,7 @@ impl PowerDiagram {
         if let Some(i) = self.weights.iter().position(|w| (w - base) / unit2 > LARGEST_WEIGHT_SPREAD) {
             return Err(Error::input(format!(
                 "site {i} has weight {}, the smallest weight is {base}: weights must differ by less than about \
-                 {LARGEST_WEIGHT_SPREAD} times the squared largest extent of the domain or box",
+                 {LARGEST_WEIGHT_SPREAD} times the squared largest extent of the domain or box; are they squared lengths?",
                 self.weights[i]
             )));
         }
@@ -211,6 +218,11 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// The domain, if the diagram is restricted to one.
+    pub fn domain(&self) -> Option<&Domain> {
+        self.domain.as_ref()
+    }
+
     /// The domain's grid, if the diagram is restricted to a domain.
     pub fn domain_grid(&self) -> Option<&DomainGrid> {
         self.domain.as_ref().map(Domain::grid)

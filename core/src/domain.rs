@@ -46,7 +46,7 @@ impl Domain {
     ///
     /// # Errors
     /// `Input` where an index or a coordinate is out of range, the surface is open or not consistently oriented, or
-    /// nothing is enclosed. Faces and vertices are counted from 0 in the order given.
+    /// nothing is enclosed. Triangles and vertices are counted from 0 in the order given.
     pub fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
         check_numbers(vertices, triangles)?;
         let mut mesh = topology::weld(vertices, triangles);
@@ -142,6 +142,11 @@ impl Domain {
         &self.inner.frame
     }
 
+    /// Whether `other` is this very domain: a clone, not an equal mesh.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.inner, &other.inner)
+    }
+
     /// The grid over the domain, in the coordinates of [`Domain::frame`]; built on the first call.
     pub fn grid(&self) -> &DomainGrid {
         self.inner.grid.get_or_init(|| {
@@ -176,13 +181,15 @@ fn check_numbers(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<()> {
     }
     for (i, v) in vertices.iter().enumerate() {
         if let Some(x) = v.iter().find(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
-            return Err(Error::input(format!("vertex {i} of the domain: coordinate {x} is not a number within ±1e60")));
+            return Err(Error::input(format!(
+                "vertex {i} of the domain: coordinate {x:e} is not a number within ±1e60; choose another unit"
+            )));
         }
     }
     for (f, t) in triangles.iter().enumerate() {
         if let Some(i) = t.iter().find(|&&i| i as usize >= vertices.len()) {
             return Err(Error::input(format!(
-                "face {f} of the domain: vertex index {i} (counted from 0) is out of range; there are {} vertices",
+                "triangle {f} of the domain: vertex index {i} (counted from 0) is out of range; there are {} vertices",
                 vertices.len()
             )));
         }

@@ -14,11 +14,12 @@ pub mod error;
 pub mod exact;
 pub mod frame;
 pub mod io;
-#[cfg(any(test, feature = "test-util"))]
+#[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
 pub mod output;
 pub mod passes;
 pub mod request;
+pub mod search;
 #[cfg(any(test, feature = "test-util"))]
 pub mod shapes;
 pub mod site_grid;

@@ -95,6 +95,10 @@ pub struct Output {
     pub boundary: Option<Vec<Boundary>>,
     /// Cells for which floating point did not suffice and exact arithmetic decided.
     pub exact_cells: usize,
+    /// Cells that a device handed back to the host, which has all the room and arithmetic that there is.
+    pub host_cells: usize,
+    /// Seconds that a device computed, from sites on the device to results on the device; 0 where there is none but the host.
+    pub device_seconds: f64,
     /// The passes of the scheduler.
     pub passes: Vec<PassReport>,
 }

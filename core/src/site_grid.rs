@@ -161,6 +161,26 @@ impl SiteGrid {
         self.width
     }
 
+    /// Minimum corner of the voxels.
+    pub fn corner(&self) -> [f64; 3] {
+        self.lo
+    }
+
+    /// How far outside its voxel's box a site can be, by rounding, on each axis.
+    pub fn pad(&self) -> [f64; 3] {
+        self.pad
+    }
+
+    /// Where the sites of each voxel begin; one more at the end.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
+    }
+
+    /// The root of each voxel's tree, `u32::MAX` where it has none; empty where no voxel is crowded.
+    pub fn roots(&self) -> &[u32] {
+        &self.roots
+    }
+
     /// The range of voxels along axis `k` that hold every site whose coordinate is within `reach` of `x`.
     pub fn voxels_within(&self, k: usize, x: f64, reach: f64) -> std::ops::RangeInclusive<u32> {
         let index = |x: f64| (((x - self.lo[k]) / self.width) as u32).min(self.levels[0].dims[k] - 1);

@@ -1,6 +1,8 @@
 //! What a person would otherwise type from memory: `cargo xtask test`, `cargo xtask check`.
 #![forbid(unsafe_code)]
 
+mod codegen;
+mod fixtures;
 mod run;
 
 use std::env;
@@ -12,7 +14,10 @@ const USAGE: &str = "usage: cargo xtask COMMAND
 
   test [FILTER…]   all tests of the workspace, doc tests and the conformance suite of every backend included;
                    LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
-  check            formatting, clippy and documentation, warnings as errors";
+  check            formatting, clippy and documentation, warnings as errors; generated text as it should be
+  codegen          the OpenCL C of core/src/cell/; with --check only says whether it is up to date
+  fixtures         makes the CGAL fixtures anew (needs g++ and libcgal-dev) and fails if any changed; with --worst holds the
+                   backends to those that are there and prints the largest errors";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -20,6 +25,10 @@ fn main() -> ExitCode {
     let outcome = match words[..] {
         ["test", ref filters @ ..] => test(filters),
         ["check"] => check(),
+        ["fixtures"] => fixtures::run(),
+        ["fixtures", "--worst"] => fixtures::worst(),
+        ["codegen"] => codegen::run(false),
+        ["codegen", "--check"] => codegen::run(true),
         _ => {
             eprintln!("{USAGE}");
             return ExitCode::from(2);
@@ -67,5 +76,6 @@ fn check() -> Result<(), String> {
     let clippy = ["clippy", "--locked", "--workspace", "--all-features", "--all-targets", "--", "-D", "warnings"];
     cargo(&clippy, &[])?;
     let doc = ["doc", "--locked", "--workspace", "--all-features", "--no-deps"];
-    cargo(&doc, &[("RUSTDOCFLAGS", "-D warnings")])
+    cargo(&doc, &[("RUSTDOCFLAGS", "-D warnings")])?;
+    codegen::run(true)
 }

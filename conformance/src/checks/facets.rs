@@ -1,28 +1,42 @@
 //! Facets seen from their two sides.
 
-use laguerre_core::Backend;
+use laguerre_core::{Backend, CellStatus, Output};
 
-use crate::bounds::{Bounds, Planes};
+use crate::bounds::Bounds;
 use crate::compare::{same_facet, undecided};
-use crate::scene::rows;
-use crate::{Case, Verdict};
+use crate::{Case, Scene, Verdict, sanity};
+
+/// [`are_mutual`] on a case.
+pub fn mutual(backend: &dyn Backend, case: &Case) -> Verdict {
+    sanity::hold(backend, case, are_mutual)
+}
+
+/// [`have_distances`] on a case.
+pub fn distance(backend: &dyn Backend, case: &Case) -> Verdict {
+    sanity::hold(backend, case, have_distances)
+}
+
+/// [`are_positive`] on a case.
+pub fn positive(backend: &dyn Backend, case: &Case) -> Verdict {
+    sanity::hold(backend, case, are_positive)
+}
 
 /// Facet (i, j) is facet (j, i): the same area and barycenter. Not where it lies in the surface, nor in the plane of
 /// a flat cell.
-pub fn mutual(backend: &dyn Backend, case: &Case) -> Verdict {
-    let scene = case.scene();
-    let output = scene.with_facets(backend)?;
-    let bounds = Bounds::new(&scene, &output, Planes::Same);
-    let rows = rows(&output);
-    for (i, row) in rows.iter().enumerate() {
+pub fn are_mutual(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
+    for (i, row) in bounds.rows().iter().enumerate() {
         for facet in row {
             let j = facet.neighbor;
-            if undecided(&scene, i, j, &bounds) {
+            let back = bounds.rows()[j].iter().find(|f| f.neighbor == i).copied();
+            let reach = bounds.reach(i).max(bounds.reach(j));
+            let least = bounds.least_facet_rounding(i).max(bounds.least_facet_rounding(j));
+            if same_facet(Some(*facet), back, least, reach).is_ok() || undecided(scene, i, j, bounds) {
                 continue;
             }
-            let back = rows[j].iter().find(|f| f.neighbor == i).copied();
-            let bound = bounds.area(i).max(bounds.area(j));
-            let reach = bounds.reach(i).max(bounds.reach(j));
+            let mut bound = bounds.area(i).max(bounds.area(j));
+            if output.status[j] == CellStatus::Empty {
+                bound = bound.max(bounds.facet_of_empty(j));
+            }
             same_facet(Some(*facet), back, bound, reach)
                 .map_err(|reason| format!("facets {i}-{j} and {j}-{i}: {reason}"))?;
         }
@@ -31,11 +45,8 @@ pub fn mutual(backend: &dyn Backend, case: &Case) -> Verdict {
 }
 
 /// The distance of a facet is that of its sites, to a rounding.
-pub fn distance(backend: &dyn Backend, case: &Case) -> Verdict {
-    let scene = case.scene();
-    let output = scene.with_facets(backend)?;
-    let bounds = Bounds::new(&scene, &output, Planes::Same);
-    for (i, row) in rows(&output).iter().enumerate() {
+pub fn have_distances(scene: &Scene, _: &Output, bounds: &Bounds) -> Verdict {
+    for (i, row) in bounds.rows().iter().enumerate() {
         for facet in row {
             let distance = scene.site(i).distance(scene.site(facet.neighbor));
             let off = (facet.distance - distance).abs();
@@ -51,10 +62,8 @@ pub fn distance(backend: &dyn Backend, case: &Case) -> Verdict {
 }
 
 /// No facet and no piece of the boundary has a negative area: what rounding makes of nothing is dropped.
-pub fn positive(backend: &dyn Backend, case: &Case) -> Verdict {
-    let scene = case.scene();
-    let output = scene.with_facets(backend)?;
-    for (i, row) in rows(&output).iter().enumerate() {
+pub fn are_positive(_: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
+    for (i, row) in bounds.rows().iter().enumerate() {
         for facet in row {
             ensure!(facet.area > 0.0, "facet {i}-{}: area {:e}", facet.neighbor, facet.area);
         }

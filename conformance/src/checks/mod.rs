@@ -1,5 +1,6 @@
 //! The table of checks, and the checks by area.
 
+pub mod cgal;
 pub mod closure;
 pub mod containers;
 pub mod epsilon;
@@ -8,6 +9,7 @@ pub mod facets;
 pub mod invariance;
 pub mod large;
 pub mod lattice;
+pub mod near_degenerate;
 pub mod oracle;
 pub mod places;
 pub mod reproducible;
@@ -35,10 +37,18 @@ macro_rules! given {
     };
 }
 
+/// A fixture made by CGAL.
+macro_rules! fixture {
+    ($name:ident) => {
+        (concat!("cgal::", stringify!($name)), |backend: &dyn Backend| cgal::hold(backend, stringify!($name)))
+    };
+}
+
 /// Every check, by its name `area::check`.
 pub const CHECKS: &[(&str, Check)] = &[
     law!(sums::volume),
     law!(sums::first_moment),
+    law!(sums::barycenter),
     law!(sums::second_moment),
     law!(sums::boundary_area),
     law!(oracle::every_cell),
@@ -76,7 +86,49 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(large::hiding_weights),
     given!(large::one_heavy_site),
     given!(large::many_sites_in_a_mesh),
+    given!(near_degenerate::vertices_lie_on_their_planes),
+    given!(near_degenerate::signs_are_exact),
+    given!(near_degenerate::no_false_proof),
+    given!(near_degenerate::integrals_are_of_the_polygons),
+    given!(near_degenerate::untouched_cells_are_whole),
+    given!(near_degenerate::face_in_line_with_corners),
     given!(errors::sites),
     given!(errors::containers),
     given!(errors::ranges),
+    fixture!(box_one),
+    fixture!(box_voronoi),
+    fixture!(box_mild),
+    fixture!(box_strong),
+    fixture!(box_hiding),
+    fixture!(box_radii),
+    fixture!(box_lattice),
+    fixture!(box_corner_lattice),
+    fixture!(box_duplicated),
+    fixture!(box_cospherical),
+    fixture!(box_mirrored),
+    fixture!(flat_box_collinear),
+    fixture!(flat_box_coplanar),
+    fixture!(cube_voronoi),
+    fixture!(cube_lattice),
+    fixture!(cube_outside),
+    fixture!(sphere_voronoi),
+    fixture!(sphere_strong),
+    fixture!(sphere_one),
+    fixture!(torus_voronoi),
+    fixture!(torus_hiding),
+    fixture!(torus_few),
+    fixture!(trefoil_voronoi),
+    fixture!(trefoil_radii),
+    fixture!(genus2_mild),
+    fixture!(genus2_lattice),
+    fixture!(cavity_voronoi),
+    fixture!(cavity_strong),
+    fixture!(components_mild),
+    fixture!(components_duplicated),
+    fixture!(plate_voronoi),
+    fixture!(plate_outside),
+    fixture!(bunny_voronoi),
+    fixture!(bunny_strong),
+    fixture!(bunny_heavy),
+    fixture!(bunny_lattice),
 ];

@@ -53,7 +53,7 @@ pub fn one_site_has_everything(backend: &dyn Backend, case: &Case) -> Verdict {
     let output = scene.with_facets(backend)?;
     let bounds = Bounds::new(&scene, &output, Planes::Same);
     ensure!(output.status == [CellStatus::Complete], "the only site is {:?}", output.status);
-    let (volume, all, bound) = (output.volume[0], scene.room.volume(), bounds.volume_sum(&scene));
+    let (volume, all, bound) = (output.volume[0], scene.room.volume(), bounds.volume_sum());
     ensure!((volume - all).abs() <= bound, "the only site has {volume} of {all}, bound {bound:e}");
     let facets = output.facets.as_ref().map_or(0, |f| f.area.len());
     ensure!(facets == 0, "the only site has {facets} neighbours");

@@ -31,7 +31,7 @@ pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
         let on_y: u32 = (v >> 1) & 1;
         let on_z: u32 = (v >> 2) & 1;
         // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
-        if ((on_x + on_y) + on_z) & 1 == 0 {
+        if (((on_x + on_y) + on_z) & 1) == 0 {
             s.set_triplet(v, Triplet { a: on_x, b: 2 + on_y, c: 4 + on_z });
         } else {
             s.set_triplet(v, Triplet { a: on_x, b: 4 + on_z, c: 2 + on_y });
@@ -158,8 +158,7 @@ pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
         if s.mark(count) == MARK_CONFLICT {
             continue;
         }
-        s.set_triplet(hole, s.triplet(count));
-        s.set_position(hole, s.position(count), s.radius(count));
+        s.move_vertex(count, hole);
         s.set_mark(hole, MARK_KEEP);
         hole = s.next_conflict(hole + 1, count);
     }
@@ -258,8 +257,7 @@ pub fn compact_planes<S: CellStore>(s: &mut S) {
     while f < s.planes() {
         if s.link(f) != 0 {
             if kept != f {
-                s.set_plane(kept, s.plane(f));
-                s.set_tag(kept, s.tag(f));
+                s.move_plane(f, kept);
             }
             kept += 1;
             s.set_link(f, kept);

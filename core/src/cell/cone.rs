@@ -7,13 +7,15 @@ use super::status::{
     COMPLETE, CUT, EMPTY, SEEN_CONFLICT, SEEN_KEEP, SIGN_UNKNOWN, TAG_CONE, TAG_TRIANGLE, UNCERTAIN, UNTOUCHED,
 };
 use super::store::{CellStore, Triangle, Voxel};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, scale, sub, v3};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, larger, norm_1, scale, sub, v3};
 
 /// A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
 #[derive(Clone, Copy)]
 struct TruncatedCone {
     /// Sign of the triangle as seen from the apex: +1 where it turns its back, so that what lies behind is outside.
     sign: Real,
+    /// ‖·‖₁ of the way from the site to the farthest corner: what the planes' rounding is relative to.
+    reach: Real,
     end: Plane,
     side_0: Plane,
     side_1: Plane,
@@ -58,7 +60,7 @@ pub(crate) fn add_cone<S: CellStore>(
             if (flags & FACETS) != 0 {
                 reset_from(s, base);
             }
-            status = integrate(s, -cone.sign, center, flags, sums);
+            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
         }
     }
     s.restore();
@@ -127,7 +129,7 @@ pub(crate) fn add_surface<S: CellStore>(s: &mut S, t: u32, apex: Voxel, center: 
 fn reset_from<S: CellStore>(s: &mut S, base: u32) {
     let mut f: u32 = base;
     while f < s.planes() {
-        s.set_facet(f, Default::default());
+        s.set_facet(f, FacetSum::default());
         f += 1;
     }
 }
@@ -159,7 +161,11 @@ fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedC
     }
     let site: V3 = s.site();
     let o_in: V3 = sub(o, site);
-    cone.end = triangle_plane(sub(a, site), sub(b, site), sub(c, site), cone.sign);
+    let a_in: V3 = sub(a, site);
+    let b_in: V3 = sub(b, site);
+    let c_in: V3 = sub(c, site);
+    cone.reach = larger(larger(norm_1(a_in), norm_1(b_in)), larger(norm_1(c_in), norm_1(o_in)));
+    cone.end = triangle_plane(a_in, b_in, c_in, cone.sign);
     cone.side_0 = side_over_edge(triangle.a, triangle.b, a, b, o, o_in, cone.sign);
     cone.side_1 = side_over_edge(triangle.b, triangle.c, b, c, o, o_in, cone.sign);
     cone.side_2 = side_over_edge(triangle.c, triangle.a, c, a, o, o_in, cone.sign);
@@ -170,6 +176,7 @@ fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedC
 fn no_cone() -> TruncatedCone {
     return TruncatedCone {
         sign: 0.0,
+        reach: 0.0,
         end: Plane::default(),
         side_0: Plane::default(),
         side_1: Plane::default(),

@@ -39,6 +39,8 @@ pub struct CellSums {
     pub second_mixed: V3,
     /// What rounding may have added to the volume, at most.
     pub rounding: Real,
+    /// Magnitudes of the volumes of the pieces that were added and subtracted.
+    pub size: Real,
     /// Area of the boundary within the cell.
     pub boundary_area: Real,
     /// ∫ x dA over the boundary.
@@ -58,9 +60,20 @@ const ROUNDINGS: Real = 64.0;
 /// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
 const ROUNDINGS_ACROSS: Real = 8.0;
 
+/// A volume that is positive counts as nothing only below so many roundings of the pieces that it is made of: the bound of a thin
+/// slab beside large pieces is far above what rounding does, and dropping the slab would be seen in the sum over all cells.
+const ROUNDINGS_OF_NOTHING: Real = 16.0;
+
 /// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
 pub fn volume_is_above_bound(sums: CellSums) -> u32 {
-    if sums.volume.abs() > sums.rounding {
+    let mut bound: Real = sums.rounding;
+    if sums.volume > 0.0 {
+        let nothing: Real = (ROUNDINGS_OF_NOTHING * UNIT_ROUNDOFF) * sums.size;
+        if nothing < bound {
+            bound = nothing;
+        }
+    }
+    if sums.volume.abs() > bound {
         return 1;
     }
     return 0;
@@ -94,13 +107,25 @@ struct Side {
 /// `center` is the point that the tetrahedra share; any point will do, one in or near the polytope keeps the digits.
 /// For each vertex and each of its edges (f, g): `I` the foot of `center` on the edge's line, `H_f` on the plane;
 /// signed volumes `+det(H_g, I, v)/6` and `−det(H_f, I, v)/6`.
-pub(crate) fn integrate<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32, sums: &mut CellSums) -> u32 {
+///
+/// `reach` is the distance to the farthest point that a plane was made from, where that is not a site beyond the plane.
+pub(crate) fn integrate<S: CellStore>(
+    s: &mut S,
+    weight: Real,
+    center: V3,
+    reach: Real,
+    flags: u32,
+    sums: &mut CellSums,
+) -> u32 {
     let mut part: CellSums = CellSums::default();
     let mut v: u32 = 0;
     while v < s.vertices() {
         let t: Triplet = s.triplet(v);
-        let at: Corner =
-            Corner { position: sub(s.position(v), center), distance: norm_1(s.position(v)), radius: s.radius(v) };
+        let at: Corner = Corner {
+            position: sub(s.position(v), center),
+            distance: norm_1(s.position(v)) + reach,
+            radius: s.radius(v) + (UNIT_ROUNDOFF * reach),
+        };
         let a: Side = side(s, t.a, center);
         let b: Side = side(s, t.b, center);
         let c: Side = side(s, t.c, center);
@@ -120,6 +145,7 @@ pub(crate) fn integrate<S: CellStore>(s: &mut S, weight: Real, center: V3, flags
     let first: V3 = scale(weight / 24.0, part.first);
     let about: V3 = scale(volume, center);
     sums.volume = sums.volume + volume;
+    sums.size = sums.size + volume.abs();
     sums.first = add(sums.first, add(first, about));
     sums.rounding = sums.rounding + (part.rounding / 6.0);
     if (flags & SECOND_MOMENTS) != 0 {
@@ -152,7 +178,7 @@ fn side<S: CellStore>(s: &S, f: u32, center: V3) -> Side {
 struct Corner {
     /// Relative to the reference point.
     position: V3,
-    /// ‖·‖₁ of its way from the site.
+    /// ‖·‖₁ of its way from the site, and the reach of its planes.
     distance: Real,
     /// Its error radius.
     radius: Real,

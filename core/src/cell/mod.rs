@@ -25,6 +25,7 @@
 
 mod clip;
 mod cone;
+mod expansion;
 mod integrate;
 mod plane;
 mod restrict;

@@ -7,7 +7,7 @@ use super::integrate::{
 };
 use super::status::{BOUNDARY, COMPLETE, EMPTY, P_FULL, TAG_BOX};
 use super::store::{CellStore, Voxel};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, add, norm_max, sub, v3};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, larger, norm_max, smaller, sub, v3};
 
 /// The integrals of the finished cell over the container: the domain where there is one, weighted by its winding number,
 /// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
@@ -44,7 +44,7 @@ pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, s
         reset_facets(s);
     }
     if winding != 0 {
-        let status: u32 = integrate(s, winding as Real, center, flags, sums);
+        let status: u32 = integrate(s, winding as Real, center, 0.0, flags, sums);
         if status != COMPLETE {
             return status;
         }
@@ -58,7 +58,7 @@ pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, s
         // No piece ends at its triangle: the surface does not meet the cell, and the winding number within is the nearest
         // integer to the quotient.
         let mut whole: CellSums = CellSums::default();
-        let status: u32 = integrate(s, 1.0, center, VOLUME_ONLY, &mut whole);
+        let status: u32 = integrate(s, 1.0, center, 0.0, VOLUME_ONLY, &mut whole);
         if status != COMPLETE {
             return status;
         }
@@ -101,7 +101,7 @@ fn integrate_whole<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32
     if (flags & FACETS) != 0 {
         reset_facets(s);
     }
-    let status: u32 = integrate(s, weight, center, flags, sums);
+    let status: u32 = integrate(s, weight, center, 0.0, flags, sums);
     if status != COMPLETE {
         return status;
     }
@@ -141,22 +141,6 @@ fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
     let outward: V3 = v3(margin, margin, margin);
     *lo = s.voxel_of(sub(add(site, low), outward));
     *hi = s.voxel_of(add(add(site, high), outward));
-}
-
-#[inline(always)]
-fn smaller(a: Real, b: Real) -> Real {
-    if b < a {
-        return b;
-    }
-    return a;
-}
-
-#[inline(always)]
-fn larger(a: Real, b: Real) -> Real {
-    if b > a {
-        return b;
-    }
-    return a;
 }
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1

@@ -60,6 +60,12 @@ pub trait CellStore {
     fn tag(&self, f: u32) -> u32;
     /// Sets what half-space `f` belongs to.
     fn set_tag(&mut self, f: u32, tag: u32);
+    /// Makes half-space `to` what `from` is.
+    #[inline(always)]
+    fn move_plane(&mut self, from: u32, to: u32) {
+        self.set_plane(to, self.plane(from));
+        self.set_tag(to, self.tag(from));
+    }
     /// Scratch number of half-space `f`, zero between calls of `clip`.
     fn link(&self, f: u32) -> u32;
     /// Sets the scratch number of half-space `f`.
@@ -75,6 +81,12 @@ pub trait CellStore {
     fn radius(&self, v: u32) -> Real;
     /// Sets position and error radius of vertex `v`.
     fn set_position(&mut self, v: u32, position: V3, radius: Real);
+    /// Makes vertex `to` what `from` is.
+    #[inline(always)]
+    fn move_vertex(&mut self, from: u32, to: u32) {
+        self.set_triplet(to, self.triplet(from));
+        self.set_position(to, self.position(from), self.radius(from));
+    }
     /// Mark of vertex `v`, one of the `MARK_` constants.
     fn mark(&self, v: u32) -> u32;
     /// Sets the mark of vertex `v`.
@@ -144,6 +156,10 @@ pub trait CellStore {
         }
         V3 { x: square, y: radius, z: 0.0 }
     }
+
+    /// Notes that the cell needed exact arithmetic.
+    #[inline(always)]
+    fn note_exact(&mut self) {}
 
     /// The exact sign of `det [n|d]` of the planes of `t` and plane `k`. On a device: `SIGN_UNKNOWN`.
     fn exact_sign(&mut self, t: Triplet, k: u32) -> i32 {

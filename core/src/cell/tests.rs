@@ -36,7 +36,7 @@ fn a_corner_cut_off() {
     assert_simple(&store);
     let mut sums = CellSums::default();
     reset_facets(&mut store);
-    assert_eq!(integrate(&mut store, 1.0, v3(0.1, -0.2, 0.05), FACETS | SECOND_MOMENTS, &mut sums), COMPLETE);
+    assert_eq!(integrate(&mut store, 1.0, v3(0.1, -0.2, 0.05), 0.0, FACETS | SECOND_MOMENTS, &mut sums), COMPLETE);
     let leg: f64 = 0.5;
     let corner = leg.powi(3) / 6.0;
     // The corner's centroid is ¼ leg from the corner along each axis.

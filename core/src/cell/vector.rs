@@ -72,3 +72,21 @@ pub(crate) fn norm_max(a: V3) -> Real {
     }
     return m;
 }
+
+/// The smaller of two numbers.
+#[inline(always)]
+pub(crate) fn smaller(a: Real, b: Real) -> Real {
+    if b < a {
+        return b;
+    }
+    return a;
+}
+
+/// The larger of two numbers.
+#[inline(always)]
+pub(crate) fn larger(a: Real, b: Real) -> Real {
+    if b > a {
+        return b;
+    }
+    return a;
+}

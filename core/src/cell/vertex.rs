@@ -1,9 +1,11 @@
 //! Vertices: triplets of planes, and where they meet.
 
+use super::expansion::expansion_position;
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
 use super::store::CellStore;
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, norm_1, norm_max, scale, sub, v3};
+use super::wide::{Wide, product_exact, wide_add};
 
 /// A vertex as the three half-spaces it lies on, clockwise from outside: `det(n_a, n_b, n_c) > 0` exactly.
 #[repr(C)]
@@ -17,25 +19,37 @@ pub struct Triplet {
     pub c: u32,
 }
 
-/// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` the three normals count as nearly dependent and the position is computed
-/// exactly: at 1e-10 floating point still has six digits, enough for the error radius to be meaningful.
-const NEARLY_DEPENDENT: Real = 1e-10;
+/// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
+/// position is computed exactly. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
+const NEARLY_DEPENDENT: Real = 2.3841857910156e-7;
 
-/// Below this share the position is refined once, so that it lies on its planes to a rounding (Cramer's rule alone lies
-/// off by the inverse of the share).
+/// Below this share the position is refined once: Cramer's rule alone is off by the inverse of the share.
 const WORTH_REFINING: Real = 0.001953125;
 
 /// Roundings in a position and in the evaluation of a plane there, in units of `UNIT_ROUNDOFF` and of the sum that
-/// `place_vertex` forms: at most 8 for Cramer's rule (5 in the numerator, 5 in the determinant weighted by `|v|`, 2 for
-/// the quotient) or 12 for the refined one, and 4 for `n·v + d`; doubled for the rounding of the bound itself.
-const ROUNDINGS: Real = 32.0;
+/// `find_vertex` forms: at most 8 for Cramer's rule (5 in the numerator, 5 in the determinant weighted by `|v|`, 2 for
+/// the quotient), and 4 for `n·v + d`; more than doubled for the rounding of the bound itself.
+const ROUNDINGS_OF_PLACE: Real = 32.0;
 
-/// Computes the position of vertex `v` from its triplet, with an error radius such that
+/// The same for a position that is itself within a rounding: 1 for each component, 4 for `n·v + d`, and the bound's.
+const ROUNDINGS_OF_EXACT: Real = 8.0;
+
+/// Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
+pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
+    let mut position: V3 = v3(0.0, 0.0, 0.0);
+    let mut radius: Real = 0.0;
+    let status: u32 = find_vertex(s, s.triplet(v), &mut position, &mut radius);
+    if status == COMPLETE {
+        s.set_position(v, position, radius);
+    }
+    return status;
+}
+
+/// The position of the vertex with triplet `t`, and an error radius such that
 /// `|fl(n·v + d) − (n·v* + d)| ≤ ‖n‖₁·radius + 4u|d|` for every plane, `v*` the exact vertex.
 ///
 /// Position: `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`.
-pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
-    let t: Triplet = s.triplet(v);
+pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
     let pa: Plane = s.plane(t.a);
     let pb: Plane = s.plane(t.b);
     let pc: Plane = s.plane(t.c);
@@ -47,27 +61,39 @@ pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
     let size_b: Real = norm_1(pb.n);
     let size_c: Real = norm_1(pc.n);
     let size: Real = (size_a * size_b) * size_c;
-    let mut position: V3 = v3(0.0, 0.0, 0.0);
     if !(det > (NEARLY_DEPENDENT * size)) {
-        if s.exact_position(t, &mut position) != COMPLETE {
-            return UNCERTAIN;
+        s.note_exact();
+        if expansion_position(pa, pb, pc, position) != COMPLETE {
+            if s.exact_position(t, position) != COMPLETE {
+                return UNCERTAIN;
+            }
         }
-        s.set_position(v, position, (8.0 * UNIT_ROUNDOFF) * norm_max(position));
+        *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position);
         return COMPLETE;
     }
     let inverse: Real = 1.0 / det;
-    position = scale(-inverse, combine(pa.d, pb.d, pc.d, bc, ca, ab));
-    if det < (WORTH_REFINING * size) {
-        let ra: Real = dot(pa.n, position) + pa.d;
-        let rb: Real = dot(pb.n, position) + pb.d;
-        let rc: Real = dot(pc.n, position) + pc.d;
-        position = sub(position, scale(inverse, combine(ra, rb, rc, bc, ca, ab)));
-    }
+    let found: V3 = scale(-inverse, combine(pa.d, pb.d, pc.d, bc, ca, ab));
     let offsets: Real =
         (((pa.d.abs() * size_b) * size_c) + ((pb.d.abs() * size_c) * size_a)) + ((pc.d.abs() * size_a) * size_b);
-    let radius: Real = ((ROUNDINGS * UNIT_ROUNDOFF) * inverse) * (offsets + (norm_max(position) * size));
-    s.set_position(v, position, radius);
+    let amplified: Real = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
+    *position = found;
+    *radius = amplified * (offsets + (norm_max(found) * size));
+    if det < (WORTH_REFINING * size) {
+        // A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
+        // in which the planes hardly tell one point from the next.
+        let rest: V3 = combine(residual(pa, found), residual(pb, found), residual(pc, found), bc, ca, ab);
+        *position = sub(found, scale(inverse, rest));
+        *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * size));
+    }
     return COMPLETE;
+}
+
+/// `n·x + d`, rounded once or little more.
+fn residual(plane: Plane, x: V3) -> Real {
+    let first: Wide = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
+    let second: Wide = wide_add(product_exact(plane.n.z, x.z), Wide { hi: plane.d, lo: 0.0 });
+    let sum: Wide = wide_add(first, second);
+    return sum.hi + sum.lo;
 }
 
 /// `r_a·bc + r_b·ca + r_c·ab`.

@@ -1,6 +1,7 @@
 //! The wider stage of the signs: double-double arithmetic, about 104 bits, which decides nearly all that floating point
 //! leaves open. Products are split by Dekker's method, so that no fused operation is needed.
 
+use super::expansion::expansion_sign;
 use super::plane::Plane;
 use super::status::SIGN_UNKNOWN;
 use super::store::CellStore;
@@ -10,9 +11,11 @@ use super::vertex::Triplet;
 /// An unevaluated sum `hi + lo`, `|lo| ≤ u|hi|`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-struct Wide {
-    hi: Real,
-    lo: Real,
+pub(crate) struct Wide {
+    /// The sum, rounded.
+    pub(crate) hi: Real,
+    /// What is left of it.
+    pub(crate) lo: Real,
 }
 
 /// Dekker's constant 2²⁷ + 1: halves of 26 bits.
@@ -26,14 +29,20 @@ const WIDE_ERROR: Real = 1.5777218104420236e-30;
 const WIDE_SMALLEST: Real = 1e-260;
 
 /// The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
-/// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`.
+/// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Three stages: double-double,
+/// expansions, and the store's own.
 pub(crate) fn sign_of_conflict<S: CellStore>(s: &mut S, v: u32, k: u32) -> i32 {
     let t: Triplet = s.triplet(v);
     let a: Plane = s.plane(t.a);
     let b: Plane = s.plane(t.b);
     let c: Plane = s.plane(t.c);
     let e: Plane = s.plane(k);
-    let sign: i32 = wide_sign(a, b, c, e);
+    let mut sign: i32 = wide_sign(a, b, c, e);
+    if sign != SIGN_UNKNOWN {
+        return sign;
+    }
+    s.note_exact();
+    sign = expansion_sign(a, b, c, e);
     if sign != SIGN_UNKNOWN {
         return sign;
     }
@@ -96,7 +105,7 @@ fn minor(x0: Real, y0: Real, x1: Real, y1: Real) -> Wide {
 
 /// `a·b`, exactly.
 #[inline(always)]
-fn product_exact(a: Real, b: Real) -> Wide {
+pub(crate) fn product_exact(a: Real, b: Real) -> Wide {
     let p: Real = a * b;
     let ta: Real = SPLITTER * a;
     let a_hi: Real = ta - (ta - a);
@@ -104,13 +113,13 @@ fn product_exact(a: Real, b: Real) -> Wide {
     let tb: Real = SPLITTER * b;
     let b_hi: Real = tb - (tb - b);
     let b_lo: Real = b - b_hi;
-    let error: Real = (((a_hi * b_hi) - p) + ((a_hi * b_lo) + (a_lo * b_hi))) + (a_lo * b_lo);
+    let error: Real = ((((a_hi * b_hi) - p) + (a_hi * b_lo)) + (a_lo * b_hi)) + (a_lo * b_lo);
     return Wide { hi: p, lo: error };
 }
 
 /// `a + b`, both halves exactly, then rounded to double-double.
 #[inline(always)]
-fn wide_add(a: Wide, b: Wide) -> Wide {
+pub(crate) fn wide_add(a: Wide, b: Wide) -> Wide {
     let high: Wide = sum_exact(a.hi, b.hi);
     let low: Wide = sum_exact(a.lo, b.lo);
     let first: Wide = sum_exact(high.hi, high.lo + low.hi);
@@ -127,9 +136,17 @@ fn multiply(a: Wide, b: Wide) -> Wide {
 
 /// `a + b`, exactly.
 #[inline(always)]
-fn sum_exact(a: Real, b: Real) -> Wide {
+pub(crate) fn sum_exact(a: Real, b: Real) -> Wide {
     let s: Real = a + b;
     let t: Real = s - a;
     let error: Real = (a - (s - t)) + (b - t);
     return Wide { hi: s, lo: error };
+}
+
+/// `a/b`, rounded to one number: within a rounding and a little of the exact quotient.
+pub(crate) fn wide_quotient(a: Wide, b: Wide) -> Real {
+    let first: Real = a.hi / b.hi;
+    let product: Wide = multiply(Wide { hi: first, lo: 0.0 }, b);
+    let rest: Wide = wide_add(a, Wide { hi: -product.hi, lo: -product.lo });
+    return first + (rest.hi / b.hi);
 }

@@ -128,14 +128,14 @@ fn what_is_wrong_is_named() {
     let mut bad = CUBE;
     bad[7][1] = 8;
     let text = message(&vertices, &bad);
-    assert!(text.contains("face 7") && text.contains("index 8"), "{text}");
+    assert!(text.contains("triangle 7") && text.contains("index 8"), "{text}");
     for x in [f64::NAN, f64::INFINITY, -2e100] {
         let mut vertices = vertices.clone();
         vertices[3][1] = x;
         assert!(message(&vertices, &CUBE).contains("vertex 3"));
     }
     let open = message(&vertices, &CUBE[..11]);
-    assert!(open.contains("open") && open.contains("face 3") && open.contains("[1.0, 1.0, 1.0]"), "{open}");
+    assert!(open.contains("open") && open.contains("triangle 3") && open.contains("[1.0, 1.0, 1.0]"), "{open}");
     let mut fin = CUBE.to_vec();
     fin.extend([[0, 1, 7], [1, 0, 7], [0, 1, 7]]);
     let text = message(&vertices, &fin);

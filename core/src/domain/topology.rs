@@ -62,7 +62,7 @@ fn edge_error(mesh: &Mesh, uses: &[(u64, u32)]) -> Error {
     let ends = [mesh.vertices[(edge >> 32) as usize], mesh.vertices[(edge & 0xffff_ffff) as usize]];
     let same = uses.iter().filter(|u| u.1 & 1 == first & 1).count();
     let (from, to) = if first & 1 == 0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
-    let place = format!("the edge from {from:?} to {to:?} of face {}", mesh.faces[(first >> 1) as usize]);
+    let place = format!("the edge from {from:?} to {to:?} of triangle {} (from 0)", mesh.faces[(first >> 1) as usize]);
     Error::input(match (uses.len(), same) {
         (1, _) => format!("the domain's surface is open: {place} belongs to no other triangle; close the hole"),
         (n, _) if n % 2 == 1 => format!(

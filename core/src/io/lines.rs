@@ -41,7 +41,7 @@ impl<R: BufRead> Lines<R> {
             if self.buffer[..content].iter().any(|b| !b.is_ascii_whitespace()) {
                 return match std::str::from_utf8(&self.buffer[..content]) {
                     Ok(text) => Ok(Some(text.trim())),
-                    Err(_) => Err(Error::input(format!("line {}: not text", self.number))),
+                    Err(_) => Err(self.wrong("not text in UTF-8")),
                 };
             }
         }
@@ -65,6 +65,11 @@ impl<R: BufRead> Lines<R> {
         Ok(read > 0)
     }
 
+    /// What follows the lines read so far.
+    pub(super) fn rest(&mut self) -> &mut R {
+        &mut self.reader
+    }
+
     /// The line as [`Lines::read_raw`] left it.
     pub(super) fn raw(&self) -> &[u8] {
         &self.buffer
@@ -81,6 +86,11 @@ pub(super) fn finite(word: &str) -> std::result::Result<f64, String> {
         Ok(_) => Err(format!("'{}' is not finite", shown(word))),
         Err(_) => Err(format!("'{}' is not a number", shown(word))),
     }
+}
+
+/// Whether `word` can be the name of a column: `x`, `"x"`, `weight`, but not `nan`, which is a wrong number.
+pub(super) fn is_name(word: &str) -> bool {
+    word.starts_with(|c: char| c.is_alphabetic() || c == '"' || c == '_') && word.parse::<f64>().is_err()
 }
 
 /// The beginning of `word`, without control characters: what goes into a one-line message.
@@ -110,7 +120,7 @@ mod tests {
     #[test]
     fn what_is_no_text_is_refused_by_line() {
         let wrong = |text: &[u8]| Lines::new(text).next_line().unwrap_err().to_string();
-        assert_eq!(wrong(b"\n\xff\xfe\n"), "line 2: not text");
+        assert_eq!(wrong(b"\n\xff\xfe\n"), "line 2: not text in UTF-8");
         assert!(wrong(&vec![b'7'; 1 << 20]).starts_with("line 1: longer than 65536 bytes"));
     }
 }

@@ -1,13 +1,12 @@
-//! Meshes: `.obj` and `.off`, and the domains made of them.
+//! Meshes, and the domains made of them.
 
-use std::fs::File;
-use std::io::BufReader;
+use std::io::BufRead;
 use std::path::Path;
 
-use super::{MESH_ENDINGS, ending, io_error, obj, off};
+use super::{MESH_ENDINGS, ending, obj, off, open, ply, stl};
 use crate::{Domain, Error, Result};
 
-/// A triangle mesh as a file holds it: not checked for anything but indices that exist.
+/// A triangle mesh as a file holds it: not checked for anything but finite coordinates and indices that exist.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Positions of the vertices.
@@ -17,28 +16,48 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Reads a mesh by the file's ending: `.obj` (Wavefront) or `.off` (text).
+/// Reads a mesh by the file's ending: `.obj` (Wavefront), `.off` (text), `.ply` (text or binary) or `.stl` (text or binary, three
+/// vertices a triangle: [`Domain::new`] welds them).
 ///
 /// # Errors
-/// `Io` where the file cannot be read; `Input`, with file and line, where it is not what its ending says.
+/// `Io` where the file cannot be read; `Input`, with file and line (of binary files: vertex or face), where it is not what
+/// its ending says.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh> {
     let path = path.as_ref();
     let format = ending(path, MESH_ENDINGS)?;
-    let file = File::open(path).map_err(|e| io_error(path, "open", &e))?;
-    let reader = BufReader::with_capacity(1 << 18, file);
+    let (reader, _) = open(path)?;
+    parse(reader, format).map_err(|e| e.at(path.display()))
+}
+
+/// Reads a mesh from the bytes of a file called `name`, as [`read_mesh`] does.
+///
+/// # Errors
+/// `Input`, as [`read_mesh`].
+pub fn parse_mesh(bytes: &[u8], name: impl AsRef<Path>) -> Result<Mesh> {
+    let name = name.as_ref();
+    parse(bytes, ending(name, MESH_ENDINGS)?).map_err(|e| e.at(name.display()))
+}
+
+fn parse(reader: impl BufRead, format: &str) -> Result<Mesh> {
     let mesh = match format {
         ".off" => off::parse_off(reader),
+        ".ply" => ply::parse_mesh(reader),
+        ".stl" => stl::parse_stl(reader),
         _ => obj::parse_obj(reader),
-    };
-    let mesh = mesh.map_err(|e| e.at(path.display()))?;
+    }?;
     if mesh.triangles.is_empty() {
-        return Err(Error::input(format!("{}: no faces in it", path.display())));
+        return Err(Error::input("no faces in it; a closed triangle mesh is needed"));
     }
     Ok(mesh)
 }
 
+/// The triangles of a polygon: a fan from its first corner.
+pub(super) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
+}
+
 impl Domain {
-    /// Reads a domain from a closed triangle mesh, `.obj` or `.off` by the file's ending, and validates it as
+    /// Reads a domain from a closed triangle mesh by the file's ending, as [`read_mesh`] does, and validates it as
     /// [`Domain::new`] does.
     ///
     /// # Errors
@@ -74,11 +93,13 @@ mod tests {
         let expected = format!("{}: line 3: the file ends after 0 of 1 vertices", path.display());
         assert_eq!(read_mesh(&path).unwrap_err().to_string(), expected);
         std::fs::write(&path, "OFF\n0 0 0\n").unwrap();
-        assert_eq!(read_mesh(&path).unwrap_err().to_string(), format!("{}: no faces in it", path.display()));
-        assert!(Domain::load(folder.join("m.stl")).unwrap_err().to_string().contains("known here: .obj, .off"));
+        assert!(read_mesh(&path).unwrap_err().to_string().starts_with(&format!("{}: no faces in it", path.display())));
+        assert!(Domain::load(folder.join("m.3ds")).unwrap_err().to_string().contains("known here: .obj, .off"));
         // A folder with the ending of a mesh.
         std::fs::create_dir(folder.join("d.obj")).unwrap();
-        assert_eq!(read_mesh(folder.join("d.obj")).unwrap_err().to_string().lines().count(), 1);
+        assert!(
+            read_mesh(folder.join("d.obj")).unwrap_err().to_string().ends_with("d.obj: it is a folder; name a file")
+        );
     }
 
     #[test]

@@ -1,5 +1,8 @@
-//! Files: sites, meshes and results. Readers name file and line of what is wrong and never allocate from a number that
-//! a file merely claims; writers leave nothing half-written under the final name.
+//! Files: sites, weights, meshes and results. Readers name file and line of what is wrong and never allocate from a number
+//! that a file merely claims; writers leave nothing half-written under the final name.
+//!
+//! Whatever bytes they are given, [`parse_sites`], [`parse_weights`] and [`parse_mesh`] end with a value or one line of
+//! error, with memory of the order of the bytes: each binary form is held against its length, each text form read line by line.
 
 mod atomic;
 mod geometry;
@@ -8,27 +11,35 @@ mod mesh;
 mod npy;
 mod obj;
 mod off;
+mod ply;
+mod read_results;
 mod results;
 mod sites;
+mod stl;
 mod vtu;
+mod weights;
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use crate::{Error, ErrorKind, Result};
 
-pub use atomic::write_whole;
+pub use atomic::{abandon_writing, write_whole};
 pub use geometry::cell_meshes;
-pub use mesh::{Mesh, read_mesh};
+pub use mesh::{Mesh, parse_mesh, read_mesh};
+pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, read_cells, read_facets};
 pub use results::{write_cells, write_facets};
-pub use sites::{SitesFile, read_sites, write_sites};
+pub use sites::{SitesFile, parse_sites, read_sites, write_sites};
 pub use vtu::{CellMesh, write_vtu};
+pub use weights::{parse_weights, read_weights};
 
-/// Endings that [`read_sites`] knows.
-pub const SITES_ENDINGS: &[&str] = &[".xyz", ".txt", ".npy"];
-/// Endings that [`write_sites`] knows.
-pub const SAMPLE_ENDINGS: &[&str] = &[".xyz", ".txt", ".npy"];
+/// Endings that [`read_sites`] and [`write_sites`] know.
+pub const SITES_ENDINGS: &[&str] = &[".xyz", ".txt", ".csv", ".npy", ".ply"];
+/// Endings that [`read_weights`] knows.
+pub const WEIGHTS_ENDINGS: &[&str] = &[".txt", ".csv", ".npy"];
 /// Endings that [`Domain::load`](crate::Domain::load) knows.
-pub const MESH_ENDINGS: &[&str] = &[".obj", ".off"];
+pub const MESH_ENDINGS: &[&str] = &[".obj", ".off", ".ply", ".stl"];
 /// Endings that [`write_cells`] knows.
 pub const CELLS_ENDINGS: &[&str] = &[".csv", ".npy"];
 /// Endings that [`write_facets`] knows.
@@ -46,8 +57,8 @@ pub fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
     })
 }
 
-/// Checks, before hours of work, that a result could be written to `path`: its ending is one of `known` and its folder
-/// exists.
+/// Checks, before hours of work, that a result could be written to `path`: its ending is one of `known`, its folder
+/// exists, and a file can be made there.
 ///
 /// # Errors
 /// `Input` for the ending, `Io` for the folder.
@@ -55,9 +66,26 @@ pub fn check_output(path: &Path, known: &[&'static str]) -> Result<()> {
     ending(path, known)?;
     let folder = folder_of(path);
     if folder.is_dir() {
-        return Ok(());
+        return atomic::check_writable(path);
     }
-    Err(Error::new(ErrorKind::Io, format!("{}: there is no folder '{}'", path.display(), folder.display())))
+    let folder = folder.display();
+    Err(Error::new(ErrorKind::Io, format!("{}: there is no folder '{folder}'; make it first", path.display())))
+}
+
+/// Opens a file, and says how long it is.
+fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
+    let failed = |e| io_error(path, "open", &e);
+    let file = File::open(path).map_err(failed)?;
+    let found = file.metadata().map_err(failed)?;
+    if found.is_dir() {
+        return Err(Error::new(ErrorKind::Io, format!("{}: it is a folder; name a file", path.display())));
+    }
+    Ok((BufReader::with_capacity(1 << 18, file), found.len()))
+}
+
+/// What the operating system said in the midst of a file.
+fn cannot_read(error: &std::io::Error) -> Error {
+    Error::new(ErrorKind::Io, format!("cannot read: {error}"))
 }
 
 /// The folder that `path` names a file in.
@@ -89,19 +117,75 @@ mod tests {
     #[test]
     fn endings_are_told_apart_without_regard_to_case() {
         assert_eq!(ending(Path::new("a.b/Bunny.OBJ"), MESH_ENDINGS).unwrap(), ".obj");
-        let unknown = ending(Path::new("bunny.stl"), MESH_ENDINGS).unwrap_err();
-        assert_eq!(unknown.to_string(), "bunny.stl: unknown ending '.stl'; known here: .obj, .off");
+        let unknown = ending(Path::new("bunny.3ds"), MESH_ENDINGS).unwrap_err();
+        assert_eq!(unknown.to_string(), "bunny.3ds: unknown ending '.3ds'; known here: .obj, .off, .ply, .stl");
         let none = ending(Path::new("bunny"), MESH_ENDINGS).unwrap_err();
-        assert_eq!(none.to_string(), "bunny: no ending; known here: .obj, .off");
+        assert_eq!(none.to_string(), "bunny: no ending; known here: .obj, .off, .ply, .stl");
     }
 
     #[test]
-    fn a_missing_folder_is_found_before_the_work() {
+    fn what_cannot_be_written_is_found_before_the_work() {
         let folder = scratch("check-output");
+        std::fs::create_dir(folder.join("d.csv")).unwrap();
+        let taken = check_output(&folder.join("d.csv"), CELLS_ENDINGS).unwrap_err().to_string();
+        assert!(taken.ends_with("d.csv: cannot write: it is a folder; name a file"), "{taken}");
+        std::fs::remove_dir(folder.join("d.csv")).unwrap();
         assert!(check_output(&folder.join("cells.csv"), CELLS_ENDINGS).is_ok());
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0, "looking leaves nothing");
         assert!(check_output(Path::new("cells.csv"), CELLS_ENDINGS).is_ok());
         let missing = check_output(&folder.join("nowhere/cells.csv"), CELLS_ENDINGS).unwrap_err();
         assert_eq!(missing.kind(), ErrorKind::Io);
         assert!(missing.to_string().contains("there is no folder"), "{missing}");
+    }
+
+    /// A value or one line of error, for every file cut short, and with any one byte wrong.
+    #[test]
+    fn damaged_files_are_no_more_than_wrong() {
+        let folder = scratch("damaged");
+        write_sites(folder.join("s.npy"), &[[0.5, 1.0, 2.0]; 2], &[0.25, 0.5]).unwrap();
+        write_sites(folder.join("s.ply"), &[[0.5, 1.0, 2.0]; 2], &[0.25, 0.5]).unwrap();
+        let [npy, sites_ply] = ["s.npy", "s.ply"].map(|name| std::fs::read(folder.join(name)).unwrap());
+        let mut stl = vec![b'x'; 84 + 2 * 50];
+        stl[80..84].copy_from_slice(&[2, 0, 0, 0]);
+        let ply =
+            b"ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty char x\nproperty char y\nproperty char z\n\
+            element face 2\nproperty list char int vertex_indices\nend_header\n\0\0\0\x01\0\0\0\x01\0\
+            \x03\0\0\0\0\0\0\0\x01\0\0\0\x02\x03\0\0\0\x02\0\0\0\x01\0\0\0\0";
+        let text_ply =
+            b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 1\nproperty list uchar int vertex_index\nend_header\n1 2 3\n3 0 0 0\n";
+        let text_stl = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+        let files: [(&str, &[u8]); 9] = [
+            ("s.xyz", b"# c\n2\nx y z w\n1 2 3 4\n-5e-1,6,7,8\n"),
+            ("s.npy", &npy),
+            ("s.ply", &sites_ply),
+            ("m.ply", ply),
+            ("m.ply", text_ply),
+            ("m.stl", &stl),
+            ("m.stl", text_stl),
+            ("m.obj", b"v 0 0 0\nv 1 0 0 2\nv 0 1 0\ng a\nf 1/1 2//3 \\\n-1\nf 1 2 3 1\n"),
+            ("m.off", b"COFF\n3 2 0\n0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2\n4 0 1 2 1 255\n"),
+        ];
+        for (name, file) in files {
+            let read = |bytes: &[u8]| {
+                let error = match name.starts_with('s') {
+                    true => parse_sites(bytes, name).err(),
+                    false => parse_mesh(bytes, name).err(),
+                };
+                let line = error.map(|e| e.to_string()).unwrap_or_default();
+                assert!(!line.contains('\n') && line.len() < 300, "{name}: {line}");
+                line.is_empty()
+            };
+            assert!(read(file), "{name}");
+            let damages = [0, b'\n', b' ', b'-', b'0', b'9', b'(', b'"', 0x7f, 0x80, 0xff];
+            for at in 0..file.len() {
+                read(&file[..at]);
+                for byte in damages {
+                    let mut damaged = file.to_vec();
+                    damaged[at] = byte;
+                    read(&damaged);
+                }
+            }
+        }
     }
 }

@@ -1,12 +1,12 @@
 //! NumPy's `.npy`, through `npyz`, behind checks of what a header claims.
 
-use std::fs::File;
-use std::io::{self, BufReader, Read, Write};
+use std::io::{self, BufRead, Read, Write};
 
 use npyz::{NpyFile, NpyHeader, Order, WriterBuilder};
 
-use super::SitesFile;
-use crate::{Error, ErrorKind, Result};
+use super::cannot_read;
+use super::lines::shown;
+use crate::{Error, Result};
 
 /// Longest header that is read; NumPy itself takes no longer ones.
 const LONGEST_HEADER: usize = 10_000;
@@ -15,43 +15,81 @@ const MOST_BRACKETS: usize = 16;
 /// Sizes of so many digits in all have a product below 2⁶⁴; a longer shape is that of no file.
 const MOST_DIGITS: usize = 18;
 
-/// Reads an array of shape (N, 3) or (N, 4) as sites.
-pub(super) fn read_sites(file: &File) -> Result<SitesFile> {
-    let mut reader = BufReader::with_capacity(1 << 18, file);
-    let (header, header_bytes) = read_header(&mut reader)?;
-    let (rows, columns) = match *header.shape() {
-        [rows, columns @ (3 | 4)] => (rows, columns as usize),
-        ref shape => {
-            return Err(Error::input(format!("shape {shape:?}; (N, 3), or (N, 4) with weights, is needed")));
+/// An array of floats in a file, its header read and held against the file's length.
+pub(super) struct Array<R> {
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    header: NpyHeader,
+    /// Whether they are 32-bit floats.
+    pub(super) single: bool,
+    reader: R,
+}
+
+impl<R: BufRead> Array<R> {
+    /// Reads the header. `length` is that of the whole file; `shape` says what is a shape of rows and columns, `needed` which are.
+    pub(super) fn open(
+        mut reader: R,
+        length: u64,
+        needed: &str,
+        shape: impl Fn(&[u64]) -> Option<(u64, u64)>,
+    ) -> Result<Self> {
+        let (header, header_bytes) = read_header(&mut reader)?;
+        let found = header.shape();
+        let Some((rows, columns)) = shape(found) else {
+            return Err(Error::input(format!("shape {found:?}; {needed} is needed")));
+        };
+        let descr = header.dtype().descr();
+        let single = match descr.trim_matches('\'') {
+            "<f8" | ">f8" => false,
+            "<f4" | ">f4" => true,
+            _ => {
+                return Err(Error::input(format!(
+                    "type {}; 'f8' or 'f4' is needed (NumPy: a.astype('f8'))",
+                    shown(&descr)
+                )));
+            }
+        };
+        // Before anything is allocated from the shape.
+        let held = length.saturating_sub(header_bytes);
+        if header.len().checked_mul(if single { 4 } else { 8 }) != Some(held) {
+            return Err(Error::input(format!(
+                "{held} bytes of data, but shape {found:?} of {descr} needs other; is the file whole?"
+            )));
         }
-    };
-    let descr = header.dtype().descr();
-    let width: u64 = match descr.trim_matches('\'') {
-        "<f8" | ">f8" => 8,
-        "<f4" | ">f4" => 4,
-        _ => return Err(Error::input(format!("type {descr}; 'f8' or 'f4' is needed (NumPy: a.astype('f8'))"))),
-    };
-    // The shape is held against the file before anything is allocated from it.
-    let length = file.metadata().map_err(|e| cannot_read(&e))?.len();
-    let held = length.saturating_sub(header_bytes);
-    if header.len().checked_mul(width) != Some(held) {
-        return Err(Error::input(format!(
-            "{held} bytes of data, but shape ({rows}, {columns}) of {descr} needs other"
-        )));
+        Ok(Self { rows: rows as usize, columns: columns as usize, header, single, reader })
     }
-    let order = header.order();
-    let npy = NpyFile::with_header(header, reader);
-    let mut sites = SitesFile { positions: vec![[0.0; 3]; rows as usize], weights: Vec::new() };
-    if columns == 4 {
-        sites.weights.resize(rows as usize, 0.0);
+
+    /// Hands every number on as (row, column, number), in the order of the file; one that is not finite is an error.
+    pub(super) fn for_each(self, mut put: impl FnMut(usize, usize, f64)) -> Result<()> {
+        self.for_each_number(|row, column, x| {
+            if !x.is_finite() {
+                return Err(Error::input(format!("row {row}, column {column} (from 0): {x} is not finite")));
+            }
+            put(row, column, x);
+            Ok(())
+        })
     }
-    if width == 8 {
-        fill(&mut sites, order, columns, npy.data::<f64>().map_err(|e| Error::input(e.to_string()))?)?;
-    } else {
-        let numbers = npy.data::<f32>().map_err(|e| Error::input(e.to_string()))?;
-        fill(&mut sites, order, columns, numbers.map(|x| x.map(f64::from)))?;
+
+    /// Hands every number on as (row, column, number), in the order of the file, whatever it is.
+    pub(super) fn for_each_number(self, mut put: impl FnMut(usize, usize, f64) -> Result<()>) -> Result<()> {
+        let Self { rows, columns, .. } = self;
+        let order = self.header.order();
+        let mut take = |(i, x): (usize, io::Result<f64>)| {
+            let (row, column) = match order {
+                Order::C => (i / columns, i % columns),
+                Order::Fortran => (i % rows, i / rows),
+            };
+            put(row, column, x.map_err(|e| cannot_read(&e))?)
+        };
+        let npy = NpyFile::with_header(self.header, self.reader);
+        let strange = |e: npyz::DTypeError| Error::input(e.to_string());
+        if self.single {
+            let numbers = npy.data::<f32>().map_err(strange)?;
+            numbers.map(|x| x.map(f64::from)).enumerate().try_for_each(&mut take)
+        } else {
+            npy.data::<f64>().map_err(strange)?.enumerate().try_for_each(&mut take)
+        }
     }
-    Ok(sites)
 }
 
 /// Writes `rows` × `columns` numbers, given row by row, as little-endian `f64` in C order.
@@ -65,32 +103,6 @@ pub(super) fn write_rows(
     let mut npy = npyz::WriteOptions::<f64>::new().default_dtype().shape(&shape).writer(writer).begin_nd()?;
     npy.extend(numbers)?;
     npy.finish()
-}
-
-/// Puts numbers that arrive in the file's order where they belong.
-fn fill(
-    sites: &mut SitesFile,
-    order: Order,
-    columns: usize,
-    numbers: impl Iterator<Item = io::Result<f64>>,
-) -> Result<()> {
-    let rows = sites.positions.len();
-    for (i, x) in numbers.enumerate() {
-        let (row, column) = match order {
-            Order::C => (i / columns, i % columns),
-            Order::Fortran => (i % rows, i / rows),
-        };
-        let x = x.map_err(|e| cannot_read(&e))?;
-        if !x.is_finite() {
-            return Err(Error::input(format!("row {row}, column {column} (from 0): {x} is not finite")));
-        }
-        if column < 3 {
-            sites.positions[row][column] = x;
-        } else {
-            sites.weights[row] = x;
-        }
-    }
-    Ok(())
 }
 
 /// The header, and how many bytes of the file it takes.
@@ -122,18 +134,14 @@ fn read_header(reader: &mut impl Read) -> Result<(NpyHeader, u64)> {
     if count(|b| b"([{".contains(b)) > MOST_BRACKETS || count(u8::is_ascii_digit) > MOST_DIGITS {
         return Err(strange());
     }
-    let header = NpyHeader::from_reader(&bytes[..]).map_err(|e| Error::input(format!("its .npy header: {e}")))?;
+    // What the library says of a header takes several lines.
+    let header = NpyHeader::from_reader(&bytes[..]).map_err(|_| strange())?;
     Ok((header, bytes.len() as u64))
-}
-
-fn cannot_read(error: &io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("cannot read: {error}"))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{read_sites, scratch};
-    use super::*;
+    use super::super::{SitesFile, parse_sites};
 
     /// A file with the given header text and data.
     fn npy(header: &str, data: &[u8]) -> Vec<u8> {
@@ -144,10 +152,8 @@ mod tests {
         bytes
     }
 
-    fn read(name: &str, bytes: &[u8]) -> std::result::Result<SitesFile, String> {
-        let path = scratch(&format!("npy-{name}")).join("s.npy");
-        std::fs::write(&path, bytes).unwrap();
-        read_sites(&path).map_err(|e| e.to_string().replace(&format!("{}: ", path.display()), ""))
+    fn read(bytes: &[u8]) -> std::result::Result<SitesFile, String> {
+        parse_sites(bytes, "s.npy").map_err(|e| e.to_string().replace("s.npy: ", ""))
     }
 
     #[test]
@@ -167,7 +173,7 @@ mod tests {
             ];
             for (kind, data) in variants {
                 let header = format!("{{'descr': '{kind}', 'fortran_order': {fortran}, 'shape': (3, 4), }}\n");
-                assert_eq!(read("orders", &npy(&header, &data)).unwrap(), expected, "{kind} {fortran}");
+                assert_eq!(read(&npy(&header, &data)).unwrap(), expected, "{kind} {fortran}");
             }
         }
     }
@@ -176,10 +182,10 @@ mod tests {
     fn headers_are_not_believed() {
         let header =
             |kind: &str, shape: &str| format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}}}\n");
-        let wrong = |header: &str, data: &[u8]| read("wrong", &npy(header, data)).unwrap_err();
+        let wrong = |header: &str, data: &[u8]| read(&npy(header, data)).unwrap_err();
         assert_eq!(
             wrong(&header("<f8", "(1000000000000000, 3)"), &[0; 24]),
-            "24 bytes of data, but shape (1000000000000000, 3) of '<f8' needs other"
+            "24 bytes of data, but shape [1000000000000000, 3] of '<f8' needs other; is the file whole?"
         );
         assert!(wrong(&header("<f8", "(2, 3)"), &[0; 47]).starts_with("47 bytes of data"));
         assert_eq!(wrong(&header("<f8", "(5,)"), &[0; 40]), "shape [5]; (N, 3), or (N, 4) with weights, is needed");
@@ -187,9 +193,9 @@ mod tests {
         let strange = "its .npy header is not that of an array of numbers";
         assert_eq!(wrong(&header("<f8", "(99999999999999999999, 99999999999999999999)"), &[]), strange);
         assert_eq!(wrong(&header("<f8", &"(".repeat(5000)), &[]), strange);
-        assert!(wrong("no dictionary", &[]).starts_with("its .npy header: "));
-        assert!(read("magic", b"1 2 3\n").unwrap_err().starts_with("not a .npy file"));
-        assert!(read("short", b"\x93NUMPY\x01\x00\xff\x00").unwrap_err().starts_with("not a .npy file"));
+        assert_eq!(wrong("no dictionary", &[]), strange);
+        assert!(read(b"1 2 3\n").unwrap_err().starts_with("not a .npy file"));
+        assert!(read(b"\x93NUMPY\x01\x00\xff\x00").unwrap_err().starts_with("not a .npy file"));
         let data: Vec<u8> = [1.0, 2.0, 3.0, 4.0, f64::NAN, 6.0].iter().flat_map(|x| x.to_le_bytes()).collect();
         assert_eq!(wrong(&header("<f8", "(2, 3)"), &data), "row 1, column 1 (from 0): NaN is not finite");
     }

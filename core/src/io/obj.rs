@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Read};
 use tobj::{LoadError, LoadOptions};
 
 use super::Mesh;
-use super::lines::Lines;
+use super::lines::{Lines, finite};
 use crate::{Error, Result};
 
 /// Reads vertices, and faces cut into fans of triangles; groups, materials, normals and textures are skipped.
@@ -85,7 +85,13 @@ impl<R: BufRead> Geometry<R> {
             self.vertices += 1;
             // x y z, or x y z w; a colour follows three coordinates.
             let coordinates = if words.len() == 4 { 4 } else { 3 };
+            if words.len() < 3 {
+                return Err(self.lines.wrong(format_args!("a vertex with {} coordinates; 3 are needed", words.len())));
+            }
             for word in words.iter().take(coordinates) {
+                // Here, since `tobj` takes `nan` and `inf` for numbers.
+                let number = std::str::from_utf8(word).map_err(|_| "not text".to_owned()).and_then(finite);
+                number.map_err(|what| self.lines.wrong(what))?;
                 self.buffer.push(b' ');
                 self.buffer.extend_from_slice(word);
             }
@@ -178,8 +184,9 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named_by_line() {
         let wrong = |text: &str| parse_obj(text.as_bytes()).unwrap_err().to_string();
-        assert_eq!(wrong("v 0 0 0\n\nv 0 x 0\n"), "line 3: a vertex needs three numbers");
-        assert_eq!(wrong("v 0 0\n"), "line 1: a vertex needs three numbers");
+        assert_eq!(wrong("v 0 0 0\n\nv 0 x 0\n"), "line 3: 'x' is not a number");
+        assert_eq!(wrong("v 0 0 nan\n"), "line 1: 'nan' is not finite");
+        assert_eq!(wrong("v 0 0\n"), "line 1: a vertex with 2 coordinates; 3 are needed");
         assert_eq!(wrong("v 0 0 0 0\n"), "line 1: the fourth coordinate of a vertex is 0");
         assert_eq!(wrong("v 0 0 0\nf 1 1\n"), "line 2: a face with 2 corners; at least 3 are needed");
         assert_eq!(wrong("v 0 0 0\nf 1 a 1\n"), "line 2: a face needs the numbers of its vertices");

@@ -4,6 +4,7 @@ use std::io::BufRead;
 
 use super::Mesh;
 use super::lines::{Lines, finite, shown};
+use super::mesh::fan;
 use crate::{Error, Result};
 
 /// Reads vertices, and faces cut into fans of triangles; colours and normals are skipped.
@@ -74,16 +75,16 @@ fn face(line: &str, vertices: u32, triangles: &mut Vec<[u32; 3]>) -> std::result
     if corners < 3 {
         return Err(format!("{corners} corners; at least 3 are needed"));
     }
-    let mut index = || {
+    // As many as there are; the number is not believed.
+    let mut indices = Vec::new();
+    for _ in 0..corners {
         let i = next()?;
-        if i < vertices { Ok(i) } else { Err(format!("vertex {i} of {vertices} (from 0) does not exist")) }
-    };
-    let (first, mut last) = (index()?, index()?);
-    for _ in 2..corners {
-        let i = index()?;
-        triangles.push([first, last, i]);
-        last = i;
+        if i >= vertices {
+            return Err(format!("vertex {i} of {vertices} (from 0) does not exist"));
+        }
+        indices.push(i);
     }
+    triangles.extend(fan(&indices));
     Ok(())
 }
 

@@ -1,11 +1,11 @@
-//! Sites and weights: text (`.xyz`, `.txt`) and NumPy's `.npy`.
+//! Sites and weights: text (`.xyz`, `.txt`, `.csv`), NumPy's `.npy`, and the vertices of a `.ply`.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{self, BufRead, Write};
 use std::path::Path;
 
-use super::lines::{Lines, finite, shown};
-use super::{SAMPLE_ENDINGS, SITES_ENDINGS, atomic, ending, io_error, npy};
+use super::lines::{Lines, finite, is_name, shown};
+use super::npy::{self, Array};
+use super::{SITES_ENDINGS, atomic, ending, open, ply};
 use crate::{Error, Result};
 
 /// What a file of sites holds. Every number is finite.
@@ -17,28 +17,33 @@ pub struct SitesFile {
     pub weights: Vec<f64>,
 }
 
-/// Reads sites by the file's ending.
+/// Reads sites by the file's ending; `-` is standard input, as text.
 ///
-/// * `.xyz`, `.txt`: a site a line, 3 or 4 numbers parted by blanks or by commas, the fourth the weight (length²). The first line
-///   may be the number of sites. Blank lines and `#` comments are skipped.
+/// * `.xyz`, `.txt`, `.csv`: a site a line, 3 or 4 numbers parted by blanks or by commas, the fourth the weight (length²). The first
+///   line may be the number of sites, or the names of the columns. Blank lines and `#` comments are skipped.
 /// * `.npy`: shape (N, 3) or (N, 4), 32- or 64-bit floats, C or Fortran order.
+/// * `.ply`: the vertices, text or binary: properties `x`, `y`, `z`, and the weight if there is a property `w` or `weight`.
 ///
 /// # Errors
 /// `Io` where the file cannot be read; `Input`, with file and line (or row), where a number is missing, is none, or is
 /// not finite, where rows differ in length, where the count is wrong, and where there is no site.
 pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
     let path = path.as_ref();
-    let format = ending(path, SITES_ENDINGS)?;
-    let file = File::open(path).map_err(|e| io_error(path, "open", &e))?;
-    let sites = match format {
-        ".npy" => npy::read_sites(&file),
-        _ => parse_text(BufReader::with_capacity(1 << 18, &file)),
-    };
-    let sites = sites.map_err(|e| e.at(path.display()))?;
-    if sites.positions.is_empty() {
-        return Err(Error::input(format!("{}: no sites in it", path.display())));
+    if path.as_os_str() == "-" {
+        return parse(io::stdin().lock(), 0, ".txt").map_err(|e| e.at("standard input"));
     }
-    Ok(sites)
+    let format = ending(path, SITES_ENDINGS)?;
+    let (reader, length) = open(path)?;
+    parse(reader, length, format).map_err(|e| e.at(path.display()))
+}
+
+/// Reads sites from the bytes of a file called `name`, as [`read_sites`] does.
+///
+/// # Errors
+/// `Input`, as [`read_sites`].
+pub fn parse_sites(bytes: &[u8], name: impl AsRef<Path>) -> Result<SitesFile> {
+    let name = name.as_ref();
+    parse(bytes, bytes.len() as u64, ending(name, SITES_ENDINGS)?).map_err(|e| e.at(name.display()))
 }
 
 /// Writes sites by the file's ending, as [`read_sites`] reads them back, to the last bit; without weights where `weights`
@@ -52,24 +57,56 @@ pub fn write_sites(path: impl AsRef<Path>, positions: &[[f64; 3]], weights: &[f6
     if !weights.is_empty() && weights.len() != positions.len() {
         return Err(Error::input(format!("{} weights for {} sites", weights.len(), positions.len())));
     }
-    match ending(path, SAMPLE_ENDINGS)? {
-        ".npy" => {
-            let columns = if weights.is_empty() { 3 } else { 4 };
-            let numbers =
-                positions.iter().enumerate().flat_map(|(i, p)| p.iter().copied().chain(weights.get(i).copied()));
-            atomic::write_whole(path, |w| npy::write_rows(w, positions.len(), columns, numbers))
+    let format = ending(path, SITES_ENDINGS)?;
+    let rows = positions.iter().enumerate().map(|(i, &[x, y, z])| ([x, y, z, 0.0], weights.get(i)));
+    let columns = if weights.is_empty() { 3 } else { 4 };
+    let mut rows = rows.map(|(row, weight)| weight.map_or(row, |&w| [row[0], row[1], row[2], w]));
+    atomic::write_whole(path, |w| match format {
+        ".npy" => npy::write_rows(w, positions.len(), columns, rows.flat_map(|row| row.into_iter().take(columns))),
+        ".ply" => ply::write_vertices(w, positions.len(), &["x", "y", "z", "w"][..columns], rows),
+        ".csv" => {
+            writeln!(w, "{}", ["x", "y", "z", "weight"][..columns].join(","))?;
+            rows.try_for_each(|row| write_row(w, &row[..columns], ","))
         }
-        _ => atomic::write_whole(path, |w| {
-            for (i, [x, y, z]) in positions.iter().enumerate() {
-                // `{:?}` is the shortest text that reads back to the same number.
-                match weights.get(i) {
-                    Some(weight) => writeln!(w, "{x:?} {y:?} {z:?} {weight:?}")?,
-                    None => writeln!(w, "{x:?} {y:?} {z:?}")?,
-                }
-            }
-            Ok(())
-        }),
+        _ => rows.try_for_each(|row| write_row(w, &row[..columns], " ")),
+    })
+}
+
+fn write_row(w: &mut dyn Write, row: &[f64], between: &str) -> io::Result<()> {
+    for (k, x) in row.iter().enumerate() {
+        // `{:?}` is the shortest text that reads back to the same number.
+        write!(w, "{}{x:?}", if k == 0 { "" } else { between })?;
     }
+    writeln!(w)
+}
+
+/// Reads `format` from what is `length` bytes long.
+fn parse(reader: impl BufRead, length: u64, format: &str) -> Result<SitesFile> {
+    let sites = match format {
+        ".npy" => parse_npy(reader, length),
+        ".ply" => ply::parse_sites(reader),
+        _ => parse_text(reader),
+    }?;
+    if sites.positions.is_empty() {
+        return Err(Error::input("no sites in it; at least one is needed"));
+    }
+    Ok(sites)
+}
+
+fn parse_npy(reader: impl BufRead, length: u64) -> Result<SitesFile> {
+    let array = Array::open(reader, length, "(N, 3), or (N, 4) with weights,", |shape| match *shape {
+        [rows, columns @ (3 | 4)] => Some((rows, columns)),
+        _ => None,
+    })?;
+    let mut sites = SitesFile { positions: vec![[0.0; 3]; array.rows], weights: Vec::new() };
+    if array.columns == 4 {
+        sites.weights.resize(array.rows, 0.0);
+    }
+    array.for_each(|row, column, x| match column {
+        3 => sites.weights[row] = x,
+        _ => sites.positions[row][column] = x,
+    })?;
+    Ok(sites)
 }
 
 /// Reads the text format; errors name the line.
@@ -80,10 +117,16 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
     let mut count: Option<(usize, u64)> = None;
     // (number of the first site's line, its columns).
     let mut shape: Option<(usize, usize)> = None;
+    let mut named = false;
     while let Some(row) = lines.next_line()?.map(parse_row) {
         let number = lines.number();
         match row {
             Row::Count(n) if shape.is_none() && count.is_none() => count = Some((number, n)),
+            Row::Names(wrong) if shape.is_none() && !named => {
+                named = true;
+                wrong.map_or(Ok(()), |what| Err(lines.wrong(what)))?;
+            }
+            Row::Names(_) => return Err(lines.wrong("names where numbers are needed")),
             Row::Numbers(row, columns @ (3 | 4)) => {
                 let (first, expected) = *shape.get_or_insert((number, columns));
                 if columns != expected {
@@ -117,36 +160,49 @@ enum Row {
     Numbers([f64; 4], usize),
     /// A whole number alone.
     Count(u64),
+    /// The names of the columns, and what is wrong with them.
+    Names(Option<String>),
     Wrong(String),
 }
 
 fn parse_row(line: &str) -> Row {
+    // With commas, an empty field is a missing number, not a wider gap.
+    if line.contains(',') {
+        parse_words(line, || line.split(',').map(str::trim))
+    } else {
+        parse_words(line, || line.split_ascii_whitespace())
+    }
+}
+
+fn parse_words<'a, I: Iterator<Item = &'a str>>(line: &str, words: impl Fn() -> I) -> Row {
     let mut row = [0.0; 4];
     let mut columns = 0;
-    let mut push = |word: &str| {
-        let x = finite(word)?;
+    for word in words() {
+        let x = match finite(word) {
+            Ok(x) => x,
+            Err(_) if word.is_empty() => return Row::Wrong("a number is missing between commas".into()),
+            Err(_) if matches!(words().count(), 3 | 4) && words().all(is_name) => return parse_names(words()),
+            Err(what) => return Row::Wrong(what),
+        };
         if let Some(place) = row.get_mut(columns) {
             *place = x;
         }
         columns += 1;
-        Ok(())
-    };
-    // With commas, an empty field is a missing number, not a wider gap.
-    let done: std::result::Result<(), String> = if line.contains(',') {
-        line.split(',').map(str::trim).try_for_each(|word| {
-            if word.is_empty() { Err("a number is missing between commas".into()) } else { push(word) }
-        })
-    } else {
-        line.split_ascii_whitespace().try_for_each(&mut push)
-    };
-    match done {
-        Err(what) => Row::Wrong(what),
-        Ok(()) if columns == 1 => match line.parse::<u64>() {
-            Ok(n) => Row::Count(n),
-            Err(_) => Row::Wrong(format!("only '{}'; x y z, or x y z weight, are needed", shown(line))),
-        },
-        Ok(()) => Row::Numbers(row, columns),
     }
+    match line.parse::<u64>() {
+        Ok(n) if columns == 1 => Row::Count(n),
+        Err(_) if columns == 1 => Row::Wrong(format!("only '{}'; x y z, or x y z weight, are needed", shown(line))),
+        _ => Row::Numbers(row, columns),
+    }
+}
+
+/// Any names will do, but those of coordinates must not stand in another order than they are read in.
+fn parse_names<'a>(names: impl Iterator<Item = &'a str>) -> Row {
+    let moved = names.enumerate().find(|(k, name)| {
+        let name = name.trim_matches('"').to_lowercase();
+        ["x", "y", "z"].iter().position(|axis| *axis == name).is_some_and(|axis| axis != *k)
+    });
+    Row::Names(moved.map(|(k, name)| format!("column {} is '{}'; the order is x, y, z, weight", k + 1, shown(name))))
 }
 
 #[cfg(test)]
@@ -167,6 +223,9 @@ mod tests {
             "1,-2,3e-5\n4, 5 ,6",
             "2\n1\t-2  3e-5\r\n\r\n4 5 6\r\n",
             "# sites\n\n  2  # of them\n1 -2 3e-5 # first\n4 5 6",
+            "x,y,z\n1,-2,3e-5\n4,5,6\n",
+            "\u{feff}\"X\", \"Y\", \"Z\"\r\n1,-2,3e-5\r\n4,5,6\r\n",
+            "a b c\n1 -2 3e-5\n4 5 6\n",
         ] {
             assert_eq!(parse_text(text.as_bytes()).unwrap(), three, "{text:?}");
         }
@@ -185,6 +244,11 @@ mod tests {
         assert_eq!(wrong("1 2 3 4 5\n"), "line 1: 5 columns; x y z, or x y z weight, are needed");
         assert_eq!(wrong("1,,3\n"), "line 1: a number is missing between commas");
         assert_eq!(wrong("0.5\n1 2 3"), "line 1: only '0.5'; x y z, or x y z weight, are needed");
+        assert_eq!(wrong("w,x,y,z\n1,2,3,4\n"), "line 1: column 2 is 'x'; the order is x, y, z, weight");
+        assert_eq!(wrong("x y z\nx y z\n"), "line 2: names where numbers are needed");
+        assert_eq!(wrong("1 2 3\nx y z\n"), "line 2: names where numbers are needed");
+        assert_eq!(wrong("nan inf nan\n1 2 3\n"), "line 1: 'nan' is not finite");
+        assert_eq!(wrong("All work and no play\n"), "line 1: 'All' is not a number");
         assert_eq!(wrong("1 2 3\n7\n"), "line 2: 1 column; x y z, or x y z weight, are needed");
         assert_eq!(wrong("3\n1 2 3\n4 5 6\n"), "line 1: says 3 sites, but 2 follow");
         // A count is believed only after counting.
@@ -197,7 +261,7 @@ mod tests {
         let path = folder.join("none.xyz");
         assert_eq!(read_sites(&path).unwrap_err().kind(), ErrorKind::Io);
         std::fs::write(&path, "# nothing\n0\n").unwrap();
-        assert_eq!(read_sites(&path).unwrap_err().to_string(), format!("{}: no sites in it", path.display()));
+        assert!(read_sites(&path).unwrap_err().to_string().starts_with(&format!("{}: no sites in it", path.display())));
         std::fs::write(&path, "1 2 3\n4 5\n").unwrap();
         let expected = format!("{}: line 2: 2 columns; x y z, or x y z weight, are needed", path.display());
         assert_eq!(read_sites(&path).unwrap_err().to_string(), expected);
@@ -209,7 +273,7 @@ mod tests {
         let folder = scratch("sites-round");
         let positions =
             [[0.1, 1.0 / 3.0, -1e-300], [f64::MAX, f64::MIN_POSITIVE, 5e-324], [-0.0, 123_456_789.123_456_79, 2.5e17]];
-        for name in ["s.xyz", "s.txt", "s.npy"] {
+        for name in ["s.xyz", "s.txt", "s.csv", "s.npy", "s.ply"] {
             for weights in [&[][..], &[0.7, -1e-9, 1e22][..]] {
                 let path = folder.join(name);
                 write_sites(&path, &positions, weights).unwrap();
@@ -219,7 +283,7 @@ mod tests {
                 assert_eq!(back.weights, weights, "{name}");
             }
         }
-        assert!(write_sites(folder.join("s.ply"), &positions, &[]).is_err());
+        assert!(write_sites(folder.join("s.obj"), &positions, &[]).is_err());
         assert!(write_sites(folder.join("s.xyz"), &positions, &[1.0]).is_err());
     }
 }

@@ -1,10 +1,7 @@
 //! The search for the sites that cut a cell: the block of voxels around it, then the pyramid from its root, nearest first.
 
-use crate::clusters::Clusters;
-use laguerre_core::cell::{
-    self, CellStore, EMPTY, Real, V3, bisector, box_cannot_cut, farthest_vertex, security_reach, v3,
-};
-use laguerre_core::diagram::Prepared;
+use crate::cell::{self, CellStore, EMPTY, Real, V3, bisector, box_cannot_cut, farthest_vertex, security_reach, v3};
+use crate::diagram::Prepared;
 
 /// A block of 3×3×3 voxels with more sites than this is searched by the tree instead.
 const CROWDED_BLOCK: usize = 256;
@@ -18,26 +15,32 @@ const ROWS: Real = 4.0;
 /// Candidates between two looks at whether the cell already lies outside the domain.
 const BETWEEN_LOOKS: usize = 8;
 
+/// Finds near sites where they are crowded and a uniform grid is blind.
+pub trait Nearest: Sync {
+    /// Fills `indices` with some sites of least power distance from `point`, as sorted indices, nearest first.
+    fn nearest(&self, point: [f64; 3], indices: &mut Vec<u32>);
+}
+
 /// A candidate as one number to sort by: its squared distance, rounded to `f32`, then its sorted index.
 type Candidate = u64;
 
 /// A box of sites still to be searched.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Node {
     /// A lower bound of the sites' power distance from the cell's site.
     power: Real,
     kind: NodeKind,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 enum NodeKind {
     Level(u32, [u32; 3]),
     Cluster(u32),
 }
 
 /// The buffers of one thread's searches.
-#[derive(Default)]
-pub(crate) struct Search {
+#[derive(Debug, Default)]
+pub struct Search {
     candidates: Vec<Candidate>,
     nearest: Vec<u32>,
     nodes: Vec<Node>,
@@ -60,22 +63,24 @@ struct CellSearch<'a, S> {
 
 /// How a search ended.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Outcome {
+pub struct Outcome {
     /// `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
-    pub(crate) status: u32,
+    pub status: u32,
     /// Whether `epsilon` left out sites that might cut the cell.
-    pub(crate) uncertified: bool,
+    pub uncertified: bool,
     /// Sites visited.
-    pub(crate) visited: u32,
+    pub visited: u32,
 }
 
 impl Search {
     /// Cuts the cell of sorted site `site` until no other site can cut it.
-    pub(crate) fn complete<S: CellStore>(
+    ///
+    /// `clusters` helps where sites are crowded; without it the trees inside the voxels do.
+    pub fn complete<S: CellStore>(
         &mut self,
         store: &mut S,
         prepared: &Prepared,
-        clusters: Option<&Clusters>,
+        clusters: Option<&dyn Nearest>,
         site: u32,
         epsilon: Option<Real>,
     ) -> Outcome {
@@ -111,7 +116,7 @@ impl Search {
     fn gather_block<S: CellStore>(
         &mut self,
         search: &CellSearch<'_, S>,
-        clusters: Option<&Clusters>,
+        clusters: Option<&dyn Nearest>,
     ) -> Option<[[u32; 3]; 2]> {
         let grid = &search.prepared.sites;
         let dims = grid.levels()[0].dims;

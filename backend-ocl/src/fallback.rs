@@ -1,0 +1,49 @@
+//! The cells that a device hands back: exact arithmetic and all the room there is, on the host.
+
+use laguerre_core::assemble::{CellRecord, FacetRecord, collect_facets};
+use laguerre_core::cell::{self, CellSums, PlainStore};
+use laguerre_core::diagram::Prepared;
+use laguerre_core::search::Search;
+use laguerre_core::{CellStatus, Error, ErrorKind, Request, Result};
+use rayon::prelude::*;
+
+/// Computes the cells of some sorted sites; the results are in their order.
+pub(crate) fn compute(
+    prepared: &Prepared,
+    request: &Request,
+    sites: &[u32],
+) -> Result<Vec<(CellRecord, Vec<FacetRecord>)>> {
+    sites.par_iter().map_init(Search::default, |search, &site| compute_cell(search, prepared, request, site)).collect()
+}
+
+fn compute_cell(
+    search: &mut Search,
+    prepared: &Prepared,
+    request: &Request,
+    site: u32,
+) -> Result<(CellRecord, Vec<FacetRecord>)> {
+    let [x, y, z, _] = prepared.sites.sites()[site as usize];
+    let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+    let outcome = search.complete(&mut store, prepared, None, site, request.epsilon);
+    let mut sums = CellSums::default();
+    let status = match outcome.status {
+        cell::COMPLETE => cell::integrate_cell(&mut store, cell::flags_of(request), 0, &mut sums),
+        other => other,
+    };
+    let status = match status {
+        cell::COMPLETE if outcome.uncertified => CellStatus::Uncertified,
+        cell::COMPLETE => CellStatus::Complete,
+        cell::EMPTY => CellStatus::Empty,
+        _ => {
+            // Cannot happen while the signs are exact; said instead of a panic.
+            let site = prepared.sites.order()[site as usize];
+            let message = format!("the cell of site {site} could not be decided; please report its input");
+            return Err(Error::new(ErrorKind::Device, message));
+        }
+    };
+    let mut facets = Vec::new();
+    if request.facets && status != CellStatus::Empty {
+        collect_facets(&store, &mut facets);
+    }
+    Ok((CellRecord { site, status, sums }, facets))
+}

@@ -1,0 +1,1428 @@
+// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
+
+INLINE V3 v3(real x, real y, real z);
+INLINE V3 add(V3 a, V3 b);
+INLINE V3 sub(V3 a, V3 b);
+INLINE V3 scale(real t, V3 a);
+INLINE real v3_dot(V3 a, V3 b);
+INLINE V3 v3_cross(V3 a, V3 b);
+INLINE real norm_1(V3 a);
+INLINE real norm_max(V3 a);
+INLINE real smaller(real a, real b);
+INLINE real larger(real a, real b);
+INLINE Plane bisector(V3 d, real dw);
+OUTLINE Plane cone_side(V3 o, V3 lo_o, V3 edge, real sign);
+OUTLINE Plane triangle_plane(V3 a, V3 b, V3 c, real sign);
+OUTLINE Plane wall_over_edge(V3 n, V3 a, V3 b);
+OUTLINE uint place_vertex(Store *s, uint v);
+OUTLINE uint find_vertex(Store *s, Triplet t, V3 *position, real *radius);
+OUTLINE real residual(Plane plane, V3 x);
+INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
+OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
+OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e);
+INLINE void add_term(Wide *sum, real *size, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3, real sign);
+INLINE Wide minor(real x0, real y0, real x1, real y1);
+INLINE Wide product_exact(real a, real b);
+INLINE Wide wide_add(Wide a, Wide b);
+INLINE Wide multiply(Wide a, Wide b);
+INLINE Wide sum_exact(real a, real b);
+OUTLINE real wide_quotient(Wide a, Wide b);
+OUTLINE int expansion_sign(Plane a, Plane b, Plane c, Plane e);
+OUTLINE uint expansion_position(Plane a, Plane b, Plane c, V3 *position);
+INLINE uint is_tiny(Plane plane);
+INLINE uint is_tiny_number(real x);
+OUTLINE void add_minors(Expansion *sum, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3);
+OUTLINE void add_four(Expansion *sum, Wide p, Wide q);
+INLINE void add_product(Expansion *sum, real x, real y);
+OUTLINE void add_number(Expansion *sum, real x);
+OUTLINE Wide value_of(Expansion *sum);
+OUTLINE Wide determinant(V3 a, V3 b, V3 c);
+OUTLINE void add_triple(Expansion *sum, real x, real y, real z);
+OUTLINE uint begin(Store *s, V3 lo, V3 hi);
+OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d);
+OUTLINE uint clip(Store *s, Plane plane, uint tag);
+OUTLINE uint settle_marks(Store *s, uint k);
+INLINE void toggle_link(Store *s, uint f, uint change);
+OUTLINE void clear_links(Store *s);
+OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge);
+INLINE uint is_boundary_edge(Store *s, uint end, uint a, uint b);
+OUTLINE void compact_planes(Store *s);
+INLINE real farthest_vertex(Store *s);
+INLINE real security_reach(real r, real dw);
+INLINE uint box_cannot_cut(Store *s, V3 lo, V3 hi, real dw);
+INLINE real outside_of(real x, real lo, real hi);
+OUTLINE uint volume_is_above_bound(CellSums sums);
+OUTLINE uint facet_is_above_bound(FacetSum sum);
+OUTLINE uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
+INLINE Side side(Store *s, uint f, V3 center);
+INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part);
+INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot);
+INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums *part);
+INLINE real squares(real a, real b, real c);
+INLINE real products(real a, real b, real c, real d, real e, real f);
+INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum);
+OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum);
+OUTLINE void reset_facets(Store *s);
+OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums);
+OUTLINE V3 reference_point(Store *s);
+OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint *touched, CellSums *sums);
+OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone);
+OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums);
+OUTLINE void reset_from(Store *s, uint base);
+INLINE uint all_in_conflict(Store *s, uint k, Plane plane);
+OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone);
+OUTLINE TruncatedCone no_cone();
+OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism);
+INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign);
+OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c);
+INLINE V3 magnitudes(V3 a);
+OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums);
+OUTLINE uint lies_outside(Store *s);
+OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
+OUTLINE void add_box_faces(Store *s, CellSums *sums);
+OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi);
+OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums);
+INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel);
+
+// core/src/cell/vector.rs
+
+// The vector (x, y, z).
+INLINE V3 v3(real x, real y, real z) {
+    return (V3){ .x = x, .y = y, .z = z };
+}
+
+// a + b.
+INLINE V3 add(V3 a, V3 b) {
+    return v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+
+// a − b.
+INLINE V3 sub(V3 a, V3 b) {
+    return v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+// t·a.
+INLINE V3 scale(real t, V3 a) {
+    return v3(t * a.x, t * a.y, t * a.z);
+}
+
+// a·b.
+INLINE real v3_dot(V3 a, V3 b) {
+    return ((a.x * b.x) + (a.y * b.y)) + (a.z * b.z);
+}
+
+// a×b. Exactly −(b×a) also in floating point.
+INLINE V3 v3_cross(V3 a, V3 b) {
+    return v3((a.y * b.z) - (a.z * b.y), (a.z * b.x) - (a.x * b.z), (a.x * b.y) - (a.y * b.x));
+}
+
+// Sum of the components' magnitudes, at least the Euclidean norm.
+INLINE real norm_1(V3 a) {
+    return (fabs(a.x) + fabs(a.y)) + fabs(a.z);
+}
+
+// Largest magnitude of a component.
+INLINE real norm_max(V3 a) {
+    real m = fabs(a.x);
+    if (fabs(a.y) > m) {
+        m = fabs(a.y);
+    }
+    if (fabs(a.z) > m) {
+        m = fabs(a.z);
+    }
+    return m;
+}
+
+// The smaller of two numbers.
+INLINE real smaller(real a, real b) {
+    if (b < a) {
+        return b;
+    }
+    return a;
+}
+
+// The larger of two numbers.
+INLINE real larger(real a, real b) {
+    if (b > a) {
+        return b;
+    }
+    return a;
+}
+
+// core/src/cell/status.rs
+
+// core/src/cell/plane.rs
+
+// The power bisector of a site at the origin and a site at `d`, keeping the origin's side; `dw = w_i − w_j`, the
+// origin's weight less the other's. `n = −d`, offset `(‖d‖² + dw)/2` (paper §2.3).
+INLINE Plane bisector(V3 d, real dw) {
+    return (Plane){ .n = v3(-d.x, -d.y, -d.z), .d = REAL(0.5) * (v3_dot(d, d) + dw) };
+}
+
+// The side of the truncated cone of apex `o` over the edge from `lo` to `hi` (the ends in index order), both relative to the
+// apex's frame as `lo_o = lo − o` and `edge = hi − lo`; keeps the side where `sign·(lo_o × edge)·(x − o) ≥ 0`.
+//
+// `lo_o × edge` is `(lo − o) × (hi − o)` without the cancellation of short edges. The triangle on the other side of the
+// edge gets the same plane negated, to the last bit.
+OUTLINE Plane cone_side(V3 o, V3 lo_o, V3 edge, real sign) {
+    const V3 n = scale(sign, v3_cross(lo_o, edge));
+    return (Plane){ .n = n, .d = -v3_dot(n, o) };
+}
+
+// The plane of triangle `(a, b, c)`, keeping the side where `sign·(b − a)×(c − a)·(x − a) ≥ 0`.
+OUTLINE Plane triangle_plane(V3 a, V3 b, V3 c, real sign) {
+    const V3 n = scale(sign, v3_cross(sub(b, a), sub(c, a)));
+    return (Plane){ .n = n, .d = -v3_dot(n, a) };
+}
+
+// The plane through the edge from `a` to `b` of a triangle, across the triangle's own plane of normal `n`; keeps the side
+// where `(n × (b − a))·(x − a) ≥ 0`: the triangle's, where it is counterclockwise about `n`.
+OUTLINE Plane wall_over_edge(V3 n, V3 a, V3 b) {
+    const V3 inward = v3_cross(n, sub(b, a));
+    return (Plane){ .n = inward, .d = -v3_dot(inward, a) };
+}
+
+// core/src/cell/vertex.rs
+
+// Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
+OUTLINE uint place_vertex(Store *s, uint v) {
+    V3 position = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real radius = REAL(0.0);
+    const uint status = find_vertex(s, store_triplet(s, v), &position, &radius);
+    if (status == COMPLETE) {
+        store_set_position(s, v, position, radius);
+    }
+    return status;
+}
+
+// The position of the vertex with triplet `t`, and an error radius such that
+// `|fl(n·v + d) − (n·v* + d)| ≤ ‖n‖₁·radius + 4u|d|` for every plane, `v*` the exact vertex.
+//
+// Position: `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`.
+OUTLINE uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
+    const Plane pa = store_plane(s, t.a);
+    const Plane pb = store_plane(s, t.b);
+    const Plane pc = store_plane(s, t.c);
+    const V3 bc = v3_cross(pb.n, pc.n);
+    const V3 ca = v3_cross(pc.n, pa.n);
+    const V3 ab = v3_cross(pa.n, pb.n);
+    const real det = v3_dot(pa.n, bc);
+    const real size_a = norm_1(pa.n);
+    const real size_b = norm_1(pb.n);
+    const real size_c = norm_1(pc.n);
+    const real size = (size_a * size_b) * size_c;
+    if (!(det > (NEARLY_DEPENDENT * size))) {
+        store_note_exact(s);
+        if (expansion_position(pa, pb, pc, position) != COMPLETE) {
+            if (store_exact_position(s, t, position) != COMPLETE) {
+                return UNCERTAIN;
+            }
+        }
+        *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position);
+        return COMPLETE;
+    }
+    const real inverse = REAL(1.0) / det;
+    const V3 found = scale(-inverse, combine(pa.d, pb.d, pc.d, bc, ca, ab));
+    const real offsets = (((fabs(pa.d) * size_b) * size_c) + ((fabs(pb.d) * size_c) * size_a)) + ((fabs(pc.d) * size_a) * size_b);
+    const real amplified = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
+    *position = found;
+    *radius = amplified * (offsets + (norm_max(found) * size));
+    if (det < (WORTH_REFINING * size)) {
+        // A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
+        // in which the planes hardly tell one point from the next.
+        const V3 rest = combine(residual(pa, found), residual(pb, found), residual(pc, found), bc, ca, ab);
+        *position = sub(found, scale(inverse, rest));
+        *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * size));
+    }
+    return COMPLETE;
+}
+
+// `n·x + d`, rounded once or little more.
+OUTLINE real residual(Plane plane, V3 x) {
+    const Wide first = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
+    const Wide second = wide_add(product_exact(plane.n.z, x.z), (Wide){ .hi = plane.d, .lo = REAL(0.0) });
+    const Wide sum = wide_add(first, second);
+    return sum.hi + sum.lo;
+}
+
+// `r_a·bc + r_b·ca + r_c·ab`.
+INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab) {
+    return add(add(scale(ra, bc), scale(rb, ca)), scale(rc, ab));
+}
+
+// core/src/cell/store.rs
+
+// core/src/cell/wide.rs
+
+// The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
+// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Three stages: double-double,
+// expansions, and the store's own.
+OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
+    const Triplet t = store_triplet(s, v);
+    const Plane a = store_plane(s, t.a);
+    const Plane b = store_plane(s, t.b);
+    const Plane c = store_plane(s, t.c);
+    const Plane e = store_plane(s, k);
+    int sign = wide_sign(a, b, c, e);
+    if (sign != SIGN_UNKNOWN) {
+        return sign;
+    }
+    store_note_exact(s);
+    sign = expansion_sign(a, b, c, e);
+    if (sign != SIGN_UNKNOWN) {
+        return sign;
+    }
+    return store_exact_sign(s, t, k);
+}
+
+// The sign of `det [n|d](a, b, c, e)` by double-double arithmetic, or `SIGN_UNKNOWN`.
+OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e) {
+    // Laplace expansion along the first two columns: x, y against z, d.
+    Wide sum = (Wide){ .hi = REAL(0.0), .lo = REAL(0.0) };
+    real size = REAL(0.0);
+    add_term(&sum, &size, a.n.x, a.n.y, b.n.x, b.n.y, c.n.z, c.d, e.n.z, e.d, REAL(1.0));
+    add_term(&sum, &size, a.n.x, a.n.y, c.n.x, c.n.y, b.n.z, b.d, e.n.z, e.d, -REAL(1.0));
+    add_term(&sum, &size, a.n.x, a.n.y, e.n.x, e.n.y, b.n.z, b.d, c.n.z, c.d, REAL(1.0));
+    add_term(&sum, &size, b.n.x, b.n.y, c.n.x, c.n.y, a.n.z, a.d, e.n.z, e.d, REAL(1.0));
+    add_term(&sum, &size, b.n.x, b.n.y, e.n.x, e.n.y, a.n.z, a.d, c.n.z, c.d, -REAL(1.0));
+    add_term(&sum, &size, c.n.x, c.n.y, e.n.x, e.n.y, a.n.z, a.d, b.n.z, b.d, REAL(1.0));
+    if ((size < WIDE_SMALLEST) || !(fabs(sum.hi) > (WIDE_ERROR * size))) {
+        return SIGN_UNKNOWN;
+    }
+    if (sum.hi < REAL(0.0)) {
+        return -1;
+    }
+    return 1;
+}
+
+// Adds `sign·(x_0 y_1 − x_1 y_0)·(z_2 w_3 − z_3 w_2)` to `sum`, and the magnitude of its parts to `size`.
+INLINE void add_term(Wide *sum, real *size, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3, real sign) {
+    const Wide left = minor(x0, y0, x1, y1);
+    const Wide right = minor(z2, w2, z3, w3);
+    const Wide product = multiply(left, right);
+    const Wide scaled = (Wide){ .hi = sign * product.hi, .lo = sign * product.lo };
+    *sum = wide_add(*sum, scaled);
+    const real left_size = fabs(x0 * y1) + fabs(x1 * y0);
+    const real right_size = fabs(z2 * w3) + fabs(z3 * w2);
+    *size = *size + (left_size * right_size);
+}
+
+// `x_0 y_1 − x_1 y_0`.
+INLINE Wide minor(real x0, real y0, real x1, real y1) {
+    const Wide p = product_exact(x0, y1);
+    const Wide q = product_exact(x1, y0);
+    const Wide negated = (Wide){ .hi = -q.hi, .lo = -q.lo };
+    return wide_add(p, negated);
+}
+
+// `a·b`, exactly.
+INLINE Wide product_exact(real a, real b) {
+    const real p = a * b;
+    const real ta = SPLITTER * a;
+    const real a_hi = ta - (ta - a);
+    const real a_lo = a - a_hi;
+    const real tb = SPLITTER * b;
+    const real b_hi = tb - (tb - b);
+    const real b_lo = b - b_hi;
+    const real error = ((((a_hi * b_hi) - p) + (a_hi * b_lo)) + (a_lo * b_hi)) + (a_lo * b_lo);
+    return (Wide){ .hi = p, .lo = error };
+}
+
+// `a + b`, both halves exactly, then rounded to double-double.
+INLINE Wide wide_add(Wide a, Wide b) {
+    const Wide high = sum_exact(a.hi, b.hi);
+    const Wide low = sum_exact(a.lo, b.lo);
+    const Wide first = sum_exact(high.hi, high.lo + low.hi);
+    return sum_exact(first.hi, first.lo + low.lo);
+}
+
+// `a·b`.
+INLINE Wide multiply(Wide a, Wide b) {
+    const Wide p = product_exact(a.hi, b.hi);
+    const real rest = p.lo + ((a.hi * b.lo) + (a.lo * b.hi));
+    return sum_exact(p.hi, rest);
+}
+
+// `a + b`, exactly.
+INLINE Wide sum_exact(real a, real b) {
+    const real s = a + b;
+    const real t = s - a;
+    const real error = (a - (s - t)) + (b - t);
+    return (Wide){ .hi = s, .lo = error };
+}
+
+// `a/b`, rounded to one number: within a rounding and a little of the exact quotient.
+OUTLINE real wide_quotient(Wide a, Wide b) {
+    const real first = a.hi / b.hi;
+    const Wide product = multiply((Wide){ .hi = first, .lo = REAL(0.0) }, b);
+    const Wide rest = wide_add(a, (Wide){ .hi = -product.hi, .lo = -product.lo });
+    return first + (rest.hi / b.hi);
+}
+
+// core/src/cell/expansion.rs
+
+// The sign of the 4×4 determinant with rows `[n | d]`, exactly, or `SIGN_UNKNOWN` where a product could underflow.
+OUTLINE int expansion_sign(Plane a, Plane b, Plane c, Plane e) {
+    if ((((is_tiny(a) + is_tiny(b)) + is_tiny(c)) + is_tiny(e)) != 0) {
+        return SIGN_UNKNOWN;
+    }
+    Expansion sum = (Expansion){ .terms = { 0 }, .count = 0 };
+    // Laplace expansion along the first two columns, as in the wide stage.
+    add_minors(&sum, a.n.x, a.n.y, b.n.x, b.n.y, c.n.z, c.d, e.n.z, e.d);
+    add_minors(&sum, c.n.x, c.n.y, a.n.x, a.n.y, b.n.z, b.d, e.n.z, e.d);
+    add_minors(&sum, a.n.x, a.n.y, e.n.x, e.n.y, b.n.z, b.d, c.n.z, c.d);
+    add_minors(&sum, b.n.x, b.n.y, c.n.x, c.n.y, a.n.z, a.d, e.n.z, e.d);
+    add_minors(&sum, e.n.x, e.n.y, b.n.x, b.n.y, a.n.z, a.d, c.n.z, c.d);
+    add_minors(&sum, c.n.x, c.n.y, e.n.x, e.n.y, a.n.z, a.d, b.n.z, b.d);
+    const Wide value = value_of(&sum);
+    if (value.hi > REAL(0.0)) {
+        return 1;
+    }
+    if (value.hi < REAL(0.0)) {
+        return -1;
+    }
+    return 0;
+}
+
+// The point where three planes meet, each component within a rounding of the exact one: quotients of determinants (Cramer),
+// each exact before it is rounded. `UNCERTAIN` where a product could underflow, or the normals are dependent.
+OUTLINE uint expansion_position(Plane a, Plane b, Plane c, V3 *position) {
+    if (((is_tiny(a) + is_tiny(b)) + is_tiny(c)) != 0) {
+        return UNCERTAIN;
+    }
+    const Wide det = determinant(a.n, b.n, c.n);
+    if (det.hi == REAL(0.0)) {
+        return UNCERTAIN;
+    }
+    const Wide x = determinant(v3(-a.d, a.n.y, a.n.z), v3(-b.d, b.n.y, b.n.z), v3(-c.d, c.n.y, c.n.z));
+    const Wide y = determinant(v3(a.n.x, -a.d, a.n.z), v3(b.n.x, -b.d, b.n.z), v3(c.n.x, -c.d, c.n.z));
+    const Wide z = determinant(v3(a.n.x, a.n.y, -a.d), v3(b.n.x, b.n.y, -b.d), v3(c.n.x, c.n.y, -c.d));
+    *position = v3(wide_quotient(x, det), wide_quotient(y, det), wide_quotient(z, det));
+    return COMPLETE;
+}
+
+// Whether (1) a coefficient is smaller than `EXPANSION_SMALLEST` and not zero.
+INLINE uint is_tiny(Plane plane) {
+    if (((is_tiny_number(plane.n.x) + is_tiny_number(plane.n.y)) + (is_tiny_number(plane.n.z) + is_tiny_number(plane.d))) != 0) {
+        return 1;
+    }
+    return 0;
+}
+
+INLINE uint is_tiny_number(real x) {
+    if ((fabs(x) < EXPANSION_SMALLEST) && (x != REAL(0.0))) {
+        return 1;
+    }
+    return 0;
+}
+
+// Adds `(x_0 y_1 − x_1 y_0)·(z_2 w_3 − z_3 w_2)`.
+OUTLINE void add_minors(Expansion *sum, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3) {
+    const Wide p = product_exact(x0, y1);
+    const Wide q = product_exact(-x1, y0);
+    const Wide r = product_exact(z2, w3);
+    const Wide t = product_exact(-z3, w2);
+    add_four(sum, p, r);
+    add_four(sum, p, t);
+    add_four(sum, q, r);
+    add_four(sum, q, t);
+}
+
+// Adds `p·q`.
+OUTLINE void add_four(Expansion *sum, Wide p, Wide q) {
+    add_product(sum, p.lo, q.lo);
+    add_product(sum, p.lo, q.hi);
+    add_product(sum, p.hi, q.lo);
+    add_product(sum, p.hi, q.hi);
+}
+
+// Adds `x·y`.
+INLINE void add_product(Expansion *sum, real x, real y) {
+    if ((x == REAL(0.0)) || (y == REAL(0.0))) {
+        return;
+    }
+    const Wide p = product_exact(x, y);
+    add_number(sum, p.lo);
+    add_number(sum, p.hi);
+}
+
+// Adds one number: it passes through the terms from the smallest on and leaves each sum's rounding error behind.
+OUTLINE void add_number(Expansion *sum, real x) {
+    real carried = x;
+    uint kept = 0;
+    uint i = 0;
+    while (i < sum->count) {
+        const Wide next = sum_exact(carried, sum->terms[i]);
+        carried = next.hi;
+        if (next.lo != REAL(0.0)) {
+            sum->terms[kept] = next.lo;
+            kept += 1;
+        }
+        i += 1;
+    }
+    if (carried != REAL(0.0)) {
+        sum->terms[kept] = carried;
+        kept += 1;
+    }
+    sum->count = kept;
+}
+
+// The value rounded to double-double; the sign of its `hi` is the sign of the sum.
+OUTLINE Wide value_of(Expansion *sum) {
+    if (sum->count == 0) {
+        return (Wide){ .hi = REAL(0.0), .lo = REAL(0.0) };
+    }
+    const uint last = sum->count - 1;
+    real rest = REAL(0.0);
+    uint i = 0;
+    while (i < last) {
+        rest = rest + sum->terms[i];
+        i += 1;
+    }
+    return sum_exact(sum->terms[last], rest);
+}
+
+// `det(a, b, c)`, exactly before it is rounded to double-double.
+OUTLINE Wide determinant(V3 a, V3 b, V3 c) {
+    Expansion sum = (Expansion){ .terms = { 0 }, .count = 0 };
+    add_triple(&sum, a.x, b.y, c.z);
+    add_triple(&sum, -a.x, b.z, c.y);
+    add_triple(&sum, a.y, b.z, c.x);
+    add_triple(&sum, -a.y, b.x, c.z);
+    add_triple(&sum, a.z, b.x, c.y);
+    add_triple(&sum, -a.z, b.y, c.x);
+    return value_of(&sum);
+}
+
+// Adds `x·y·z`.
+OUTLINE void add_triple(Expansion *sum, real x, real y, real z) {
+    const Wide p = product_exact(x, y);
+    add_product(sum, p.lo, z);
+    add_product(sum, p.hi, z);
+}
+
+// core/src/cell/clip.rs
+
+// Starts the cell as the box with minimum corner `lo` and maximum corner `hi`, in the frame of the site.
+//
+// Planes 0 to 5 keep x ≥ lo.x, x ≤ hi.x, y ≥ lo.y, y ≤ hi.y, z ≥ lo.z, z ≤ hi.z.
+OUTLINE uint begin(Store *s, V3 lo, V3 hi) {
+    if ((store_cap_p(s) < 6) || (store_cap_v(s) < 8)) {
+        return P_FULL;
+    }
+    set_box_plane(s, 0, v3(REAL(1.0), REAL(0.0), REAL(0.0)), -lo.x);
+    set_box_plane(s, 1, v3(-REAL(1.0), REAL(0.0), REAL(0.0)), hi.x);
+    set_box_plane(s, 2, v3(REAL(0.0), REAL(1.0), REAL(0.0)), -lo.y);
+    set_box_plane(s, 3, v3(REAL(0.0), -REAL(1.0), REAL(0.0)), hi.y);
+    set_box_plane(s, 4, v3(REAL(0.0), REAL(0.0), REAL(1.0)), -lo.z);
+    set_box_plane(s, 5, v3(REAL(0.0), REAL(0.0), -REAL(1.0)), hi.z);
+    store_set_planes(s, 6);
+    store_set_vertices(s, 8);
+    uint v = 0;
+    while (v < 8) {
+        const uint on_x = v & 1;
+        const uint on_y = (v >> 1) & 1;
+        const uint on_z = (v >> 2) & 1;
+        // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
+        if ((((on_x + on_y) + on_z) & 1) == 0) {
+            store_set_triplet(s, v, (Triplet){ .a = on_x, .b = 2 + on_y, .c = 4 + on_z });
+        } else {
+            store_set_triplet(s, v, (Triplet){ .a = on_x, .b = 4 + on_z, .c = 2 + on_y });
+        }
+        const uint placed = place_vertex(s, v);
+        if (placed != COMPLETE) {
+            return placed;
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d) {
+    store_set_plane(s, f, (Plane){ .n = n, .d = d });
+    store_set_tag(s, f, TAG_BOX);
+    store_set_link(s, f, 0);
+}
+
+// Clips the cell by `plane`, keeping the side where `n·x + d ≥ 0`; `tag` says whose plane it is. Returns `CUT`, `UNTOUCHED`,
+// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again.
+OUTLINE uint clip(Store *s, Plane plane, uint tag) {
+    if (store_planes(s) == store_cap_p(s)) {
+        compact_planes(s);
+        if (store_planes(s) == store_cap_p(s)) {
+            return P_FULL;
+        }
+    }
+    const uint k = store_planes(s);
+    store_set_plane(s, k, plane);
+    // 1. Mark the vertices in conflict; what floating point cannot decide is decided exactly, and zero is no conflict.
+    const uint seen = store_mark_conflicts(s, k);
+    if ((seen & (SEEN_CONFLICT | SEEN_UNCERTAIN)) == 0) {
+        return UNTOUCHED;
+    }
+    if (seen == SEEN_CONFLICT) {
+        return EMPTY;
+    }
+    if ((seen & SEEN_UNCERTAIN) != 0) {
+        if (settle_marks(s, k) != COMPLETE) {
+            return UNCERTAIN;
+        }
+    }
+    // 2. Link the planes around the hole. Marked vertex (a, b, c) contributes the directed edges a→b, b→c, c→a; an edge
+    // cancels its reverse. Around plane a the marked vertices form one chain, so the exclusive or of their b and c
+    // telescopes to next(a) ^ previous(a) on the boundary of the hole, and to 0 inside it.
+    const uint end = store_vertices(s);
+    uint marked = 0;
+    uint v = store_next_conflict(s, 0, end);
+    while (v < end) {
+        const Triplet t = store_triplet(s, v);
+        toggle_link(s, t.a, t.b ^ t.c);
+        toggle_link(s, t.b, t.c ^ t.a);
+        toggle_link(s, t.c, t.a ^ t.b);
+        marked += 1;
+        v = store_next_conflict(s, v + 1, end);
+    }
+    if (marked == 0) {
+        return UNTOUCHED;
+    }
+    if (marked == end) {
+        return EMPTY;
+    }
+    store_set_tag(s, k, tag);
+    store_set_link(s, k, 0);
+    store_set_planes(s, k + 1);
+    // 3. One directed edge of that boundary, and from it once around: each edge a→b gives the new vertex (a, b, k), first
+    // into the places of the marked vertices, then at the end.
+    Triplet edge = (Triplet){ .a = 0, .b = 0, .c = 0 };
+    find_boundary_edge(s, end, &edge);
+    const uint first = edge.a;
+    uint from = edge.a;
+    uint to = edge.b;
+    uint count = end;
+    uint hole = store_next_conflict(s, 0, end);
+    uint status;
+    uint steps = 0;
+    for (;;) {
+        // The boundary is one cycle through each plane at most once; more steps would mean inconsistent signs.
+        steps += 1;
+        if (steps > k) {
+            status = UNCERTAIN;
+            break;
+        }
+        uint slot = hole;
+        if (hole < end) {
+            store_set_mark(s, hole, MARK_KEEP);
+            hole = store_next_conflict(s, hole + 1, end);
+        } else {
+            if (count == store_cap_v(s)) {
+                status = V_FULL;
+                break;
+            }
+            slot = count;
+            count += 1;
+        }
+        store_set_triplet(s, slot, (Triplet){ .a = from, .b = to, .c = k });
+        status = place_vertex(s, slot);
+        if (status != COMPLETE) {
+            break;
+        }
+        const uint next = store_link(s, to) ^ from;
+        store_set_link(s, to, 0);
+        if (to == first) {
+            break;
+        }
+        from = to;
+        to = next;
+    }
+    if (status != COMPLETE) {
+        clear_links(s);
+        return status;
+    }
+    // 4. Fill the places left over from the end.
+    while ((hole < end) && (hole < count)) {
+        count -= 1;
+        if (hole == count) {
+            break;
+        }
+        if (store_mark(s, count) == MARK_CONFLICT) {
+            continue;
+        }
+        store_move_vertex(s, count, hole);
+        store_set_mark(s, hole, MARK_KEEP);
+        hole = store_next_conflict(s, hole + 1, count);
+    }
+    store_set_vertices(s, count);
+    return CUT;
+}
+
+// Decides every uncertain mark against plane `k` by the exact sign.
+OUTLINE uint settle_marks(Store *s, uint k) {
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        if (store_mark(s, v) == MARK_UNCERTAIN) {
+            const int sign = sign_of_conflict(s, v, k);
+            if (sign == SIGN_UNKNOWN) {
+                return UNCERTAIN;
+            }
+            uint mark = MARK_KEEP;
+            if (sign < 0) {
+                mark = MARK_CONFLICT;
+            }
+            store_set_mark(s, v, mark);
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+INLINE void toggle_link(Store *s, uint f, uint change) {
+    const uint link = store_link(s, f) ^ change;
+    store_set_link(s, f, link);
+}
+
+OUTLINE void clear_links(Store *s) {
+    uint f = 0;
+    while (f < store_planes(s)) {
+        store_set_link(s, f, 0);
+        f += 1;
+    }
+}
+
+// Finds a directed edge a→b of a marked vertex whose reverse belongs to no marked vertex.
+OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge) {
+    uint v = store_next_conflict(s, 0, end);
+    while (v < end) {
+        const Triplet t = store_triplet(s, v);
+        if (is_boundary_edge(s, end, t.a, t.b) != 0) {
+            edge->a = t.a;
+            edge->b = t.b;
+            return;
+        }
+        if (is_boundary_edge(s, end, t.b, t.c) != 0) {
+            edge->a = t.b;
+            edge->b = t.c;
+            return;
+        }
+        if (is_boundary_edge(s, end, t.c, t.a) != 0) {
+            edge->a = t.c;
+            edge->b = t.a;
+            return;
+        }
+        v = store_next_conflict(s, v + 1, end);
+    }
+}
+
+// Whether the edge a→b of a marked vertex lies on the boundary of the hole: both planes do, and no marked vertex has b→a.
+INLINE uint is_boundary_edge(Store *s, uint end, uint a, uint b) {
+    if ((store_link(s, a) == 0) || (store_link(s, b) == 0)) {
+        return 0;
+    }
+    uint v = store_next_conflict(s, 0, end);
+    while (v < end) {
+        const Triplet t = store_triplet(s, v);
+        if ((((t.a == b) && (t.b == a)) || ((t.b == b) && (t.c == a))) || ((t.c == b) && (t.a == a))) {
+            return 0;
+        }
+        v = store_next_conflict(s, v + 1, end);
+    }
+    return 1;
+}
+
+// Drops the planes that no vertex lies on and renumbers the others in order.
+OUTLINE void compact_planes(Store *s) {
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        const Triplet t = store_triplet(s, v);
+        store_set_link(s, t.a, 1);
+        store_set_link(s, t.b, 1);
+        store_set_link(s, t.c, 1);
+        v += 1;
+    }
+    // The link of a kept plane becomes its new number plus one.
+    uint kept = 0;
+    uint f = 0;
+    while (f < store_planes(s)) {
+        if (store_link(s, f) != 0) {
+            if (kept != f) {
+                store_move_plane(s, f, kept);
+            }
+            kept += 1;
+            store_set_link(s, f, kept);
+        }
+        f += 1;
+    }
+    v = 0;
+    while (v < store_vertices(s)) {
+        const Triplet t = store_triplet(s, v);
+        store_set_triplet(s, v, (Triplet){ .a = store_link(s, t.a) - 1, .b = store_link(s, t.b) - 1, .c = store_link(s, t.c) - 1 });
+        v += 1;
+    }
+    clear_links(s);
+    store_set_planes(s, kept);
+}
+
+// core/src/cell/security.rs
+
+// An upper bound of the distance from the site to the farthest vertex.
+INLINE real farthest_vertex(Store *s) {
+    const V3 largest = store_farthest(s);
+    // The radius bounds each component; √3 < 2.
+    return (sqrt(largest.x) + (REAL(2.0) * largest.y)) * SAFE;
+}
+
+// The quick test: a site at distance at least this from the cell's site, of weight at most `W`, cannot cut a cell whose
+// farthest vertex is at most `r` away, where `dw = W − w_i`: `r + √(max(0, r² + dw))`; with equal weights the `2r` of the paper.
+INLINE real security_reach(real r, real dw) {
+    const real inner = ((r * r) * SAFE) + dw;
+    if (inner <= REAL(0.0)) {
+        return r;
+    }
+    return (r + sqrt(inner)) * SAFE;
+}
+
+// The sharp test: whether (1) no site in the box `[lo, hi]` (in the frame of the site) of weight at most `W` can cut the cell,
+// `dw = W − w_i`: `dist²(v, box) − W ≥ ‖v‖² − w_i` for every vertex `v`.
+INLINE uint box_cannot_cut(Store *s, V3 lo, V3 hi, real dw) {
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        const V3 position = store_position(s, v);
+        const V3 gap = v3(outside_of(position.x, lo.x, hi.x), outside_of(position.y, lo.y, hi.y), outside_of(position.z, lo.z, hi.z));
+        const real distance = v3_dot(gap, gap);
+        const real power = v3_dot(position, position) + dw;
+        // The slope of dist² − ‖v‖² is twice the nearest point of the box, v plus or minus the gap.
+        const real slope = REAL(2.0) * norm_1(add(v3(fabs(position.x), fabs(position.y), fabs(position.z)), gap));
+        const real margin = (((slope + store_radius(s, v)) * (REAL(4.0) * store_radius(s, v))) + ((REAL(16.0) * UNIT_ROUNDOFF) * ((distance + v3_dot(position, position)) + fabs(dw)))) + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(gap) * slope));
+        if ((distance - power) < margin) {
+            return 0;
+        }
+        v += 1;
+    }
+    return 1;
+}
+
+// How far `x` lies outside `[lo, hi]`.
+INLINE real outside_of(real x, real lo, real hi) {
+    if (x < lo) {
+        return lo - x;
+    }
+    if (x > hi) {
+        return x - hi;
+    }
+    return REAL(0.0);
+}
+
+// core/src/cell/integrate.rs
+
+// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
+OUTLINE uint volume_is_above_bound(CellSums sums) {
+    real bound = sums.rounding;
+    if (sums.volume > REAL(0.0)) {
+        const real nothing = (ROUNDINGS_OF_NOTHING * UNIT_ROUNDOFF) * sums.size;
+        if (nothing < bound) {
+            bound = nothing;
+        }
+    }
+    if (fabs(sums.volume) > bound) {
+        return 1;
+    }
+    return 0;
+}
+
+// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
+OUTLINE uint facet_is_above_bound(FacetSum sum) {
+    if (fabs(sum.area) > sum.rounding) {
+        return 1;
+    }
+    return 0;
+}
+
+// Adds `weight` times the integrals of the present polytope to `sums`, and to the facets' sums.
+//
+// `center` is the point that the tetrahedra share; any point will do, one in or near the polytope keeps the digits.
+// For each vertex and each of its edges (f, g): `I` the foot of `center` on the edge's line, `H_f` on the plane;
+// signed volumes `+det(H_g, I, v)/6` and `−det(H_f, I, v)/6`.
+//
+// `reach` is the distance to the farthest point that a plane was made from, where that is not a site beyond the plane.
+OUTLINE uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
+    CellSums part = (CellSums){ 0 };
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        const Triplet t = store_triplet(s, v);
+        const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + (UNIT_ROUNDOFF * reach) };
+        const Side a = side(s, t.a, center);
+        const Side b = side(s, t.b, center);
+        const Side c = side(s, t.c, center);
+        if (add_edge(s, a, b, at, weight, center, flags, &part) != COMPLETE) {
+            return UNCERTAIN;
+        }
+        if (add_edge(s, b, c, at, weight, center, flags, &part) != COMPLETE) {
+            return UNCERTAIN;
+        }
+        if (add_edge(s, c, a, at, weight, center, flags, &part) != COMPLETE) {
+            return UNCERTAIN;
+        }
+        v += 1;
+    }
+    // `part` holds sixfold volumes, and moments about `center` scaled alike: 24 of the first, 120 of the second.
+    const real volume = (weight / REAL(6.0)) * part.volume;
+    const V3 first = scale(weight / REAL(24.0), part.first);
+    const V3 about = scale(volume, center);
+    sums->volume = sums->volume + volume;
+    sums->size = sums->size + fabs(volume);
+    sums->first = add(sums->first, add(first, about));
+    sums->rounding = sums->rounding + (part.rounding / REAL(6.0));
+    if ((flags & SECOND_MOMENTS) != 0) {
+        // ∫ (y + c)(y + c)ᵀ = ∫ yyᵀ + c mᵀ + m cᵀ + V ccᵀ, m = ∫ y.
+        const V3 twice = add(add(first, first), about);
+        const V3 diagonal = v3(center.x * twice.x, center.y * twice.y, center.z * twice.z);
+        const V3 both = add(first, about);
+        const V3 mixed = v3((center.x * both.y) + (first.x * center.y), (center.x * both.z) + (first.x * center.z), (center.y * both.z) + (first.y * center.z));
+        sums->second_diagonal = add(sums->second_diagonal, add(scale(weight / REAL(120.0), part.second_diagonal), diagonal));
+        sums->second_mixed = add(sums->second_mixed, add(scale(weight / REAL(120.0), part.second_mixed), mixed));
+    }
+    return COMPLETE;
+}
+
+// Plane `f` as seen from `center`.
+INLINE Side side(Store *s, uint f, V3 center) {
+    const Plane plane = store_plane(s, f);
+    const real square = v3_dot(plane.n, plane.n);
+    const real d = plane.d + v3_dot(plane.n, center);
+    return (Side){ .index = f, .n = plane.n, .d = d, .square = square, .foot = scale(-(d / square), plane.n) };
+}
+
+// Adds the two tetrahedra of one vertex and its edge (f, g).
+INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part) {
+    V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    if (foot_on_edge(s, f, g, center, &foot) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    const V3 spoke = v3_cross(foot, at.position);
+    add_tetrahedron(v3_dot(g.foot, spoke), g.foot, foot, at.position, flags, part);
+    add_tetrahedron(-v3_dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
+    part->rounding = part->rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
+    if ((flags & FACETS) != 0) {
+        FacetSum sum = store_facet(s, g.index);
+        add_triangle(g, foot, at, -weight, center, &sum);
+        store_set_facet(s, g.index, sum);
+        sum = store_facet(s, f.index);
+        add_triangle(f, foot, at, weight, center, &sum);
+        store_set_facet(s, f.index, sum);
+    }
+    return COMPLETE;
+}
+
+// The foot of the perpendicular from the reference point to the line of planes f and g:
+// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`.
+INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot) {
+    const V3 direction = v3_cross(f.n, g.n);
+    const real square = v3_dot(direction, direction);
+    if (square > ((NEARLY_PARALLEL * f.square) * g.square)) {
+        *foot = scale(-REAL(1.0) / square, add(scale(f.d, v3_cross(g.n, direction)), scale(g.d, v3_cross(direction, f.n))));
+        return COMPLETE;
+    }
+    return store_exact_foot(s, f.index, g.index, center, foot);
+}
+
+// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
+// `U(hhᵀ+iiᵀ+vvᵀ+ssᵀ)/20`, `s = h+i+v`.
+INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums *part) {
+    const V3 sum = add(add(h, i), v);
+    part->volume = part->volume + volume;
+    part->rounding = part->rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * fabs(volume));
+    part->first = add(part->first, scale(volume, sum));
+    if ((flags & SECOND_MOMENTS) != 0) {
+        const V3 diagonal = v3(squares(h.x, i.x, v.x) + (sum.x * sum.x), squares(h.y, i.y, v.y) + (sum.y * sum.y), squares(h.z, i.z, v.z) + (sum.z * sum.z));
+        const V3 mixed = v3(products(h.x, h.y, i.x, i.y, v.x, v.y) + (sum.x * sum.y), products(h.x, h.z, i.x, i.z, v.x, v.z) + (sum.x * sum.z), products(h.y, h.z, i.y, i.z, v.y, v.z) + (sum.y * sum.z));
+        part->second_diagonal = add(part->second_diagonal, scale(volume, diagonal));
+        part->second_mixed = add(part->second_mixed, scale(volume, mixed));
+    }
+}
+
+INLINE real squares(real a, real b, real c) {
+    return ((a * a) + (b * b)) + (c * c);
+}
+
+INLINE real products(real a, real b, real c, real d, real e, real f) {
+    return ((a * b) + (c * d)) + (e * f);
+}
+
+// Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
+// `area·(H + I + v)/3`.
+INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum) {
+    const V3 normal = v3_cross(sub(foot, f.foot), sub(at.position, f.foot));
+    const real area = ((REAL(0.5) * sign) * v3_dot(normal, f.n)) / sqrt(f.square);
+    const V3 middle = add(scale(REAL(1.0) / REAL(3.0), add(add(f.foot, foot), at.position)), center);
+    sum->area = sum->area + area;
+    sum->moment = add(sum->moment, scale(area, middle));
+    sum->rounding = sum->rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * fabs(area));
+    sum->rounding = sum->rounding + (at.radius * norm_1(sub(at.position, foot)));
+}
+
+// The sums of the facet of plane `index` alone.
+OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum) {
+    *sum = (FacetSum){ 0 };
+    const Side f = side(s, index, center);
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        Triplet t = store_triplet(s, v);
+        if (t.b == index) {
+            t = (Triplet){ .a = t.b, .b = t.c, .c = t.a };
+        } else if (t.c == index) {
+            t = (Triplet){ .a = t.c, .b = t.a, .c = t.b };
+        }
+        if (t.a == index) {
+            // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
+            const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)), .radius = store_radius(s, v) };
+            const Side b = side(s, t.b, center);
+            const Side c = side(s, t.c, center);
+            V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+            if (foot_on_edge(s, f, b, center, &foot) != COMPLETE) {
+                return UNCERTAIN;
+            }
+            add_triangle(f, foot, at, REAL(1.0), center, sum);
+            if (foot_on_edge(s, c, f, center, &foot) != COMPLETE) {
+                return UNCERTAIN;
+            }
+            add_triangle(f, foot, at, -REAL(1.0), center, sum);
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+// Sets the facets' sums to zero.
+OUTLINE void reset_facets(Store *s) {
+    uint f = 0;
+    while (f < store_planes(s)) {
+        store_set_facet(s, f, (FacetSum){ 0 });
+        f += 1;
+    }
+}
+
+// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
+// keeps the domain's inside, −1 where it keeps its outside.
+OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums) {
+    if (facet_is_above_bound(sum) == 0) {
+        return;
+    }
+    const real share = (outward * sum.area) / sqrt(v3_dot(plane.n, plane.n));
+    sums->boundary_area = sums->boundary_area + sum.area;
+    sums->boundary_moment = add(sums->boundary_moment, sum.moment);
+    sums->boundary_vector = sub(sums->boundary_vector, scale(share, plane.n));
+    sums->boundary_flux = sums->boundary_flux + (share * plane.d);
+}
+
+// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
+OUTLINE V3 reference_point(Store *s) {
+    uint inside = 1;
+    uint f = 0;
+    while (f < store_planes(s)) {
+        if (store_plane(s, f).d < REAL(0.0)) {
+            inside = 0;
+        }
+        f += 1;
+    }
+    V3 mean = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    if (inside != 0) {
+        return mean;
+    }
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        mean = add(mean, store_position(s, v));
+        v += 1;
+    }
+    return scale(REAL(1.0) / ((real)store_vertices(s)), mean);
+}
+
+// core/src/cell/cone.rs
+
+// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
+OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint *touched, CellSums *sums) {
+    TruncatedCone cone = no_cone();
+    if (make_cone(s, t, apex, &cone) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    if (cone.sign == REAL(0.0)) {
+        // The cone is flat, but the surface may still divide the cell.
+        *touched = 1;
+        return COMPLETE;
+    }
+    // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
+    const uint base = store_planes(s);
+    if ((((all_in_conflict(s, base, cone.end) != 0) || (all_in_conflict(s, base, cone.side_0) != 0)) || (all_in_conflict(s, base, cone.side_1) != 0)) || (all_in_conflict(s, base, cone.side_2) != 0)) {
+        return COMPLETE;
+    }
+    uint status = clip_by_sides(s, cone);
+    if (status == COMPLETE) {
+        status = clip(s, cone.end, TAG_TRIANGLE);
+        if (status == CUT) {
+            *touched = 1;
+        }
+        if ((status == CUT) || (status == UNTOUCHED)) {
+            if ((flags & FACETS) != 0) {
+                reset_from(s, base);
+            }
+            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
+        }
+    }
+    store_restore(s);
+    store_set_planes(s, base);
+    if (status == EMPTY) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Clips by the three sides; `COMPLETE` where something is left.
+OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone) {
+    uint status = clip(s, cone.side_0, TAG_CONE);
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        status = clip(s, cone.side_1, TAG_CONE);
+    }
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        status = clip(s, cone.side_2, TAG_CONE);
+    }
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Adds the part of triangle `t` within the cell to the boundary's sums: the facet on the triangle's plane of the cell's intersection
+// with the prism behind it. (The cone would do, but its sides can be nearly parallel to the triangle.)
+OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums) {
+    TruncatedCone prism = no_cone();
+    if (make_prism(s, t, apex, &prism) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    const uint base = store_planes(s);
+    store_set_plane(s, base, prism.end);
+    const uint seen = store_mark_conflicts(s, base);
+    if ((seen == SEEN_CONFLICT) || (seen == SEEN_KEEP)) {
+        return COMPLETE;
+    }
+    if (((all_in_conflict(s, base, prism.side_0) != 0) || (all_in_conflict(s, base, prism.side_1) != 0)) || (all_in_conflict(s, base, prism.side_2) != 0)) {
+        return COMPLETE;
+    }
+    uint status = clip_by_sides(s, prism);
+    const uint end_index = store_planes(s);
+    if (status == COMPLETE) {
+        status = clip(s, prism.end, TAG_TRIANGLE);
+    }
+    if (status == CUT) {
+        FacetSum facet = (FacetSum){ 0 };
+        status = integrate_facet(s, end_index, center, &facet);
+        if (status == COMPLETE) {
+            add_boundary(facet, prism.end, -prism.sign, sums);
+        }
+    }
+    store_restore(s);
+    store_set_planes(s, base);
+    if ((status == EMPTY) || (status == UNTOUCHED)) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Sets the facets' sums of the half-spaces from `base` on to zero.
+OUTLINE void reset_from(Store *s, uint base) {
+    uint f = base;
+    while (f < store_planes(s)) {
+        store_set_facet(s, f, (FacetSum){ 0 });
+        f += 1;
+    }
+}
+
+// Whether (1) every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
+INLINE uint all_in_conflict(Store *s, uint k, Plane plane) {
+    store_set_plane(s, k, plane);
+    if (store_mark_conflicts(s, k) == SEEN_CONFLICT) {
+        return 1;
+    }
+    return 0;
+}
+
+// The truncated cone over triangle `t` from corner `apex`, in the frame of the site.
+OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone) {
+    const Triangle triangle = store_triangle(s, t);
+    const V3 a = store_domain_point(s, triangle.a);
+    const V3 b = store_domain_point(s, triangle.b);
+    const V3 c = store_domain_point(s, triangle.c);
+    const V3 o = store_corner(s, apex);
+    const int sign = cone_sign(s, t, apex, sub(a, o), sub(b, o), sub(c, o));
+    if (sign == SIGN_UNKNOWN) {
+        return UNCERTAIN;
+    }
+    cone->sign = (real)sign;
+    if (sign == 0) {
+        return COMPLETE;
+    }
+    const V3 site = store_site(s);
+    const V3 o_in = sub(o, site);
+    const V3 a_in = sub(a, site);
+    const V3 b_in = sub(b, site);
+    const V3 c_in = sub(c, site);
+    cone->reach = larger(larger(norm_1(a_in), norm_1(b_in)), larger(norm_1(c_in), norm_1(o_in)));
+    cone->end = triangle_plane(a_in, b_in, c_in, cone->sign);
+    cone->side_0 = side_over_edge(triangle.a, triangle.b, a, b, o, o_in, cone->sign);
+    cone->side_1 = side_over_edge(triangle.b, triangle.c, b, c, o, o_in, cone->sign);
+    cone->side_2 = side_over_edge(triangle.c, triangle.a, c, a, o, o_in, cone->sign);
+    return COMPLETE;
+}
+
+// No cone yet.
+OUTLINE TruncatedCone no_cone() {
+    return (TruncatedCone){ .sign = REAL(0.0), .reach = REAL(0.0), .end = (Plane){ 0 }, .side_0 = (Plane){ 0 }, .side_1 = (Plane){ 0 }, .side_2 = (Plane){ 0 } };
+}
+
+// The prism over triangle `t`, in the frame of the site, on the side that the cone from `apex` keeps: where the surface touches
+// the cell, both then decide alike.
+OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism) {
+    const Triangle triangle = store_triangle(s, t);
+    const V3 a = store_domain_point(s, triangle.a);
+    const V3 b = store_domain_point(s, triangle.b);
+    const V3 c = store_domain_point(s, triangle.c);
+    const V3 o = store_corner(s, apex);
+    const int sign = cone_sign(s, t, apex, sub(a, o), sub(b, o), sub(c, o));
+    if (sign == SIGN_UNKNOWN) {
+        return UNCERTAIN;
+    }
+    prism->sign = REAL(1.0);
+    if (sign < 0) {
+        prism->sign = -REAL(1.0);
+    }
+    const V3 site = store_site(s);
+    const V3 a_in = sub(a, site);
+    const V3 b_in = sub(b, site);
+    const V3 c_in = sub(c, site);
+    prism->end = triangle_plane(a_in, b_in, c_in, prism->sign);
+    const V3 n = scale(prism->sign, prism->end.n);
+    prism->side_0 = wall_over_edge(n, a_in, b_in);
+    prism->side_1 = wall_over_edge(n, b_in, c_in);
+    prism->side_2 = wall_over_edge(n, c_in, a_in);
+    return COMPLETE;
+}
+
+// The side over the edge from vertex `i` at `p` to vertex `j` at `q`, computed with the ends in index order so that both
+// triangles at the edge get the very same plane.
+INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign) {
+    if (i < j) {
+        return cone_side(o_in, sub(p, o), sub(q, p), sign);
+    }
+    return cone_side(o_in, sub(q, o), sub(p, q), -sign);
+}
+
+// The exact sign of `det(a − o, b − o, c − o)`, given the rounded differences.
+OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c) {
+    const real det = v3_dot(a, v3_cross(b, c));
+    const V3 abs_b = magnitudes(b);
+    const V3 abs_c = magnitudes(c);
+    const real permanent = v3_dot(magnitudes(a), v3((abs_b.y * abs_c.z) + (abs_b.z * abs_c.y), (abs_b.z * abs_c.x) + (abs_b.x * abs_c.z), (abs_b.x * abs_c.y) + (abs_b.y * abs_c.x)));
+    const real bound = CONE_SIGN_ERROR * permanent;
+    if (det > bound) {
+        return 1;
+    }
+    if (det < -bound) {
+        return -1;
+    }
+    return store_exact_cone_sign(s, t, apex);
+}
+
+INLINE V3 magnitudes(V3 a) {
+    return v3(fabs(a.x), fabs(a.y), fabs(a.z));
+}
+
+// core/src/cell/restrict.rs
+
+// The integrals of the finished cell over the container: the domain where there is one, weighted by its winding number,
+// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
+// where the cell's voxels hold triangles.
+//
+// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards.
+OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums) {
+    *sums = (CellSums){ 0 };
+    compact_planes(s);
+    const V3 center = reference_point(s);
+    if (store_has_domain(s) == 0) {
+        const uint status = integrate_whole(s, REAL(1.0), center, flags, sums);
+        if ((status == COMPLETE) && ((flags & FACETS) != 0)) {
+            add_box_faces(s, sums);
+        }
+        return status;
+    }
+    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    voxels_of_cell(s, &lo, &hi);
+    const int winding = store_winding(s, lo);
+    if (store_surface_voxels(s, lo, hi) == 0) {
+        // No triangle near: the winding number is the same all over the cell.
+        return integrate_whole(s, (real)winding, center, flags, sums);
+    }
+    if (interior_only != 0) {
+        return BOUNDARY;
+    }
+    // Room for the four planes of a cone, whose indices must not move.
+    if ((store_cap_p(s) - store_planes(s)) < 4) {
+        return P_FULL;
+    }
+    if ((flags & FACETS) != 0) {
+        reset_facets(s);
+    }
+    if (winding != 0) {
+        const uint status = integrate(s, (real)winding, center, REAL(0.0), flags, sums);
+        if (status != COMPLETE) {
+            return status;
+        }
+    }
+    uint touched = 0;
+    const uint cones = add_cones(s, lo, hi, center, flags, &touched, sums);
+    if (cones != COMPLETE) {
+        return cones;
+    }
+    if (touched == 0) {
+        // No piece ends at its triangle: the surface does not meet the cell, and the winding number within is the nearest
+        // integer to the quotient.
+        CellSums whole = (CellSums){ 0 };
+        const uint status = integrate(s, REAL(1.0), center, REAL(0.0), VOLUME_ONLY, &whole);
+        if (status != COMPLETE) {
+            return status;
+        }
+        if (volume_is_above_bound(whole) == 0) {
+            return EMPTY;
+        }
+        const real quotient = sums->volume / whole.volume;
+        int inner = (int)(fabs(quotient) + REAL(0.5));
+        if (quotient < REAL(0.0)) {
+            inner = -inner;
+        }
+        *sums = (CellSums){ 0 };
+        return integrate_whole(s, (real)inner, center, flags, sums);
+    }
+    if (volume_is_above_bound(*sums) == 0) {
+        return EMPTY;
+    }
+    return COMPLETE;
+}
+
+// Whether (1) the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
+OUTLINE uint lies_outside(Store *s) {
+    if (store_has_domain(s) == 0) {
+        return 0;
+    }
+    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    voxels_of_cell(s, &lo, &hi);
+    if ((store_surface_voxels(s, lo, hi) == 0) && (store_winding(s, lo) == 0)) {
+        return 1;
+    }
+    return 0;
+}
+
+// The integrals of the whole cell, times `weight`.
+OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums) {
+    if (weight == REAL(0.0)) {
+        return EMPTY;
+    }
+    if ((flags & FACETS) != 0) {
+        reset_facets(s);
+    }
+    const uint status = integrate(s, weight, center, REAL(0.0), flags, sums);
+    if (status != COMPLETE) {
+        return status;
+    }
+    if (volume_is_above_bound(*sums) == 0) {
+        return EMPTY;
+    }
+    return COMPLETE;
+}
+
+// The faces of the initial box are the boundary where there is no domain.
+OUTLINE void add_box_faces(Store *s, CellSums *sums) {
+    uint f = 0;
+    while (f < store_planes(s)) {
+        if (store_tag(s, f) == TAG_BOX) {
+            add_boundary(store_facet(s, f), store_plane(s, f), REAL(1.0), sums);
+        }
+        f += 1;
+    }
+}
+
+// The voxels that the bounding box of the cell meets, rounded outward.
+OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi) {
+    V3 low = store_position(s, 0);
+    V3 high = low;
+    real radius = store_radius(s, 0);
+    uint v = 1;
+    while (v < store_vertices(s)) {
+        const V3 p = store_position(s, v);
+        low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
+        high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
+        radius = larger(radius, store_radius(s, v));
+        v += 1;
+    }
+    const V3 site = store_site(s);
+    // The vertices' error, and the rounding of moving them into the diagram's frame.
+    const real margin = radius + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(site) + larger(norm_max(low), norm_max(high))));
+    const V3 outward = v3(margin, margin, margin);
+    *lo = store_voxel_of(s, sub(add(site, low), outward));
+    *hi = store_voxel_of(s, add(add(site, high), outward));
+}
+
+// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
+// where a piece ends at its triangle.
+OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums) {
+    store_save(s);
+    uint k = lo.k;
+    while (k <= hi.k) {
+        uint j = lo.j;
+        while (j <= hi.j) {
+            uint i = lo.i;
+            while (i <= hi.i) {
+                const Voxel voxel = (Voxel){ .i = i, .j = j, .k = k };
+                const uint end = store_list_end(s, voxel);
+                uint entry = store_list_begin(s, voxel);
+                while (entry < end) {
+                    const uint t = store_list_entry(s, entry);
+                    if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel) != 0) {
+                        const uint status = add_cone(s, t, lo, center, flags, touched, sums);
+                        if (status != COMPLETE) {
+                            return status;
+                        }
+                        if ((flags & FACETS) != 0) {
+                            const uint surface = add_surface(s, t, lo, center, sums);
+                            if (surface != COMPLETE) {
+                                return surface;
+                            }
+                        }
+                    }
+                    entry += 1;
+                }
+                i += 1;
+            }
+            j += 1;
+        }
+        k += 1;
+    }
+    return COMPLETE;
+}
+
+// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
+INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
+    uint i = lowest.i;
+    uint j = lowest.j;
+    uint k = lowest.k;
+    if (lo.i > i) {
+        i = lo.i;
+    }
+    if (lo.j > j) {
+        j = lo.j;
+    }
+    if (lo.k > k) {
+        k = lo.k;
+    }
+    if (((i == voxel.i) && (j == voxel.j)) && (k == voxel.k)) {
+        return 1;
+    }
+    return 0;
+}

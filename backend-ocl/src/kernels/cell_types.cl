@@ -1,0 +1,279 @@
+// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
+
+// core/src/cell/vector.rs
+
+// Half the distance from 1 to the next number: the largest relative error of one rounding.
+#define UNIT_ROUNDOFF ((real)(REAL(1.1102230246251565e-16)))
+
+// A vector or point.
+typedef struct {
+    // First component.
+    real x;
+    // Second component.
+    real y;
+    // Third component.
+    real z;
+} V3;
+
+// core/src/cell/status.rs
+
+// The cell is finished.
+#define COMPLETE ((uint)(0))
+
+// Nothing of the cell is left.
+#define EMPTY ((uint)(1))
+
+// The plane cut the cell.
+#define CUT ((uint)(2))
+
+// The plane leaves the cell as it is.
+#define UNTOUCHED ((uint)(3))
+
+// No room for another half-space, though unused ones were dropped.
+#define P_FULL ((uint)(4))
+
+// No room for another vertex.
+#define V_FULL ((uint)(5))
+
+// A sign or position could not be decided with the arithmetic at hand.
+#define UNCERTAIN ((uint)(6))
+
+// The cell meets the domain's surface, and the caller asked to leave such cells for later.
+#define BOUNDARY ((uint)(7))
+
+// Mark of a vertex that a plane keeps.
+#define MARK_KEEP ((uint)(0))
+
+// Mark of a vertex in conflict: strictly outside the half-space.
+#define MARK_CONFLICT ((uint)(1))
+
+// Mark of a vertex whose sign floating point cannot decide.
+#define MARK_UNCERTAIN ((uint)(2))
+
+// Some vertex is in conflict (summary of the marks).
+#define SEEN_CONFLICT ((uint)(1))
+
+// Some vertex is uncertain (summary of the marks).
+#define SEEN_UNCERTAIN ((uint)(2))
+
+// Some vertex is kept (summary of the marks).
+#define SEEN_KEEP ((uint)(4))
+
+// Sign not decided.
+#define SIGN_UNKNOWN ((int)(2))
+
+// First of the tags that name no site: a face of the initial box.
+#define TAG_BOX ((uint)(0xFFFFFFF0))
+
+// Tag of the plane of a triangle of the domain.
+#define TAG_TRIANGLE ((uint)(0xFFFFFFF1))
+
+// Tag of a side of a truncated cone.
+#define TAG_CONE ((uint)(0xFFFFFFF2))
+
+// core/src/cell/plane.rs
+
+// The half-space that keeps `n·x + d ≥ 0`; `n` need not be unit.
+typedef struct {
+    // Inward normal.
+    V3 n;
+    // Offset.
+    real d;
+} Plane;
+
+// core/src/cell/vertex.rs
+
+// A vertex as the three half-spaces it lies on, clockwise from outside: `det(n_a, n_b, n_c) > 0` exactly.
+typedef struct {
+    // First plane.
+    uint a;
+    // Second plane.
+    uint b;
+    // Third plane.
+    uint c;
+} Triplet;
+
+// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
+// position is computed exactly. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
+#define NEARLY_DEPENDENT ((real)(REAL(2.3841857910156e-7)))
+
+// Below this share the position is refined once: Cramer's rule alone is off by the inverse of the share.
+#define WORTH_REFINING ((real)(REAL(0.001953125)))
+
+// Roundings in a position and in the evaluation of a plane there, in units of `UNIT_ROUNDOFF` and of the sum that
+// `find_vertex` forms: at most 8 for Cramer's rule (5 in the numerator, 5 in the determinant weighted by `|v|`, 2 for
+// the quotient), and 4 for `n·v + d`; more than doubled for the rounding of the bound itself.
+#define ROUNDINGS_OF_PLACE ((real)(REAL(32.0)))
+
+// The same for a position that is itself within a rounding: 1 for each component, 4 for `n·v + d`, and the bound's.
+#define ROUNDINGS_OF_EXACT ((real)(REAL(8.0)))
+
+// core/src/cell/store.rs
+
+// A triangle of the domain: the indices of its vertices, outward oriented.
+typedef struct {
+    // First vertex.
+    uint a;
+    // Second vertex.
+    uint b;
+    // Third vertex.
+    uint c;
+} Triangle;
+
+// A voxel of the domain's grid.
+typedef struct {
+    // Index along x.
+    uint i;
+    // Index along y.
+    uint j;
+    // Index along z.
+    uint k;
+} Voxel;
+
+typedef struct {
+    Triplet triplet;
+    V3 position;
+    real radius;
+    uint mark;
+} PlainVertex;
+
+// core/src/cell/wide.rs
+
+// An unevaluated sum `hi + lo`, `|lo| ≤ u|hi|`.
+typedef struct {
+    // The sum, rounded.
+    real hi;
+    // What is left of it.
+    real lo;
+} Wide;
+
+// Dekker's constant 2²⁷ + 1: halves of 26 bits.
+#define SPLITTER ((real)(REAL(134217729.0)))
+
+// Error of the whole determinant in units of its sum of magnitudes: each minor, product and sum errs by at most 2⁻¹⁰²
+// of the magnitudes it adds; a term passes through two minors, one product and five sums.
+#define WIDE_ERROR ((real)(REAL(1.5777218104420236e-30)))
+
+// Below this the error terms of the products could underflow.
+#define WIDE_SMALLEST ((real)(REAL(1e-260)))
+
+// core/src/cell/expansion.rs
+
+// A number as the sum of its terms: nonoverlapping, none of them zero, in order of magnitude. A 4×4 determinant adds at most
+// 192 numbers, and each adds at most one term.
+typedef struct {
+    real terms[192];
+    uint count;
+} Expansion;
+
+// Inputs smaller than this (but for zero) are left to integers: below it the last bit of a product of four, 4·(52 + 200) bits
+// down, could underflow.
+#define EXPANSION_SMALLEST ((real)(REAL(1e-60)))
+
+// core/src/cell/clip.rs
+
+// core/src/cell/security.rs
+
+// Relative room for the roundings of the tests below: at most ten operations each.
+#define SAFE ((real)(REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF)))
+
+// core/src/cell/integrate.rs
+
+// Flags of [`integrate`](super::integrate_cell): volume and first moment alone.
+#define VOLUME_ONLY ((uint)(0))
+
+// Also every half-space's facet.
+#define FACETS ((uint)(1))
+
+// Also second moments.
+#define SECOND_MOMENTS ((uint)(2))
+
+// Sums over one facet.
+typedef struct {
+    // Area.
+    real area;
+    // ∫ x dA, in the frame of the site.
+    V3 moment;
+    // What rounding may have added to the area, at most.
+    real rounding;
+} FacetSum;
+
+// Sums over one restricted cell, in the frame of its site.
+typedef struct {
+    // Volume.
+    real volume;
+    // ∫ x dx.
+    V3 first;
+    // ∫ x², y², z² dx.
+    V3 second_diagonal;
+    // ∫ xy, xz, yz dx.
+    V3 second_mixed;
+    // What rounding may have added to the volume, at most.
+    real rounding;
+    // Magnitudes of the volumes of the pieces that were added and subtracted.
+    real size;
+    // Area of the boundary within the cell.
+    real boundary_area;
+    // ∫ x dA over the boundary.
+    V3 boundary_moment;
+    // ∫ n dA over the boundary, `n` outward.
+    V3 boundary_vector;
+    // ∫ n·x dA over the boundary.
+    real boundary_flux;
+} CellSums;
+
+// Roundings that one signed volume or area has gone through, at most: about ten each for the feet H and I and the
+// vertex, eight for the determinant, the rest for the sum of up to some hundred terms of mixed sign.
+#define ROUNDINGS ((real)(REAL(64.0)))
+
+// Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
+// correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
+// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
+#define ROUNDINGS_ACROSS ((real)(REAL(8.0)))
+
+// A volume that is positive counts as nothing only below so many roundings of the pieces that it is made of: the bound of a thin
+// slab beside large pieces is far above what rounding does, and dropping the slab would be seen in the sum over all cells.
+#define ROUNDINGS_OF_NOTHING ((real)(REAL(16.0)))
+
+// Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly: the
+// square of the vertices' bound.
+#define NEARLY_PARALLEL ((real)(REAL(1e-20)))
+
+// One plane as the integrals see it: moved to the reference point, with its foot.
+typedef struct {
+    uint index;
+    V3 n;
+    real d;
+    real square;
+    // H = −d n/|n|².
+    V3 foot;
+} Side;
+
+// A vertex as the integrals see it.
+typedef struct {
+    // Relative to the reference point.
+    V3 position;
+    // ‖·‖₁ of its way from the site, and the reach of its planes.
+    real distance;
+    // Its error radius.
+    real radius;
+} Corner;
+
+// core/src/cell/cone.rs
+
+// A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
+typedef struct {
+    // Sign of the triangle as seen from the apex: +1 where it turns its back, so that what lies behind is outside.
+    real sign;
+    // ‖·‖₁ of the way from the site to the farthest corner: what the planes' rounding is relative to.
+    real reach;
+    Plane end;
+    Plane side_0;
+    Plane side_1;
+    Plane side_2;
+} TruncatedCone;
+
+// The filter's bound for the determinant of three rounded differences: (7 + 56u)u times its permanent (Shewchuk 1997).
+#define CONE_SIGN_ERROR ((real)((REAL(7.0) + (REAL(56.0) * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF))
+
+// core/src/cell/restrict.rs

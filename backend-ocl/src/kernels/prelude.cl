@@ -1,0 +1,13 @@
+// What the generated text stands on. Built with -D CAP_P, CAP_V (room of one cell) and WITH_FACETS.
+
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+// Every sum and product is rounded by itself, as on the host: the same bits on every device.
+#pragma OPENCL FP_CONTRACT OFF
+
+typedef double real;
+typedef double4 real4;
+#define REAL(literal) literal
+
+// What is inlined in Rust, and what had better be one piece of code: it is called from several places, and large.
+#define INLINE static inline
+#define OUTLINE static __attribute__((noinline))

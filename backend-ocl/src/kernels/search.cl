@@ -1,0 +1,367 @@
+// The search for the sites that cut a cell. First the voxels around the cell's own, in the order of a table of offsets sorted by distance;
+// then, where those do not prove the cell complete, the pyramid from its root, and the trees of crowded voxels.
+//
+// The next candidate is found by one function and met by one call of `clip`, so that the work-items of a group clip together.
+
+// Voxels along each axis to each side that the table of offsets holds; `SHELLS` entries (search.rs makes it).
+#define SHELL_RADIUS 4u
+#define SHELLS 729u
+
+// A voxel with more sites than this has a tree (site_grid.rs).
+#define CROWDED 64u
+
+// Sites in a voxel from which on the sharp test costs less than what it saves.
+#define WORTH_SHARP_TEST 8u
+
+// Where the search stands.
+#define IN_SHELLS 0u
+#define IN_PYRAMID 1u
+#define IN_TREE 2u
+#define AT_END 3u
+
+// What `next_site` found.
+#define FOUND_SITE 0u
+#define FOUND_NONE 1u
+#define FOUND_OUTSIDE 2u
+
+typedef struct {
+    uint site;
+    V3 position;
+    real weight;
+    // Upper bound of the distance to the farthest vertex.
+    real farthest;
+    uint uncertified;
+    uint visited;
+    uint where;
+    // Next entry of the table of offsets.
+    uint entry;
+    // Sites at hand.
+    uint next;
+    uint end;
+    // Whether a crowded voxel was left for later.
+    uint deferred;
+    uint center[3];
+    uint level;
+    uint node[3];
+    // Nodes of a tree still to be searched: at most its depth.
+    uint depth;
+    uint stack[40];
+} Search;
+
+// A site that may cut the cell.
+typedef struct {
+    uint site;
+    V3 difference;
+    real weight;
+} Candidate;
+
+INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
+
+// Whether sites of weight at most `largest`, at squared distance at least `square`, can be left out: by the quick test, or because
+// `enlarged` says so.
+INLINE uint out_of_reach(Store *s, Search *search, real square, real largest) {
+    const real reach = security_reach(search->farthest, largest - search->weight);
+    if (square >= (reach * reach)) {
+        return 1;
+    }
+    const real enlarged = s->world.params->enlarged;
+    if (enlarged > REAL(0.0)) {
+        const real left_out = enlarged * security_reach(search->farthest, REAL(0.0));
+        if (square >= (left_out * left_out)) {
+            search->uncertified = 1;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+// How far x is outside [lo, hi].
+INLINE real gap_to(real x, real lo, real hi) { return fmax(fmax(lo - x, x - hi), REAL(0.0)); }
+
+// Whether no site in the box can cut the cell: the quick test, then, if asked for, the sharp one.
+INLINE uint can_skip(Store *s, Search *search, V3 lo, V3 hi, real largest, uint sharp) {
+    if (largest == -INFINITY) {
+        return 1;
+    }
+    const V3 p = search->position;
+    const V3 gap = (V3){ .x = gap_to(p.x, lo.x, hi.x), .y = gap_to(p.y, lo.y, hi.y), .z = gap_to(p.z, lo.z, hi.z) };
+    if (out_of_reach(s, search, square_of(gap), largest)) {
+        return 1;
+    }
+    return (sharp != 0) && (box_cannot_cut(s, sub(lo, p), sub(hi, p), largest - search->weight) != 0);
+}
+
+// Nodes along an axis at a level.
+INLINE uint level_dim(Store *s, uint axis, uint level) {
+    return (s->world.params->grid_dims[axis] + ((1u << level) - 1u)) >> level;
+}
+
+INLINE uint node_index(Store *s, uint level, uint i, uint j, uint k) {
+    return i + (level_dim(s, 0, level) * (j + (level_dim(s, 1, level) * k)));
+}
+
+// Corner of a node, padded outward by what rounding can misplace a site by (`SiteGrid::node_box`).
+INLINE real node_side(Store *s, uint axis, uint i, real pad) {
+    return (s->world.params->grid_lo[axis] + ((real)i * s->world.params->grid_width)) + pad;
+}
+
+INLINE uint can_skip_node(Store *s, Search *search, uint level, uint i, uint j, uint k, uint sharp) {
+    __global const Params *params = s->world.params;
+    const real largest = s->world.weights[params->level_begin[level] + node_index(s, level, i, j, k)];
+    const V3 lo = (V3){ .x = node_side(s, 0, i << level, -params->grid_pad[0]),
+                        .y = node_side(s, 1, j << level, -params->grid_pad[1]),
+                        .z = node_side(s, 2, k << level, -params->grid_pad[2]) };
+    const V3 hi = (V3){ .x = node_side(s, 0, (i + 1u) << level, params->grid_pad[0]),
+                        .y = node_side(s, 1, (j + 1u) << level, params->grid_pad[1]),
+                        .z = node_side(s, 2, (k + 1u) << level, params->grid_pad[2]) };
+    return can_skip(s, search, lo, hi, largest, sharp);
+}
+
+// The octant of a node's children in which the cell's site is, or nearest.
+INLINE uint near_octant(Store *s, Search *search, uint level, uint i, uint j, uint k) {
+    const uint x = search->position.x > node_side(s, 0, ((i << 1) + 1u) << (level - 1u), REAL(0.0)) ? 1u : 0u;
+    const uint y = search->position.y > node_side(s, 1, ((j << 1) + 1u) << (level - 1u), REAL(0.0)) ? 2u : 0u;
+    const uint z = search->position.z > node_side(s, 2, ((k << 1) + 1u) << (level - 1u), REAL(0.0)) ? 4u : 0u;
+    return (x | y) | z;
+}
+
+// Goes to the child with number `turn` in the order of nearness, or the next that is inside the grid; 0 where there is none.
+INLINE uint enter_child(Store *s, Search *search, uint level, uint i, uint j, uint k, uint turn) {
+    const uint near = near_octant(s, search, level, i, j, k);
+    for (uint t = turn; t < 8u; t++) {
+        const uint octant = t ^ near;
+        const uint ci = (i << 1) + (octant & 1u);
+        const uint cj = (j << 1) + ((octant >> 1) & 1u);
+        const uint ck = (k << 1) + (octant >> 2);
+        if ((ci < level_dim(s, 0, level - 1u)) && (cj < level_dim(s, 1, level - 1u)) && (ck < level_dim(s, 2, level - 1u))) {
+            search->level = level - 1u;
+            search->node[0] = ci;
+            search->node[1] = cj;
+            search->node[2] = ck;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+// Goes to the next node that is not below the present one.
+OUTLINE void leave_node(Store *s, Search *search) {
+    while (search->level < s->world.params->top_level) {
+        const uint octant = (search->node[0] & 1u) | ((search->node[1] & 1u) << 1) | ((search->node[2] & 1u) << 2);
+        const uint level = search->level + 1u;
+        const uint i = search->node[0] >> 1;
+        const uint j = search->node[1] >> 1;
+        const uint k = search->node[2] >> 1;
+        const uint turn = octant ^ near_octant(s, search, level, i, j, k);
+        if (enter_child(s, search, level, i, j, k, turn + 1u)) {
+            return;
+        }
+        search->level = level;
+        search->node[0] = i;
+        search->node[1] = j;
+        search->node[2] = k;
+    }
+    search->where = AT_END;
+}
+
+INLINE uint distance_1(uint a, uint b) { return a > b ? a - b : b - a; }
+
+// One step through the pyramid.
+OUTLINE void step_in_pyramid(Store *s, Search *search) {
+    const uint level = search->level;
+    const uint i = search->node[0];
+    const uint j = search->node[1];
+    const uint k = search->node[2];
+    if (level > 0u) {
+        if (can_skip_node(s, search, level, i, j, k, 1) || !enter_child(s, search, level, i, j, k, 0)) {
+            leave_node(s, search);
+        }
+        return;
+    }
+    const uint voxel = node_index(s, 0, i, j, k);
+    const uint begin = s->world.voxels[voxel];
+    const uint end = s->world.voxels[voxel + 1u];
+    const uint is_crowded = (s->world.params->has_clusters != 0) && ((end - begin) > CROWDED);
+    const uint in_shells = (distance_1(i, search->center[0]) <= SHELL_RADIUS)
+        && (distance_1(j, search->center[1]) <= SHELL_RADIUS) && (distance_1(k, search->center[2]) <= SHELL_RADIUS);
+    if ((is_crowded || !in_shells) && !can_skip_node(s, search, 0, i, j, k, (end - begin) >= WORTH_SHARP_TEST)) {
+        if (is_crowded) {
+            search->stack[0] = s->world.roots[voxel];
+            search->depth = 1;
+        } else {
+            search->next = begin;
+            search->end = end;
+        }
+    }
+    leave_node(s, search);
+    if (search->depth > 0u) {
+        // The pyramid goes on where `level` and `node` say, once the tree is done.
+        search->where = (search->where == AT_END) ? (IN_TREE | 4u) : IN_TREE;
+    }
+}
+
+// One step through the tree of a crowded voxel.
+OUTLINE void step_in_tree(Store *s, Search *search) {
+    if (search->depth == 0u) {
+        search->where = (search->where & 4u) ? AT_END : IN_PYRAMID;
+        return;
+    }
+    search->depth--;
+    const Cluster node = s->world.clusters[search->stack[search->depth]];
+    const V3 lo = (V3){ .x = node.lo[0], .y = node.lo[1], .z = node.lo[2] };
+    const V3 hi = (V3){ .x = node.hi[0], .y = node.hi[1], .z = node.hi[2] };
+    if (can_skip(s, search, lo, hi, node.largest_weight, 1)) {
+        return;
+    }
+    if (node.children == 0u) {
+        search->next = node.begin;
+        search->end = node.end;
+        return;
+    }
+    // The nearer child is taken first: the one whose box is at the smaller power distance.
+    const V3 p = search->position;
+    real power[2];
+    for (uint c = 0; c < 2u; c++) {
+        const Cluster child = s->world.clusters[node.children + c];
+        const V3 gap = (V3){ .x = gap_to(p.x, child.lo[0], child.hi[0]), .y = gap_to(p.y, child.lo[1], child.hi[1]),
+                             .z = gap_to(p.z, child.lo[2], child.hi[2]) };
+        power[c] = square_of(gap) - child.largest_weight;
+    }
+    const uint near = (power[1] < power[0]) ? 1u : 0u;
+    search->stack[search->depth] = node.children + (1u - near);
+    search->stack[search->depth + 1u] = node.children + near;
+    search->depth += 2u;
+}
+
+// One voxel of the table of offsets. Returns 1 where the cell is known to lie outside the domain.
+INLINE uint step_in_shells(Store *s, Search *search, __global const uchar4 *shells) {
+    __global const Params *params = s->world.params;
+    const uint entry = search->entry;
+    // Cells outside the domain need not be complete to be known empty.
+    if (((entry == 7u) || (entry == 19u)) || (entry == 27u)) {
+        if (lies_outside(s) != 0) {
+            return 1;
+        }
+    }
+    if (entry == SHELLS) {
+        search->where = IN_PYRAMID;
+        return 0;
+    }
+    search->entry = entry + 1u;
+    const uchar4 shell = shells[entry];
+    // All later voxels are at least this far away.
+    const real least = (sqrt((real)shell.w) * params->grid_width) * (REAL(1.0) - (REAL(8.0) * UNIT_ROUNDOFF))
+        - REAL(4.0) * ((params->grid_pad[0] + params->grid_pad[1]) + params->grid_pad[2]);
+    if ((least > REAL(0.0)) && out_of_reach(s, search, least * least, params->largest_weight)) {
+        search->where = search->deferred ? IN_PYRAMID : AT_END;
+        return 0;
+    }
+    const uint i = search->center[0] + shell.x - SHELL_RADIUS;
+    const uint j = search->center[1] + shell.y - SHELL_RADIUS;
+    const uint k = search->center[2] + shell.z - SHELL_RADIUS;
+    // Below zero is beyond the end, too.
+    if (((i >= params->grid_dims[0]) || (j >= params->grid_dims[1])) || (k >= params->grid_dims[2])) {
+        return 0;
+    }
+    const uint voxel = node_index(s, 0, i, j, k);
+    const uint begin = s->world.voxels[voxel];
+    const uint end = s->world.voxels[voxel + 1u];
+    if ((begin == end) || can_skip_node(s, search, 0, i, j, k, 0)) {
+        return 0;
+    }
+    if ((params->has_clusters != 0) && ((end - begin) > CROWDED)) {
+        search->deferred = 1;
+        return 0;
+    }
+    search->next = begin;
+    search->end = end;
+    return 0;
+}
+
+// The next site that may cut the cell.
+INLINE uint next_site(Store *s, Search *search, __global const uchar4 *shells, Candidate *candidate) {
+    for (;;) {
+        while (search->next < search->end) {
+            const uint site = search->next;
+            search->next = site + 1u;
+            if (site == search->site) {
+                continue;
+            }
+            const real4 other = s->world.sites[site];
+            const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
+                               .z = other.z - search->position.z };
+            if (out_of_reach(s, search, square_of(d), other.w)) {
+                continue;
+            }
+            *candidate = (Candidate){ .site = site, .difference = d, .weight = other.w };
+            return FOUND_SITE;
+        }
+        if (search->where == IN_SHELLS) {
+            if (step_in_shells(s, search, shells)) {
+                return FOUND_OUTSIDE;
+            }
+        } else if (search->where == IN_PYRAMID) {
+            step_in_pyramid(s, search);
+        } else if (search->where == AT_END) {
+            return FOUND_NONE;
+        } else {
+            step_in_tree(s, search);
+        }
+    }
+}
+
+INLINE uint voxel_along(Store *s, uint axis, real x) {
+    const real q = (x - s->world.params->grid_lo[axis]) / s->world.params->grid_width;
+    const uint last = s->world.params->grid_dims[axis] - 1u;
+    return (q >= (real)last) ? last : ((q > REAL(0.0)) ? (uint)q : 0u);
+}
+
+// Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
+INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shells, uint site) {
+    __global const Params *params = s->world.params;
+    const real4 own = s->world.sites[site];
+    search->site = site;
+    search->position = (V3){ .x = own.x, .y = own.y, .z = own.z };
+    search->weight = own.w;
+    search->uncertified = 0;
+    search->visited = 0;
+    search->where = IN_SHELLS;
+    search->entry = 0;
+    search->next = 0;
+    search->end = 0;
+    search->deferred = 0;
+    search->depth = 0;
+    search->level = params->top_level;
+    for (uint axis = 0; axis < 3u; axis++) {
+        search->node[axis] = 0;
+    }
+    search->center[0] = voxel_along(s, 0, own.x);
+    search->center[1] = voxel_along(s, 1, own.y);
+    search->center[2] = voxel_along(s, 2, own.z);
+    s->site = search->position;
+    s->exact = 0;
+    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
+    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
+    uint status = begin(s, lo, hi);
+    if (status != COMPLETE) {
+        return status;
+    }
+    search->farthest = farthest_vertex(s);
+    for (;;) {
+        Candidate candidate;
+        const uint found = next_site(s, search, shells, &candidate);
+        if (found == FOUND_NONE) {
+            return COMPLETE;
+        }
+        if (found == FOUND_OUTSIDE) {
+            return EMPTY;
+        }
+        search->visited++;
+        status = clip(s, bisector(candidate.difference, search->weight - candidate.weight), candidate.site);
+        if (status == CUT) {
+            search->farthest = farthest_vertex(s);
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+}

@@ -1,0 +1,281 @@
+// Where a cell lives on a device: private memory of its work-item, which GPUs interleave between work-items. And the view of the
+// sites and of the domain, in global memory.
+
+// Scalars of an evaluation. The host's struct `Params` (params.rs) is laid out alike; `probe` checks it.
+typedef struct {
+    // Initial cell: the box, or the domain's grid.
+    real box_lo[3];
+    real box_hi[3];
+    // Site grid: minimum corner, width of the voxels, what rounding can misplace a site by, largest weight of all.
+    real grid_lo[3];
+    real grid_width;
+    real grid_pad[3];
+    real largest_weight;
+    // Domain grid: minimum corner and width of the voxels.
+    real domain_lo[3];
+    real domain_width;
+    // 1 + ε of the paper's security radius, or 0 for a proof.
+    real enlarged;
+    uint grid_dims[3];
+    uint top_level;
+    uint level_begin[32];
+    uint domain_dims[3];
+    uint has_domain;
+    uint has_clusters;
+    // What to compute: the flags of `integrate_cell`.
+    uint flags;
+    uint unused;
+    // Room for facet records.
+    uint facet_room;
+} Params;
+
+// A node of the tree inside a crowded voxel (`ClusterNode`).
+typedef struct {
+    real lo[3];
+    real hi[3];
+    real largest_weight;
+    uint begin;
+    uint end;
+    uint children;
+    uint unused;
+} Cluster;
+
+typedef struct {
+    __global const Params *params;
+    // Sorted sites: x, y, z, weight.
+    __global const real4 *sites;
+    // Where the sites of each voxel begin; one more at the end.
+    __global const uint *voxels;
+    // Largest weight of each node, level after level.
+    __global const real *weights;
+    __global const Cluster *clusters;
+    __global const uint *roots;
+    __global const real *domain_vertices;
+    __global const uint *triangles;
+    __global const uint *lowest_voxels;
+    __global const uint *list_offsets;
+    __global const uint *list_entries;
+    __global const int *windings;
+    __global const uint *surface_table;
+} World;
+
+#define WORDS ((CAP_V + 31) / 32)
+
+typedef struct {
+    World world;
+    V3 site;
+    uint planes;
+    uint vertices;
+    uint saved;
+    uint exact;
+    Plane plane[CAP_P];
+    uint tag[CAP_P];
+    uint link[CAP_P];
+#if WITH_FACETS
+    FacetSum facet[CAP_P];
+#endif
+    real x[CAP_V];
+    real y[CAP_V];
+    real z[CAP_V];
+    real radius[CAP_V];
+    // Three indices of ten bits.
+    uint triplet[CAP_V];
+    uint conflict[WORDS];
+    uint uncertain[WORDS];
+    real saved_x[CAP_V];
+    real saved_y[CAP_V];
+    real saved_z[CAP_V];
+    real saved_radius[CAP_V];
+    uint saved_triplet[CAP_V];
+} Store;
+
+INLINE uint store_cap_p(Store *s) { return CAP_P; }
+INLINE uint store_cap_v(Store *s) { return CAP_V; }
+INLINE uint store_planes(Store *s) { return s->planes; }
+INLINE void store_set_planes(Store *s, uint count) { s->planes = count; }
+INLINE uint store_vertices(Store *s) { return s->vertices; }
+INLINE void store_set_vertices(Store *s, uint count) { s->vertices = count; }
+INLINE Plane store_plane(Store *s, uint f) { return s->plane[f]; }
+INLINE void store_set_plane(Store *s, uint f, Plane plane) { s->plane[f] = plane; }
+INLINE uint store_tag(Store *s, uint f) { return s->tag[f]; }
+INLINE void store_set_tag(Store *s, uint f, uint tag) { s->tag[f] = tag; }
+INLINE uint store_link(Store *s, uint f) { return s->link[f]; }
+INLINE void store_set_link(Store *s, uint f, uint link) { s->link[f] = link; }
+
+INLINE Triplet store_triplet(Store *s, uint v) {
+    const uint t = s->triplet[v];
+    return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = t >> 20 };
+}
+INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = t.a | (t.b << 10) | (t.c << 20); }
+INLINE V3 store_position(Store *s, uint v) { return (V3){ .x = s->x[v], .y = s->y[v], .z = s->z[v] }; }
+INLINE real store_radius(Store *s, uint v) { return s->radius[v]; }
+INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
+    s->x[v] = position.x;
+    s->y[v] = position.y;
+    s->z[v] = position.z;
+    s->radius[v] = radius;
+}
+INLINE uint store_mark(Store *s, uint v) {
+    const uint bit = 1u << (v & 31u);
+    if (s->conflict[v >> 5] & bit) {
+        return MARK_CONFLICT;
+    }
+    return (s->uncertain[v >> 5] & bit) ? MARK_UNCERTAIN : MARK_KEEP;
+}
+INLINE void store_set_mark(Store *s, uint v, uint mark) {
+    const uint bit = 1u << (v & 31u);
+    const uint conflict = s->conflict[v >> 5] & ~bit;
+    const uint uncertain = s->uncertain[v >> 5] & ~bit;
+    s->conflict[v >> 5] = (mark == MARK_CONFLICT) ? (conflict | bit) : conflict;
+    s->uncertain[v >> 5] = (mark == MARK_UNCERTAIN) ? (uncertain | bit) : uncertain;
+}
+
+INLINE void store_save(Store *s) {
+    for (uint v = 0; v < s->vertices; v++) {
+        s->saved_x[v] = s->x[v];
+        s->saved_y[v] = s->y[v];
+        s->saved_z[v] = s->z[v];
+        s->saved_radius[v] = s->radius[v];
+        s->saved_triplet[v] = s->triplet[v];
+    }
+    s->saved = s->vertices;
+}
+INLINE void store_restore(Store *s) {
+    for (uint v = 0; v < s->saved; v++) {
+        s->x[v] = s->saved_x[v];
+        s->y[v] = s->saved_y[v];
+        s->z[v] = s->saved_z[v];
+        s->radius[v] = s->saved_radius[v];
+        s->triplet[v] = s->saved_triplet[v];
+    }
+    s->vertices = s->saved;
+}
+
+#if WITH_FACETS
+INLINE FacetSum store_facet(Store *s, uint f) { return s->facet[f]; }
+INLINE void store_set_facet(Store *s, uint f, FacetSum sum) { s->facet[f] = sum; }
+#else
+INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ 0 }; }
+INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
+#endif
+
+INLINE V3 store_site(Store *s) { return s->site; }
+
+INLINE uint store_next_conflict(Store *s, uint from, uint end) {
+    if (from >= end) {
+        return end;
+    }
+    uint word = from >> 5;
+    uint bits = (s->conflict[word] >> (from & 31u)) << (from & 31u);
+    while (bits == 0) {
+        word++;
+        if (word * 32u >= end) {
+            return end;
+        }
+        bits = s->conflict[word];
+    }
+    return min(word * 32u + (31u - clz(bits & -bits)), end);
+}
+
+INLINE uint store_mark_conflicts(Store *s, uint k) {
+    const Plane plane = s->plane[k];
+    const real size = (fabs(plane.n.x) + fabs(plane.n.y)) + fabs(plane.n.z);
+    const real slack = (REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane.d);
+    uint any_conflict = 0;
+    uint any_uncertain = 0;
+    uint any_keep = 0;
+    for (uint first = 0; first < s->vertices; first += 32u) {
+        const uint here = min(s->vertices - first, 32u);
+        uint conflict = 0;
+        uint keep = 0;
+        for (uint b = 0; b < here; b++) {
+            const uint v = first + b;
+            const real value = (((plane.n.x * s->x[v]) + (plane.n.y * s->y[v])) + (plane.n.z * s->z[v])) + plane.d;
+            const real bound = (size * s->radius[v]) + slack;
+            conflict |= ((value < -bound) ? 1u : 0u) << b;
+            keep |= ((value > bound) ? 1u : 0u) << b;
+        }
+        const uint uncertain = ~(conflict | keep) & (0xFFFFFFFFu >> (32u - here));
+        s->conflict[first >> 5] = conflict;
+        s->uncertain[first >> 5] = uncertain;
+        any_conflict |= conflict;
+        any_uncertain |= uncertain;
+        any_keep |= keep;
+    }
+    return (any_conflict ? SEEN_CONFLICT : 0u) | (any_uncertain ? SEEN_UNCERTAIN : 0u) | (any_keep ? SEEN_KEEP : 0u);
+}
+
+INLINE V3 store_farthest(Store *s) {
+    real square = REAL(0.0);
+    real radius = REAL(0.0);
+    for (uint v = 0; v < s->vertices; v++) {
+        square = fmax(square, ((s->x[v] * s->x[v]) + (s->y[v] * s->y[v])) + (s->z[v] * s->z[v]));
+        radius = fmax(radius, s->radius[v]);
+    }
+    return (V3){ .x = square, .y = radius, .z = REAL(0.0) };
+}
+
+// What only arbitrary precision can decide is the host's: the cell is handed back.
+INLINE void store_note_exact(Store *s) { s->exact = 1; }
+INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; }
+INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
+INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }
+INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
+
+INLINE uint store_has_domain(Store *s) { return s->world.params->has_domain; }
+
+// Lattice coordinates are exact, as on the host (domain_grid/lattice.rs).
+INLINE real domain_coordinate(Store *s, uint axis, uint i) {
+    return s->world.params->domain_lo[axis] + ((real)i * s->world.params->domain_width);
+}
+INLINE uint domain_voxel(Store *s, uint axis, real x) {
+    const uint last = s->world.params->domain_dims[axis] - 1u;
+    const real q = (x - s->world.params->domain_lo[axis]) / s->world.params->domain_width;
+    if (!(q >= REAL(1.0))) {
+        return 0;
+    }
+    const uint i = (q >= (real)last) ? last : (uint)q;
+    return (domain_coordinate(s, axis, i) > x) ? i - 1u : i;
+}
+INLINE Voxel store_voxel_of(Store *s, V3 x) {
+    return (Voxel){ .i = domain_voxel(s, 0, x.x), .j = domain_voxel(s, 1, x.y), .k = domain_voxel(s, 2, x.z) };
+}
+INLINE V3 store_corner(Store *s, Voxel voxel) {
+    return (V3){
+        .x = domain_coordinate(s, 0, voxel.i), .y = domain_coordinate(s, 1, voxel.j), .z = domain_coordinate(s, 2, voxel.k)
+    };
+}
+INLINE uint domain_index(Store *s, Voxel voxel) {
+    __global const uint *dims = s->world.params->domain_dims;
+    return voxel.i + (dims[0] * (voxel.j + (dims[1] * voxel.k)));
+}
+INLINE int store_winding(Store *s, Voxel voxel) { return s->world.windings[domain_index(s, voxel)]; }
+INLINE uint table_entry(Store *s, uint i, uint j, uint k) {
+    __global const uint *dims = s->world.params->domain_dims;
+    return s->world.surface_table[i + ((dims[0] + 1u) * (j + ((dims[1] + 1u) * k)))];
+}
+INLINE uint store_surface_voxels(Store *s, Voxel lo, Voxel hi) {
+    const uint i = hi.i + 1u;
+    const uint j = hi.j + 1u;
+    const uint k = hi.k + 1u;
+    const uint upper = table_entry(s, i, j, k) - table_entry(s, lo.i, j, k) - table_entry(s, i, lo.j, k)
+        + table_entry(s, lo.i, lo.j, k);
+    const uint lower = table_entry(s, i, j, lo.k) - table_entry(s, lo.i, j, lo.k) - table_entry(s, i, lo.j, lo.k)
+        + table_entry(s, lo.i, lo.j, lo.k);
+    return upper - lower;
+}
+INLINE uint store_list_begin(Store *s, Voxel voxel) { return s->world.list_offsets[domain_index(s, voxel)]; }
+INLINE uint store_list_end(Store *s, Voxel voxel) { return s->world.list_offsets[domain_index(s, voxel) + 1u]; }
+INLINE uint store_list_entry(Store *s, uint e) { return s->world.list_entries[e]; }
+INLINE Voxel store_lowest_voxel(Store *s, uint t) {
+    __global const uint *lowest = s->world.lowest_voxels + 3u * t;
+    return (Voxel){ .i = lowest[0], .j = lowest[1], .k = lowest[2] };
+}
+INLINE Triangle store_triangle(Store *s, uint t) {
+    __global const uint *corners = s->world.triangles + 3u * t;
+    return (Triangle){ .a = corners[0], .b = corners[1], .c = corners[2] };
+}
+INLINE V3 store_domain_point(Store *s, uint i) {
+    __global const real *point = s->world.domain_vertices + 3u * i;
+    return (V3){ .x = point[0], .y = point[1], .z = point[2] };
+}

@@ -1,0 +1,15 @@
+//! The OpenCL backend of `laguerre`: the cells of `laguerre_core::cell`, generated as OpenCL C, on any number of devices.
+//!
+//! The loader is found at run time: this builds, and says what is missing, on a machine without OpenCL.
+
+mod buffer;
+mod device;
+mod evaluate;
+mod fallback;
+mod params;
+mod platform;
+mod program;
+mod shells;
+
+pub use evaluate::Ocl;
+pub use platform::{DeviceChoice, DeviceInfo, devices};

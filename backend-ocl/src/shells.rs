@@ -1,0 +1,33 @@
+//! The table of voxel offsets, nearest first, that `search.cl` goes through.
+
+/// Voxels along each axis to each side (`SHELL_RADIUS`).
+const RADIUS: i32 = 4;
+
+/// Offsets plus `RADIUS`, and the squared distance in voxels between the nearest points of the two voxels; sorted by it, then by the
+/// distance of their centers.
+pub(crate) fn table() -> Vec<[u8; 4]> {
+    let span = -RADIUS..=RADIUS;
+    let mut offsets: Vec<[i32; 3]> =
+        span.clone().flat_map(|x| span.clone().flat_map(move |y| (-RADIUS..=RADIUS).map(move |z| [x, y, z]))).collect();
+    let apart = |o: &[i32; 3]| o.iter().map(|&i| (i.abs() - 1).max(0).pow(2)).sum::<i32>();
+    let centers = |o: &[i32; 3]| o.iter().map(|&i| i * i).sum::<i32>();
+    offsets.sort_by_key(|o| (apart(o), centers(o)));
+    let entry = |o: &[i32; 3]| {
+        let [x, y, z] = o.map(|i| (i + RADIUS) as u8);
+        [x, y, z, apart(o) as u8]
+    };
+    offsets.iter().map(entry).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_first_rings_are_where_the_search_looks() {
+        let table = super::table();
+        assert_eq!(table.len(), 729);
+        assert_eq!(table[0], [4, 4, 4, 0]);
+        // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
+        assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
+        assert!(table.is_sorted_by_key(|e| e[3]));
+    }
+}

@@ -1,0 +1,149 @@
+//! The command line itself, and what is printed for it.
+
+use std::process::{Command, Stdio};
+
+use crate::support::{PROGRAM, UNIT_BOX, failed, fails, inputs, json, runs};
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(runs(folder.path(), &["--version"]).starts_with("laguerre 0."));
+    for command in [&["--help"][..], &["integrate", "--help"], &["sample", "--help"], &["demo", "--help"]] {
+        assert!(runs(folder.path(), command).contains("Usage: laguerre"));
+    }
+}
+
+#[test]
+fn a_wrong_command_line_is_said_in_one_line() {
+    let folder = inputs();
+    let wrong = |args: &[&str]| fails(folder.path(), 2, args);
+    assert!(wrong(&[]).contains("see laguerre --help"));
+    assert!(wrong(&["integrate"]).contains("<SITES>"));
+    assert!(wrong(&["fly"]).contains("'fly'"));
+    assert!(wrong(&["integrate", "none.xyz"]).contains("none.xyz: cannot open"));
+    assert!(wrong(&["integrate", "white.pdf"]).contains("known here: .xyz, .txt, .csv, .npy, .ply"));
+    assert!(
+        wrong(&["integrate", "white.xyz", "--box", UNIT_BOX, "--domain", "cube.off"]).contains("cannot be used with")
+    );
+    assert!(wrong(&["integrate", "white.xyz", "--epsilon", "-1"]).contains("0 or larger"));
+    assert!(wrong(&["integrate", "white.xyz", "--threads", "0"]).contains("from 1 to"));
+    assert!(wrong(&["integrate", "white.xyz", "-o", "cells.xls"]).contains("known here: .csv, .npy, .vtu"));
+    assert!(wrong(&["integrate", "white.xyz", "-o", "a.csv", "--facets", "a.csv"]).contains("give two files"));
+    assert!(wrong(&["sample", "white", "0", "-o", "a.xyz"]).contains("0"));
+    assert!(wrong(&["sample", "white", "9", "--inside", "-o", "a.xyz"]).contains("--domain"));
+}
+
+#[test]
+fn boxes_are_six_numbers_in_order_within_range() {
+    let folder = inputs();
+    let wrong = |corners: &str| fails(folder.path(), 2, &["integrate", "white.xyz", "--box", corners, "-o", "a.csv"]);
+    let empty = "range is empty: give the minimum corner, then the maximum corner; see laguerre --help";
+    assert!(wrong("1,0,0,0,1,1").ends_with(&format!("its x {empty}")));
+    assert!(wrong("0,0,0.5,1,1,0.5").ends_with(&format!("its z {empty}")));
+    assert!(wrong("0,0,0,1,1,1e-70").contains("its z range 0e0..1e-70 is empty or flat"));
+    assert!(wrong("0,0,0,1,1").contains("5 numbers; 6 are needed: x0,y0,z0,x1,y1,z1"));
+    assert!(wrong("0,0,0,1,nan,1").contains("'nan' is not a number within ±1e60"));
+    assert!(wrong("0,0,0,1,1e61,1").contains("'1e61' is not a number within ±1e60"));
+}
+
+#[test]
+fn a_backend_that_is_not_there_is_code_3() {
+    let folder = inputs();
+    let args = ["integrate", "white.xyz", "--backend", "ocl", "-o", "a.csv", "--json"];
+    let mut command = Command::new(PROGRAM);
+    // Where it was built, its loader is sought at run time: here, where there is none.
+    command.current_dir(folder.path()).args(args).env("OPENCL_DYLIB_PATH", "/nowhere/libOpenCL.so");
+    let line = failed(&command.output().unwrap(), 3, &args);
+    assert!(["ocl", "OpenCL"].iter().any(|name| line.contains(name)) && line.contains("--backend cpu"), "{line}");
+    assert!(!folder.path().join("a.csv").exists());
+}
+
+#[test]
+fn a_precision_that_the_backend_lacks_is_code_2() {
+    let folder = inputs();
+    let args = ["integrate", "white.xyz", "--precision", "f32", "--backend", "cpu", "-o", "a.csv"];
+    assert_eq!(
+        fails(folder.path(), 2, &args),
+        "--precision f32: backend cpu computes in f64 only; give --precision f64"
+    );
+}
+
+#[test]
+fn the_json_object_has_its_fields_in_their_order() {
+    let folder = inputs();
+    let args = ["integrate", "white.xyz", "--domain", "cube.off", "--threads", "2", "--json"];
+    let text = runs(folder.path(), &args);
+    let fields = [
+        "sites",
+        "cells",
+        "empty",
+        "uncertified",
+        "volume_sum",
+        "domain_volume",
+        "relative_error",
+        "barycenter_error",
+        "exact_cells",
+        "host_cells",
+        "backend",
+        "device",
+        "precision",
+        "threads",
+        "seconds",
+        "read",
+        "domain_grid",
+        "compute",
+        "device",
+        "write",
+        "passes",
+        "K",
+        "P",
+        "V",
+        "T",
+        "cells",
+        "failed",
+    ];
+    let mut from = 0;
+    for field in fields {
+        let key = format!("\"{field}\":");
+        from += text[from..].find(&key).unwrap_or_else(|| panic!("{field} is not where it should be in {text}"))
+            + key.len();
+    }
+    let report = json(&text);
+    assert_eq!(report.as_object().unwrap().len(), 16);
+    assert_eq!((&report["sites"], &report["cells"], &report["empty"]), (&2000.into(), &2000.into(), &0.into()));
+    assert_eq!(
+        (&report["backend"], &report["precision"], &report["threads"]),
+        (&"cpu".into(), &"f64".into(), &2.into())
+    );
+    assert_eq!(report["domain_volume"], 1.0);
+    // The bound of the design for the sums over all cells.
+    assert!(report["relative_error"].as_f64().unwrap() <= 1e-14, "{text}");
+    assert!(report["barycenter_error"].as_f64().unwrap() <= 1e-14, "{text}");
+    assert!(report["passes"].as_array().unwrap().iter().any(|pass| pass["cells"] == 2000));
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_error() {
+    let folder = inputs();
+    let mut command = Command::new(PROGRAM);
+    command.current_dir(folder.path()).args(["integrate", "white.xyz", "--json", "-o", "cells.csv"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty());
+    assert!(folder.path().join("cells.csv").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_that_closes_early_shows_no_panic() {
+    let folder = inputs();
+    for arguments in ["integrate white.xyz --json", "integrate white.xyz", "--help", "integrate --help"] {
+        let pipe = format!("'{PROGRAM}' {arguments} | head -c 1 > one");
+        let output = Command::new("sh").current_dir(folder.path()).args(["-c", &pipe]).output().unwrap();
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert!(errors.lines().all(|line| line.starts_with("laguerre: note: ")), "{arguments}: {errors}");
+        assert_eq!(std::fs::read(folder.path().join("one")).unwrap().len(), 1);
+    }
+}

@@ -1,0 +1,109 @@
+//! `structured CASES [SEED [THREADS]]`: structured cases of `evaluate` from a seed, as fast as they go. Says how many a second, how
+//! many fail for which kind of reason, and of each kind the first few in their smallest form, to be pasted into
+//! `conformance/src/regressions.rs`.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use arbitrary::{Arbitrary, Unstructured};
+use laguerre::Selection;
+use laguerre_conformance::Verdict;
+use laguerre_conformance::sites::Random;
+use laguerre_core::Backend;
+use laguerre_fuzz::tied::Tied;
+
+/// Cases that a thread takes at a time.
+const CHUNK: u64 = 1000;
+/// Bytes of a case: more than the largest takes.
+const BYTES: usize = 512;
+/// Failing cases of each kind that are told.
+const TOLD: usize = 3;
+/// Between two lines of progress.
+const PAUSE: Duration = Duration::from_secs(60);
+
+fn main() -> ExitCode {
+    let mut numbers = std::env::args().skip(1).map(|word| word.parse::<u64>());
+    let (Some(Ok(cases)), seed, threads) = (numbers.next(), numbers.next(), numbers.next()) else {
+        eprintln!("usage: structured CASES [SEED [THREADS]]");
+        return ExitCode::from(2);
+    };
+    let (Ok(seed), Ok(threads)) = (seed.unwrap_or(Ok(1)), threads.unwrap_or(Ok(1))) else {
+        eprintln!("usage: structured CASES [SEED [THREADS]]; all are whole numbers");
+        return ExitCode::from(2);
+    };
+    // Panics are caught and told with their case.
+    std::panic::set_hook(Box::new(|_| {}));
+    let (next, done, told) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::new(Instant::now()));
+    let failed = Mutex::new(BTreeMap::<String, usize>::new());
+    let start = Instant::now();
+    let work = || {
+        let backend = match laguerre::open(Selection::Cpu { threads: Some(1) }) {
+            Ok(backend) => backend,
+            Err(error) => return eprintln!("{error}"),
+        };
+        loop {
+            let first = next.fetch_add(CHUNK, Ordering::Relaxed);
+            if first >= cases {
+                return;
+            }
+            for index in first..cases.min(first + CHUNK) {
+                let case = case(seed, index);
+                if let Err(reason) = verdict(&case, &*backend) {
+                    let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                    let count = failed.entry(kind(&reason)).or_default();
+                    *count += 1;
+                    if *count <= TOLD {
+                        tell(index, &reason, case, &*backend);
+                    }
+                }
+                done.fetch_add(1, Ordering::Relaxed);
+            }
+            if let Ok(mut last) = told.try_lock()
+                && last.elapsed() > PAUSE
+            {
+                *last = Instant::now();
+                eprintln!("{} cases, {:.0} s", done.load(Ordering::Relaxed), start.elapsed().as_secs_f64());
+            }
+        }
+    };
+    std::thread::scope(|scope| (0..threads.max(1)).for_each(|_| drop(scope.spawn(work))));
+    let (done, seconds) = (done.into_inner(), start.elapsed().as_secs_f64());
+    let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+    println!("{done} cases of seed {seed} in {seconds:.1} s, {:.0} a second", done as f64 / seconds);
+    failed.iter().for_each(|(kind, count)| println!("{count} failed: {kind}"));
+    if failed.is_empty() && done == cases { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// A reason without its numbers.
+fn kind(reason: &str) -> String {
+    let words = reason.split_ascii_whitespace().filter(|word| !word.contains(|c: char| c.is_ascii_digit()));
+    words.take(8).collect::<Vec<_>>().join(" ")
+}
+
+/// Case `index` of a seed, the same for any number of threads.
+fn case(seed: u64, index: u64) -> Tied {
+    let mut random = Random::new(seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let bytes: Vec<u8> = (0..BYTES / 8).flat_map(|_| random.bits().to_le_bytes()).collect();
+    Tied::arbitrary(&mut Unstructured::new(&bytes)).expect("enough bytes for a case")
+}
+
+/// Whether the case holds; a panic is a reason too.
+fn verdict(case: &Tied, backend: &dyn Backend) -> Verdict {
+    let caught = catch_unwind(AssertUnwindSafe(|| case.holds(backend)));
+    caught.unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+        Err(format!("panic: {}", text.unwrap_or("without words")))
+    })
+}
+
+fn tell(index: u64, reason: &str, case: Tied, backend: &dyn Backend) {
+    let smallest = case.shrunk(|case| verdict(case, backend).is_err());
+    let of_smallest = verdict(&smallest, backend).err().unwrap_or_default();
+    println!("case {index}: {reason}\nits smallest form, {:?}: {of_smallest}", smallest.also);
+    println!("    (\"…\", {:?}),\n", smallest.given());
+}

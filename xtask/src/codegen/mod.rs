@@ -1,0 +1,86 @@
+//! From the Rust text of the algorithm to OpenCL C (design: one source for the GPU too).
+//!
+//! The text of `core/src/cell/` keeps to a dialect that maps to C statement by statement; `translate` does just that mapping,
+//! and refuses, with file and line, what the dialect does not have.
+
+mod emit;
+mod source;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The files of the algorithm, each after what it uses by value.
+const FILES: [&str; 12] = [
+    "vector",
+    "status",
+    "plane",
+    "vertex",
+    "store",
+    "wide",
+    "expansion",
+    "clip",
+    "security",
+    "integrate",
+    "cone",
+    "restrict",
+];
+
+/// Where what is generated from them goes: constants and structs, which the store is made of, and functions, which use it.
+const OUTPUTS: [&str; 2] = ["backend-ocl/src/kernels/cell_types.cl", "backend-ocl/src/kernels/cell.cl"];
+
+const HEADER: &str = "// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.\n";
+
+/// Generates the OpenCL C, or with `check` only compares it with what is committed.
+pub(crate) fn run(check: bool) -> Result<(), String> {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    for (name, generated) in OUTPUTS.into_iter().zip(generate(root)?) {
+        let path = root.join(name);
+        if !check {
+            fs::write(&path, generated).map_err(|error| format!("cannot write {name}: {error}"))?;
+            continue;
+        }
+        let committed = fs::read_to_string(&path).map_err(|error| format!("cannot read {name}: {error}"))?;
+        if committed != generated {
+            let same = committed.lines().zip(generated.lines()).take_while(|(a, b)| a == b).count();
+            let line = same + 1;
+            return Err(format!("{name} line {line} is not what core/src/cell/ says: run `cargo xtask codegen`"));
+        }
+    }
+    Ok(())
+}
+
+fn generate(root: &Path) -> Result<[String; 2], String> {
+    let mut units = Vec::new();
+    for name in FILES {
+        let path: PathBuf = ["core", "src", "cell", &format!("{name}.rs")].iter().collect();
+        let text = fs::read_to_string(root.join(&path)).map_err(|error| format!("cannot read {path:?}: {error}"))?;
+        units.push(source::Unit::parse(&format!("core/src/cell/{name}.rs"), &text)?);
+    }
+    Ok(translate(&units)?.map(|text| format!("{HEADER}{text}")))
+}
+
+/// The C of some files: constants and structs; prototypes and functions.
+fn translate(units: &[source::Unit]) -> Result<[String; 2], String> {
+    let mut types = String::new();
+    let mut prototypes = String::new();
+    let mut functions = String::new();
+    // C has one space of names for all files.
+    let mut names = std::collections::HashSet::new();
+    for unit in units {
+        for name in unit.items.iter().filter_map(source::name_of) {
+            if !names.insert(name.to_string()) {
+                return unit.error(name.span(), &format!("second `{name}`"));
+            }
+        }
+        types.push_str(&format!("\n// {}\n", unit.name));
+        functions.push_str(&format!("\n// {}\n", unit.name));
+        let parts = emit::unit(unit)?;
+        types.push_str(&parts.types);
+        prototypes.push_str(&parts.prototypes);
+        functions.push_str(&parts.functions);
+    }
+    Ok([types, format!("\n{prototypes}{functions}")])
+}
+
+#[cfg(test)]
+mod tests;

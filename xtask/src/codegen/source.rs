@@ -1,0 +1,45 @@
+//! A file of the dialect: its syntax tree, and the comments that the tree does not hold.
+
+use proc_macro2::Span;
+
+/// One parsed file.
+pub(crate) struct Unit {
+    /// Its path, for messages.
+    pub(crate) name: String,
+    pub(crate) items: Vec<syn::Item>,
+    comments: Vec<(usize, String)>,
+}
+
+impl Unit {
+    /// Parses a file of the dialect.
+    pub(crate) fn parse(name: &str, text: &str) -> Result<Self, String> {
+        let file =
+            syn::parse_file(text).map_err(|error| format!("{name} line {}: {error}", error.span().start().line))?;
+        let comments = text.lines().zip(1..).filter_map(|(line, number)| {
+            let comment = line.trim_start().strip_prefix("//")?;
+            // What begins with a third slash or an exclamation mark is documentation, and in the tree.
+            (!comment.starts_with(['/', '!'])).then(|| (number, comment.trim().to_owned()))
+        });
+        Ok(Self { name: name.to_owned(), items: file.items, comments: comments.collect() })
+    }
+
+    /// The comments that stand on lines of their own after line `after` and before line `before`.
+    pub(crate) fn comments_between(&self, after: usize, before: usize) -> impl Iterator<Item = &str> {
+        self.comments.iter().filter(move |(line, _)| (after..before).contains(line)).map(|(_, text)| text.as_str())
+    }
+
+    /// An error at a place of this file.
+    pub(crate) fn error<T>(&self, span: Span, what: &str) -> Result<T, String> {
+        Err(format!("{} line {}: the dialect has no {what}", self.name, span.start().line))
+    }
+}
+
+/// The name that an item takes in C, if it is one of the dialect's.
+pub(crate) fn name_of(item: &syn::Item) -> Option<&syn::Ident> {
+    match item {
+        syn::Item::Const(item) => Some(&item.ident),
+        syn::Item::Struct(item) if item.generics.params.is_empty() => Some(&item.ident),
+        syn::Item::Fn(item) => Some(&item.sig.ident),
+        _ => None,
+    }
+}

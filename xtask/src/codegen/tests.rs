@@ -1,0 +1,102 @@
+//! The mapping, construct by construct.
+
+use super::source::Unit;
+use super::translate;
+
+/// The C of a text, without the file's heading.
+fn c_of(rust: &str) -> Result<String, String> {
+    let [types, functions] = translate(&[Unit::parse("text.rs", rust)?])?;
+    Ok(format!("{types}{functions}").replace("// text.rs\n", ""))
+}
+
+fn assert_c(rust: &str, lines: &[&str]) {
+    let c = c_of(rust).unwrap();
+    let mut rest = c.as_str();
+    for line in lines {
+        let Some((_, after)) = rest.split_once(line) else { panic!("no `{line}` (in order) in\n{c}") };
+        rest = after;
+    }
+}
+
+#[test]
+fn constants_and_structs() {
+    assert_c(
+        "/// Half.\npub const HALF: Real = 0.5;\npub const MANY: u32 = 0xFFFF_FFF0;\n
+         #[repr(C)]\npub struct Sum {\n/// Terms.\npub terms: [Real; 4],\npub count: u32,\n}",
+        &[
+            "// Half.\n#define HALF ((real)(REAL(0.5)))",
+            "#define MANY ((uint)(0xFFFFFFF0))",
+            "typedef struct {",
+            "    // Terms.\n    real terms[4];",
+            "    uint count;\n} Sum;",
+        ],
+    );
+}
+
+#[test]
+fn the_store_is_called_and_locals_are_pointed_to() {
+    assert_c(
+        "fn f<S: CellStore>(s: &mut S, sum: &mut Sum) -> u32 {
+            let p: Plane = s.plane(3);
+            sum.count = sum.count + s.planes();
+            sum.terms[sum.count as usize] = p.d.abs();
+            *sum = Sum::default();
+            let mut part: Sum = Sum { count: 1 };
+            g(s, sum, &mut part);
+            return COMPLETE;
+        }",
+        &[
+            "OUTLINE uint f(Store *s, Sum *sum) {",
+            "const Plane p = store_plane(s, 3);",
+            "sum->count = sum->count + store_planes(s);",
+            "sum->terms[sum->count] = fabs(p.d);",
+            "*sum = (Sum){ 0 };",
+            "Sum part = (Sum){ .count = 1 };",
+            "g(s, sum, &part);",
+            "return COMPLETE;",
+        ],
+    );
+}
+
+#[test]
+fn statements_keep_their_comments() {
+    assert_c(
+        "#[inline(always)]\nfn f(n: u32) -> u32 {\n    // 1. Count.\n    let mut i: u32 = 0;\n    while i < n {\n        \
+         // Skip.\n        if (i & 1) == 0 {\n            i += 2;\n            continue;\n        } else if i > 9 {\n\
+         break;\n        } else {\n            i = i + 1;\n        }\n    }\n    loop {\n        break;\n    }\n    return i;\n}",
+        &[
+            "INLINE uint f(uint n) {",
+            "    // 1. Count.\n    uint i = 0;",
+            "    while (i < n) {\n        // Skip.",
+            "if ((i & 1) == 0) {",
+            "continue;",
+            "} else if (i > 9) {",
+            "break;",
+            "} else {",
+            "for (;;) {",
+            "return i;",
+        ],
+    );
+}
+
+#[test]
+fn operands_are_grouped_as_rust_groups_them() {
+    // C ranks `&` below `==`.
+    assert_c(
+        "fn f(i: u32) -> u32 {\n    if i & 1 == 0 {\n        return 1;\n    }\n    return 0;\n}",
+        &["if ((i & 1) == 0) {"],
+    );
+}
+
+#[test]
+fn what_the_dialect_lacks_is_refused_with_its_line() {
+    for (rust, said) in [
+        ("fn f() {\n    let x = 1;\n}", "text.rs line 2: the dialect has no local without type"),
+        ("fn f() {\n    for i in 0..3 {}\n}", "text.rs line 2: the dialect has no such expression"),
+        ("fn f(x: Real) -> Real {\n    return x.max(1.0);\n}", "text.rs line 2: the dialect has no such method"),
+        ("fn f() -> (u32, u32) {\n}", "text.rs line 1: the dialect has no such type"),
+        ("const A: u32 = 1;\nconst A: u32 = 2;", "text.rs line 2: the dialect has no second `A`"),
+    ] {
+        assert_eq!(c_of(rust).err().as_deref(), Some(said));
+    }
+}

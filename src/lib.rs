@@ -37,18 +37,6 @@ pub enum Selection {
     },
 }
 
-/// Which OpenCL devices to compute on.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum DeviceChoice {
-    /// The first GPU that can be used, else the first other device.
-    #[default]
-    First,
-    /// The devices of these numbers, as `laguerre devices` counts them.
-    Numbers(Vec<usize>),
-    /// All that can be used.
-    All,
-}
-
 /// Opens a backend.
 ///
 /// # Errors
@@ -74,12 +62,7 @@ fn open_cpu(_threads: Option<usize>) -> Result<Box<dyn Backend>> {
 
 #[cfg(feature = "ocl")]
 fn open_ocl(devices: DeviceChoice) -> Result<Box<dyn Backend>> {
-    let choice = match devices {
-        DeviceChoice::First => laguerre_ocl::DeviceChoice::First,
-        DeviceChoice::Numbers(numbers) => laguerre_ocl::DeviceChoice::Numbers(numbers),
-        DeviceChoice::All => laguerre_ocl::DeviceChoice::All,
-    };
-    Ok(Box::new(laguerre_ocl::Ocl::new(&choice)?))
+    Ok(Box::new(laguerre_ocl::Ocl::new(&devices)?))
 }
 
 #[cfg(not(feature = "ocl"))]
@@ -89,3 +72,17 @@ fn open_ocl(_devices: DeviceChoice) -> Result<Box<dyn Backend>> {
         "backend ocl is not part of this build: build with the feature `ocl`, or use --backend cpu",
     ))
 }
+
+/// The OpenCL devices of this machine, usable or not.
+///
+/// # Errors
+/// `Unavailable` where there is none, or the backend was not built.
+pub fn devices() -> Result<Vec<DeviceInfo>> {
+    #[cfg(feature = "ocl")]
+    return laguerre_ocl::devices();
+    #[cfg(not(feature = "ocl"))]
+    Err(Error::new(ErrorKind::Unavailable, NOT_BUILT))
+}
+
+#[cfg(not(feature = "ocl"))]
+const NOT_BUILT: &str = "backend ocl is not part of this build: build with the feature `ocl`, or use --backend cpu";

@@ -54,16 +54,19 @@ impl<T: Copy> Room<T> {
         Ok(())
     }
 
-    /// Copies the first `length` back.
-    pub(crate) fn read(&self, queue: &CommandQueue, length: usize, empty: T) -> Result<Vec<T>> {
-        let mut data = vec![empty; length.min(self.length)];
+    /// Copies the first `length` back, into memory that is kept from call to call.
+    pub(crate) fn read(&self, queue: &CommandQueue, length: usize, data: &mut Vec<T>) -> Result<()>
+    where
+        T: Default,
+    {
+        data.resize(length.min(self.length), T::default());
         if !data.is_empty() {
             // SAFETY: `data` is no longer than the buffer, and the call returns when it is filled; any bits are a `T`, which
             // is a number or a struct of numbers.
-            unsafe { queue.enqueue_read_buffer(self.get()?, CL_BLOCKING, 0, &mut data, &[]) }
+            unsafe { queue.enqueue_read_buffer(self.get()?, CL_BLOCKING, 0, data, &[]) }
                 .map_err(|e| failed(&format!("copying {} from the device", self.what), e))?;
         }
-        Ok(data)
+        Ok(())
     }
 }
 

@@ -2,10 +2,10 @@
 
 use crate::buffer::{Room, failed};
 use crate::params::{self, Cluster, Facet, Params};
-use crate::platform::DeviceInfo;
+use crate::platform::Found as FoundDevice;
 use crate::program::{MOST_PLANES, Programs};
 use crate::shells;
-use laguerre_core::assemble::{CellRecord, FacetRecord};
+use laguerre_core::assemble::{Assembler, CellRecord, FacetRecord};
 use laguerre_core::cell::{self, CellSums, FacetSum, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::passes::Capacities;
@@ -13,6 +13,7 @@ use laguerre_core::{CellStatus, Domain, Request, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::kernel::ExecuteKernel;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Work-items of a group. They share nothing; a multiple of what any GPU runs in step.
@@ -34,11 +35,13 @@ const SHARE_OF_MEMORY: u64 = 8;
 
 /// A device that is open.
 pub(crate) struct Device {
-    pub(crate) info: DeviceInfo,
+    /// Bytes of its memory.
+    memory_size: u64,
     context: Context,
     queue: CommandQueue,
     programs: Programs,
     memory: Memory,
+    results: Results,
     /// The domain whose grid is on the device.
     domain: Option<Domain>,
 }
@@ -66,13 +69,19 @@ struct Memory {
     facet_count: Room<u32>,
 }
 
-/// What the cells of one pass yield, in their order.
+/// Results on the host, kept from batch to batch.
+#[derive(Default)]
+struct Results {
+    outcomes: Vec<[u32; 2]>,
+    sums: Vec<f64>,
+    rows: Vec<[u32; 2]>,
+    facet_count: Vec<u32>,
+    facets: Vec<Facet>,
+}
+
+/// What one pass leaves to do, and what it took.
 #[derive(Debug, Default)]
-pub(crate) struct Found {
-    pub(crate) cells: Vec<CellRecord>,
-    /// Begin and number of each cell's facets.
-    pub(crate) rows: Vec<[usize; 2]>,
-    pub(crate) facets: Vec<FacetRecord>,
+pub(crate) struct PassResult {
     /// Cells that did not fit.
     pub(crate) failed: Vec<u32>,
     /// Cells that only the host can decide.
@@ -83,15 +92,29 @@ pub(crate) struct Found {
     pub(crate) seconds: f64,
 }
 
+/// Cells of a batch that have to run again: without room for their facets, or on the surface.
+#[derive(Default)]
+struct Again {
+    full: Vec<u32>,
+    boundary: Vec<u32>,
+}
+
 impl Device {
-    pub(crate) fn open(info: DeviceInfo) -> Result<Self> {
-        let device = opencl3::device::Device::new(info.id.0);
+    pub(crate) fn open(found: &FoundDevice) -> Result<Self> {
+        let id = found.id.0;
+        let device = opencl3::device::Device::new(id);
         let context = Context::from_device(&device).map_err(|e| failed("creating a context", e))?;
         // SAFETY: context and device are valid, and no properties are asked for that the device could lack.
-        let queue =
-            unsafe { CommandQueue::create(&context, info.id.0, 0) }.map_err(|e| failed("creating a queue", e))?;
-        let mut device =
-            Self { info, context, queue, programs: Programs::default(), memory: Memory::new(), domain: None };
+        let queue = unsafe { CommandQueue::create(&context, id, 0) }.map_err(|e| failed("creating a queue", e))?;
+        let mut device = Self {
+            memory_size: found.info.memory,
+            context,
+            queue,
+            programs: Programs::default(),
+            memory: Memory::new(),
+            results: Results::default(),
+            domain: None,
+        };
         let (context, queue) = (&device.context, &device.queue);
         device.memory.shells.fill(context, queue, &shells::table())?;
         Ok(device)
@@ -138,7 +161,9 @@ impl Device {
                 .enqueue_nd_range(queue)
         }
         .map_err(|e| failed("running probe", e))?;
-        params::check_layouts(&memory.list.read(queue, params::PROBES, 0)?)
+        let mut probed = Vec::new();
+        memory.list.read(queue, params::PROBES, &mut probed)?;
+        params::check_layouts(&probed)
     }
 
     /// Computes cells (sorted sites) with the given room, batch by batch; in two substeps if `substeps` (paper, Alg. 1): first all, then
@@ -150,36 +175,37 @@ impl Device {
         room: Capacities,
         list: &[u32],
         substeps: bool,
-    ) -> Result<Found> {
-        let mut found = Found::default();
+        assembler: &Mutex<Assembler<'_>>,
+    ) -> Result<PassResult> {
+        let mut result = PassResult::default();
         let mut params = Params::new(prepared, request);
         let batch = self.cells_per_batch(request);
         for cells in list.chunks(batch) {
             if request.facets {
                 params.facet_room = (cells.len() * FACETS_PER_CELL).max(MOST_PLANES as usize) as u32;
             }
-            let mut boundary = Vec::new();
-            let mut later = cells.to_vec();
+            let mut now = cells.to_vec();
+            let mut again = Again::default();
             let mut interior_only = substeps && prepared.domain_grid().is_some();
-            while !later.is_empty() {
-                let now = std::mem::take(&mut later);
-                found.seconds += self.run(&params, request, room, &now, interior_only)?;
-                self.collect(request, &now, &mut found, &mut later, &mut boundary)?;
-                if later.is_empty() {
-                    later = std::mem::take(&mut boundary);
+            while !now.is_empty() {
+                result.seconds += self.run(&params, request, room, &now, interior_only)?;
+                self.collect(request, &now, assembler, &mut result, &mut again)?;
+                now = std::mem::take(&mut again.full);
+                if now.is_empty() {
+                    now = std::mem::take(&mut again.boundary);
                     interior_only = false;
                 }
             }
             request.progress.advance(cells.len());
         }
-        Ok(found)
+        Ok(result)
     }
 
     fn cells_per_batch(&self, request: &Request) -> usize {
         let sums = if cell::flags_of(request) == 0 { FEW_SUMS } else { ALL_SUMS };
         let facets = if request.facets { FACETS_PER_CELL * size_of::<Facet>() + 8 } else { 0 };
         let bytes = 12 + 8 * sums + facets;
-        ((self.info.memory / SHARE_OF_MEMORY) as usize / bytes).clamp(1024, MOST_CELLS)
+        ((self.memory_size / SHARE_OF_MEMORY) as usize / bytes).clamp(1024, MOST_CELLS)
     }
 
     fn run(
@@ -193,7 +219,6 @@ impl Device {
         let Self { context, queue, memory, programs, .. } = self;
         let sums = if cell::flags_of(request) == 0 { FEW_SUMS } else { ALL_SUMS };
         let n = cells.len();
-        let group = std::env::var("GROUP").ok().and_then(|g| g.parse().ok()).unwrap_or(GROUP);
         memory.params.fill(context, queue, &[*params])?;
         memory.list.fill(context, queue, cells)?;
         memory.outcome.grow(context, n)?;
@@ -230,8 +255,8 @@ impl Device {
                 .set_arg(memory.facets.get()?)
                 .set_arg(memory.rows.get()?)
                 .set_arg(memory.facet_count.get()?)
-                .set_global_work_size(n.next_multiple_of(group))
-                .set_local_work_size(group)
+                .set_global_work_size(n.next_multiple_of(GROUP))
+                .set_local_work_size(GROUP)
                 .enqueue_nd_range(queue)
         }
         .map_err(|e| failed("running cells", e))?;
@@ -239,56 +264,54 @@ impl Device {
         Ok(begin.elapsed().as_secs_f64())
     }
 
-    /// Reads the results of a run; cells to run again go to `later` and `boundary`.
+    /// Reads the results of a run and hands them to the assembler.
     fn collect(
-        &self,
+        &mut self,
         request: &Request,
         cells: &[u32],
-        found: &mut Found,
-        later: &mut Vec<u32>,
-        boundary: &mut Vec<u32>,
+        assembler: &Mutex<Assembler<'_>>,
+        pass: &mut PassResult,
+        again: &mut Again,
     ) -> Result<()> {
-        let Self { queue, memory, .. } = self;
-        let with_facets = request.facets;
+        let Self { queue, memory, results, .. } = self;
         let width = if cell::flags_of(request) == 0 { FEW_SUMS } else { ALL_SUMS };
-        let outcomes = memory.outcome.read(queue, cells.len(), [0; 2])?;
-        let sums = memory.sums.read(queue, cells.len() * width, 0.0)?;
-        let rows = if with_facets { memory.rows.read(queue, cells.len(), [0; 2])? } else { Vec::new() };
-        let facets = if with_facets {
-            let count = memory.facet_count.read(queue, 1, 0)?[0] as usize;
-            memory.facets.read(queue, count, Facet::default())?
-        } else {
-            Vec::new()
-        };
-        for (i, (&site, [outcome, visited])) in cells.iter().zip(outcomes).enumerate() {
+        memory.outcome.read(queue, cells.len(), &mut results.outcomes)?;
+        memory.sums.read(queue, cells.len() * width, &mut results.sums)?;
+        if request.facets {
+            memory.rows.read(queue, cells.len(), &mut results.rows)?;
+            memory.facet_count.read(queue, 1, &mut results.facet_count)?;
+            memory.facets.read(queue, results.facet_count[0] as usize, &mut results.facets)?;
+        }
+        let mut assembler = assembler.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut records = Vec::new();
+        for (i, (&site, &[outcome, visited])) in cells.iter().zip(&results.outcomes).enumerate() {
             let status = match outcome & 0xff {
                 cell::COMPLETE if outcome >> 9 & 1 != 0 => CellStatus::Uncertified,
                 cell::COMPLETE => CellStatus::Complete,
                 cell::EMPTY => CellStatus::Empty,
                 other => {
                     match other {
-                        cell::BOUNDARY => boundary.push(site),
-                        FACETS_FULL => later.push(site),
-                        cell::P_FULL | cell::V_FULL => found.failed.push(site),
-                        _ => found.undecided.push(site),
+                        cell::BOUNDARY => again.boundary.push(site),
+                        FACETS_FULL => again.full.push(site),
+                        cell::P_FULL | cell::V_FULL => pass.failed.push(site),
+                        _ => pass.undecided.push(site),
                     }
                     continue;
                 }
             };
-            let mut sum = CellSums::default();
-            let mut row = [found.facets.len(), 0];
-            if status != CellStatus::Empty {
-                sum = sums_of(&sums[i * width..][..width]);
-                if with_facets {
-                    let [begin, count] = rows[i].map(|n| n as usize);
-                    found.facets.extend(facets[begin..begin + count].iter().map(record_of));
-                    row[1] = count;
-                }
+            pass.exact_cells += (outcome >> 8 & 1) as usize;
+            pass.visited = pass.visited.max(visited);
+            if status == CellStatus::Empty {
+                // What is not added is empty.
+                continue;
             }
-            found.cells.push(CellRecord { site, status, sums: sum });
-            found.rows.push(row);
-            found.exact_cells += (outcome >> 8 & 1) as usize;
-            found.visited = found.visited.max(visited);
+            records.clear();
+            if request.facets {
+                let [begin, count] = results.rows[i].map(|n| n as usize);
+                records.extend(results.facets[begin..begin + count].iter().map(record_of));
+            }
+            let sums = sums_of(&results.sums[i * width..][..width]);
+            assembler.add(&CellRecord { site, status, sums }, &records);
         }
         Ok(())
     }

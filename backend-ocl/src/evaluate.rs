@@ -1,16 +1,20 @@
 //! The backend: the passes of the scheduler over all devices, and what they leave to the host.
 
-use crate::device::{Device, Found};
-use crate::platform::{DeviceChoice, choose};
+use crate::device::{Device, PassResult};
+use crate::fallback;
+use crate::platform::choose;
 use crate::program::MOST_PLANES;
-use crate::{fallback, platform};
 use laguerre_core::assemble::Assembler;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
-use laguerre_core::{Backend, BackendInfo, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 use std::sync::{Mutex, PoisonError};
 
 /// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
+
+/// Sites per voxel: the smaller the voxels, the more nearly sites come nearest first, and the more voxels are looked at (measured: see
+/// BENCHMARKS.md).
+const SITES_PER_VOXEL: f64 = 2.0;
 
 /// The OpenCL backend.
 pub struct Ocl {
@@ -25,9 +29,10 @@ impl Ocl {
     /// `Unavailable` where there is no OpenCL, no device, or not the one asked for; `Device` where it fails.
     pub fn new(choice: &DeviceChoice) -> Result<Self> {
         let chosen = choose(choice)?;
-        let names: Vec<String> = chosen.iter().map(|d: &platform::DeviceInfo| d.name.clone()).collect();
-        let devices = chosen.into_iter().map(Device::open).collect::<Result<Vec<_>>>()?;
-        Ok(Self { name: names.join(", "), devices: Mutex::new(devices) })
+        let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
+        let name = names.join(", ");
+        let devices = chosen.iter().map(Device::open).collect::<Result<Vec<_>>>()?;
+        Ok(Self { name, devices: Mutex::new(devices) })
     }
 }
 
@@ -38,20 +43,12 @@ impl Backend for Ocl {
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        let start = std::time::Instant::now();
-        let trace = |what: &str| {
-            if std::env::var_os("TRACE").is_some() {
-                eprintln!("{what} {:.3}", start.elapsed().as_secs_f64())
-            }
-        };
-        let prepared = diagram.prepare()?;
-        trace("prepared");
+        let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         for device in devices.iter_mut() {
             device.load(&prepared, request, FIRST)?;
         }
-        trace("loaded");
-        let mut assembler = Assembler::new(&prepared, request);
+        let assembler = Mutex::new(Assembler::new(&prepared, request));
         let (mut output_exact, mut device_seconds) = (0, 0.0);
         let mut for_host = Vec::new();
         let all = (0..prepared.sites.len() as u32).collect();
@@ -62,27 +59,24 @@ impl Backend for Ocl {
                 return Ok(outcome);
             }
             let substeps = room == FIRST;
-            let compute =
-                |device: &mut Device, cells: &[u32]| device.compute(&prepared, request, room, cells, substeps);
+            let compute = |device: &mut Device, cells: &[u32]| {
+                device.compute(&prepared, request, room, cells, substeps, &assembler)
+            };
             let mut longest = 0.0_f64;
-            for found in on_all(&mut devices, cells, &compute)? {
-                longest = longest.max(found.seconds);
-                for (cell, &[begin, count]) in found.cells.iter().zip(&found.rows) {
-                    assembler.add(cell, &found.facets[begin..begin + count]);
-                }
-                outcome.failed.extend(found.failed);
-                outcome.neighbors = outcome.neighbors.max(found.visited);
-                output_exact += found.exact_cells;
-                for_host.extend(found.undecided);
+            for result in on_all(&mut devices, cells, &compute)? {
+                longest = longest.max(result.seconds);
+                outcome.failed.extend(result.failed);
+                outcome.neighbors = outcome.neighbors.max(result.visited);
+                output_exact += result.exact_cells;
+                for_host.extend(result.undecided);
             }
             device_seconds += longest;
             Ok(outcome)
         })?;
-        trace("computed");
+        let mut assembler = assembler.into_inner().unwrap_or_else(PoisonError::into_inner);
         for (cell, facets) in fallback::compute(&prepared, request, &for_host)? {
             assembler.add(&cell, &facets);
         }
-        trace("fallback");
         let mut output = assembler.finish();
         output.exact_cells = output_exact + for_host.len();
         output.device_seconds = device_seconds;
@@ -96,8 +90,8 @@ impl Backend for Ocl {
 fn on_all(
     devices: &mut [Device],
     cells: &[u32],
-    compute: &(dyn Fn(&mut Device, &[u32]) -> Result<Found> + Sync),
-) -> Result<Vec<Found>> {
+    compute: &(dyn Fn(&mut Device, &[u32]) -> Result<PassResult> + Sync),
+) -> Result<Vec<PassResult>> {
     let share = cells.len().div_ceil(devices.len()).max(1);
     if let [device] = devices {
         return Ok(vec![compute(device, cells)?]);

@@ -12,4 +12,4 @@ mod program;
 mod shells;
 
 pub use evaluate::Ocl;
-pub use platform::{DeviceChoice, DeviceInfo, devices};
+pub use platform::devices;

@@ -25,7 +25,7 @@ pub(crate) struct Params {
     has_domain: u32,
     has_clusters: u32,
     flags: u32,
-    unused: u32,
+    equal_weights: u32,
     pub(crate) facet_room: u32,
 }
 
@@ -95,6 +95,7 @@ impl Params {
             level_begin,
             has_clusters: u32::from(sites.has_clusters()),
             flags: cell::flags_of(request),
+            equal_weights: u32::from(sites.sites().iter().all(|site| site[3] == sites.largest_weight())),
             ..Self::default()
         };
         if let Some(grid) = prepared.domain_grid() {

@@ -1,38 +1,15 @@
 //! Which devices there are, and which can be used.
 
-use laguerre_core::{Error, ErrorKind, Result};
+use laguerre_core::{DeviceChoice, DeviceInfo, Error, ErrorKind, Result};
 use opencl3::device::{CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_GPU, Device};
 use opencl3::error_codes::ClError;
 use opencl3::platform::get_platforms;
 use opencl3::types::cl_device_id;
 
-/// Which devices to compute on.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum DeviceChoice {
-    /// The first GPU that can be used, else the first other device.
-    #[default]
-    First,
-    /// The devices of these numbers, as [`devices`] counts them.
-    Numbers(Vec<usize>),
-    /// All that can be used.
-    All,
-}
-
-/// A device, and why it cannot be used if so.
+/// A device that was found.
 #[derive(Clone, Debug)]
-pub struct DeviceInfo {
-    /// Its name, in its own words.
-    pub name: String,
-    /// Its platform's name.
-    pub platform: String,
-    /// Whether it is a GPU.
-    pub is_gpu: bool,
-    /// Compute units.
-    pub compute_units: u32,
-    /// Global memory in bytes.
-    pub memory: u64,
-    /// Why it cannot be used.
-    pub unusable: Option<String>,
+pub(crate) struct Found {
+    pub(crate) info: DeviceInfo,
     pub(crate) id: DeviceId,
 }
 
@@ -50,6 +27,10 @@ unsafe impl Sync for DeviceId {}
 /// # Errors
 /// `Unavailable` where there is no OpenCL, or no device.
 pub fn devices() -> Result<Vec<DeviceInfo>> {
+    Ok(find()?.into_iter().map(|found| found.info).collect())
+}
+
+fn find() -> Result<Vec<Found>> {
     let platforms = get_platforms().map_err(|error| {
         let why = match error.0 {
             -2000 => "the OpenCL loader (libOpenCL.so.1) was not found".to_owned(),
@@ -73,18 +54,18 @@ pub fn devices() -> Result<Vec<DeviceInfo>> {
     Ok(found)
 }
 
-fn describe(id: cl_device_id, platform: &str) -> DeviceInfo {
+fn describe(id: cl_device_id, platform: &str) -> Found {
     let device = Device::new(id);
     let unusable = why_unusable(&device).unwrap_or_else(|error| Some(format!("it does not answer ({error})")));
-    DeviceInfo {
+    let info = DeviceInfo {
         name: device.name().unwrap_or_default().trim().to_owned(),
         platform: platform.trim().to_owned(),
         is_gpu: device.dev_type().is_ok_and(|kind| kind & CL_DEVICE_TYPE_GPU != 0),
         compute_units: device.max_compute_units().unwrap_or(0),
         memory: device.global_mem_size().unwrap_or(0),
         unusable,
-        id: DeviceId(id),
-    }
+    };
+    Found { info, id: DeviceId(id) }
 }
 
 fn why_unusable(device: &Device) -> std::result::Result<Option<String>, ClError> {
@@ -109,10 +90,10 @@ fn why_unusable(device: &Device) -> std::result::Result<Option<String>, ClError>
 ///
 /// # Errors
 /// `Unavailable` where there is none, or one asked for cannot be used.
-pub(crate) fn choose(choice: &DeviceChoice) -> Result<Vec<DeviceInfo>> {
-    let found = devices()?;
+pub(crate) fn choose(choice: &DeviceChoice) -> Result<Vec<Found>> {
+    let found = find()?;
     let unavailable = |message: String| Err(Error::new(ErrorKind::Unavailable, message));
-    let usable: Vec<&DeviceInfo> = found.iter().filter(|device| device.unusable.is_none()).collect();
+    let usable: Vec<&Found> = found.iter().filter(|device| device.info.unusable.is_none()).collect();
     match choice {
         DeviceChoice::Numbers(numbers) => {
             let mut chosen = Vec::new();
@@ -120,14 +101,14 @@ pub(crate) fn choose(choice: &DeviceChoice) -> Result<Vec<DeviceInfo>> {
                 let Some(device) = found.get(number) else {
                     return unavailable(format!("device {number}: there are only {}, counted from 0", found.len()));
                 };
-                if let Some(why) = &device.unusable {
-                    return unavailable(format!("device {number} ({}) cannot be used: {why}", device.name));
+                if let Some(why) = &device.info.unusable {
+                    return unavailable(format!("device {number} ({}) cannot be used: {why}", device.info.name));
                 }
                 chosen.push(device.clone());
             }
             Ok(chosen)
         }
-        DeviceChoice::First => match usable.iter().find(|device| device.is_gpu).or(usable.first()) {
+        DeviceChoice::First => match usable.iter().find(|device| device.info.is_gpu).or(usable.first()) {
             Some(&device) => Ok(vec![device.clone()]),
             None => unavailable(none_usable(&found)),
         },
@@ -136,8 +117,8 @@ pub(crate) fn choose(choice: &DeviceChoice) -> Result<Vec<DeviceInfo>> {
     }
 }
 
-fn none_usable(found: &[DeviceInfo]) -> String {
-    let why = found.first().and_then(|device| device.unusable.as_deref()).unwrap_or_default();
-    let name = found.first().map_or("", |device| device.name.as_str());
+fn none_usable(found: &[Found]) -> String {
+    let why = found.first().and_then(|device| device.info.unusable.as_deref()).unwrap_or_default();
+    let name = found.first().map_or("", |device| device.info.name.as_str());
     format!("no OpenCL device can be used ({name}: {why}): use --backend cpu")
 }

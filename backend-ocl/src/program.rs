@@ -46,14 +46,10 @@ impl Programs {
 
 fn build(context: &Context, room: Capacities, facets: bool) -> Result<Kernels> {
     let Capacities { planes, vertices } = room;
-    let extra = std::env::var("LAGUERRE_OCL_OPTIONS").unwrap_or_default();
-    let options = format!("-D CAP_P={planes} -D CAP_V={vertices} -D WITH_FACETS={} {extra}", u32::from(facets));
+    let options = format!("-D CAP_P={planes} -D CAP_V={vertices} -D WITH_FACETS={}", u32::from(facets));
     // As one string: given several, opencl3 0.12 passes their lengths wrongly.
     let program = Program::create_and_build_from_source(context, &SOURCES.concat(), &options)
         .map_err(|log| Error::new(ErrorKind::Device, format!("the kernels do not build: {}", one_line(&log))))?;
-    if !extra.is_empty() {
-        eprintln!("{}", program.get_build_log(context.devices()[0]).unwrap_or_default());
-    }
     let kernel = |name| Kernel::create(&program, name).map_err(|error| failed(&format!("creating {name}"), error));
     Ok(Kernels { cells: kernel("cells")?, probe: kernel("probe")? })
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use laguerre::DeviceChoice;
 use laguerre::diagram::LARGEST_COORDINATE;
 
 /// Restricted power diagrams: the cells of weighted sites, cut by a domain, and integrals over them.
@@ -31,7 +32,12 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Sample(SampleArgs),
     Demo(DemoArgs),
+    Devices(DevicesArgs),
 }
+
+/// What can compute on this machine, and why what cannot, cannot.
+#[derive(ClapArgs, Debug)]
+pub(crate) struct DevicesArgs {}
 
 /// Volume and barycenter of the power cell of every site, cut by a domain.
 ///
@@ -215,6 +221,10 @@ pub(crate) struct BackendArgs {
     #[arg(long, value_name = "NAME", default_value = "auto")]
     pub(crate) backend: BackendChoice,
 
+    /// OpenCL devices: their numbers, separated by commas, or all; the first GPU unless given (`laguerre devices` lists them)
+    #[arg(long, value_name = "N|all", value_parser = parse_devices)]
+    pub(crate) device: Option<DeviceChoice>,
+
     /// Number type
     #[arg(long, value_name = "TYPE", default_value = "f64")]
     pub(crate) precision: Precision,
@@ -230,7 +240,7 @@ pub(crate) enum BackendChoice {
     Auto,
     /// All cores, with SIMD
     Cpu,
-    /// OpenCL (not in this build)
+    /// OpenCL devices
     Ocl,
 }
 
@@ -267,6 +277,14 @@ fn parse_epsilon(text: &str) -> Result<f64, String> {
         Ok(epsilon) if epsilon.is_finite() && epsilon >= 0.0 => Ok(epsilon),
         _ => Err("a finite number, 0 or larger, is needed".into()),
     }
+}
+
+fn parse_devices(text: &str) -> Result<DeviceChoice, String> {
+    if text == "all" {
+        return Ok(DeviceChoice::All);
+    }
+    let numbers = text.split(',').map(|word| word.trim().parse()).collect::<Result<_, _>>();
+    numbers.map(DeviceChoice::Numbers).map_err(|_| "numbers separated by commas, or all, are needed".into())
 }
 
 /// More threads than any machine has would only exhaust it.

@@ -6,17 +6,21 @@ use std::thread;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use laguerre::{Backend, DeviceChoice, Error, Output, PowerDiagram, Progress, Request, Result, Selection};
+use laguerre::{Backend, Error, Output, PowerDiagram, Progress, Request, Result, Selection};
 
 use crate::args::{BackendArgs, BackendChoice, Precision};
 
 /// Opens the backend of the command line. The only place that does.
 pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
-    let selection = match (args.backend, args.threads) {
-        (BackendChoice::Ocl, _) => Selection::Ocl { devices: DeviceChoice::First },
-        (BackendChoice::Auto, None) => Selection::Auto,
-        // Threads are a matter of the CPU alone.
-        (BackendChoice::Auto | BackendChoice::Cpu, threads) => Selection::Cpu { threads },
+    let selection = match (args.backend, &args.device) {
+        // A device is a matter of OpenCL alone, threads are one of the CPU.
+        (BackendChoice::Ocl, choice) => Selection::Ocl { devices: choice.clone().unwrap_or_default() },
+        (BackendChoice::Auto, Some(choice)) => Selection::Ocl { devices: choice.clone() },
+        (BackendChoice::Cpu, Some(_)) => {
+            return Err(Error::input("--device: backend cpu has none; give --backend ocl"));
+        }
+        (BackendChoice::Auto, None) if args.threads.is_none() => Selection::Auto,
+        (BackendChoice::Auto | BackendChoice::Cpu, None) => Selection::Cpu { threads: args.threads },
     };
     let backend = laguerre::open(selection)?;
     let info = backend.info();
@@ -32,7 +36,7 @@ pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
 
 /// The default backend, for commands without the options of `integrate`.
 pub(crate) fn open_default() -> Result<Box<dyn Backend>> {
-    open(&BackendArgs { backend: BackendChoice::Auto, precision: Precision::F64, threads: None })
+    open(&BackendArgs { backend: BackendChoice::Auto, device: None, precision: Precision::F64, threads: None })
 }
 
 /// Time between two drawings of the bar.

@@ -4,6 +4,7 @@
 mod args;
 mod container;
 mod demo;
+mod devices;
 mod evaluate;
 mod inside;
 mod integrate;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
             Command::Verify(args) => verify::run(&args),
             Command::Sample(args) => sample::run(&args),
             Command::Demo(args) => demo::run(&args),
+            Command::Devices(_) => devices::run(),
         },
         Err(error) => return outcome::command_line(&error),
     };

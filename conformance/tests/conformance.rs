@@ -30,7 +30,10 @@ fn main() -> ExitCode {
     let mut missing = backends::required();
     missing.retain(|name| !present.contains(&name.as_str()));
     if !missing.is_empty() {
-        eprintln!("LAGUERRE_REQUIRE names {}, not there: build with these features, and see what the lines above say", missing.join(", "));
+        eprintln!(
+            "LAGUERRE_REQUIRE names {}, not there: build with these features, and see what the lines above say",
+            missing.join(", ")
+        );
         return ExitCode::FAILURE;
     }
     if trials.is_empty() {

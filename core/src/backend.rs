@@ -15,6 +15,35 @@ pub struct BackendInfo {
     pub threads: usize,
 }
 
+/// Which devices of a backend to compute on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum DeviceChoice {
+    /// The first GPU that can be used, else the first other device.
+    #[default]
+    First,
+    /// The devices of these numbers, counted from 0 in the order of their listing. One may be named twice.
+    Numbers(Vec<usize>),
+    /// All that can be used.
+    All,
+}
+
+/// A device, and why it cannot be used if so.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// Its name, in its own words.
+    pub name: String,
+    /// The name of its platform, the driver.
+    pub platform: String,
+    /// Whether it is a GPU.
+    pub is_gpu: bool,
+    /// Compute units.
+    pub compute_units: u32,
+    /// Global memory in bytes.
+    pub memory: u64,
+    /// Why it cannot be used.
+    pub unusable: Option<String>,
+}
+
 /// Something that can compute a restricted power diagram.
 ///
 /// # Contract

@@ -2,7 +2,7 @@
 
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
-use crate::site_grid::SiteGrid;
+use crate::site_grid::{SITES_PER_VOXEL, SiteGrid};
 use crate::{Domain, Error, Result};
 
 /// Largest coordinate magnitude that is accepted (its fifth power, a second moment, is still a number), and the inverse of the smallest extent of a container.
@@ -157,6 +157,14 @@ impl PowerDiagram {
     /// `Input` where a site or weight is out of range of the container ([`FARTHEST_SITE`], [`LARGEST_WEIGHT_SPREAD`]),
     /// or where there is none.
     pub fn prepare(&self) -> Result<Prepared> {
+        self.prepare_with(SITES_PER_VOXEL)
+    }
+
+    /// The same, with about `sites_per_voxel` sites in a voxel of the grid.
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::prepare`].
+    pub fn prepare_with(&self, sites_per_voxel: f64) -> Result<Prepared> {
         let (frame, lo, hi, domain) = match self.container()? {
             Container::Box(lo, hi) => {
                 let frame = Frame::of_box(lo, hi);
@@ -186,7 +194,7 @@ impl PowerDiagram {
                 self.weights[i]
             )));
         }
-        Ok(Prepared { frame, lo, hi, domain, sites: SiteGrid::new(&positions, &weights) })
+        Ok(Prepared { frame, lo, hi, domain, sites: SiteGrid::with_density(&positions, &weights, sites_per_voxel) })
     }
 }
 

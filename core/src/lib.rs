@@ -25,7 +25,7 @@ pub mod shapes;
 pub mod site_grid;
 pub mod summation;
 
-pub use backend::{Backend, BackendInfo};
+pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo};
 pub use diagram::PowerDiagram;
 pub use domain::Domain;
 pub use error::{Error, ErrorKind, Result};

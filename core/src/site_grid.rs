@@ -1,7 +1,7 @@
 //! The sites, sorted so that neighbours in space are neighbours in memory, with a pyramid over their voxels.
 
-/// Sites per voxel that the resolution aims at (measured: see BENCHMARKS.md).
-const SITES_PER_VOXEL: f64 = 4.0;
+/// Sites per voxel that the resolution aims at, unless a backend asks for another (measured on the CPU: see BENCHMARKS.md).
+pub const SITES_PER_VOXEL: f64 = 4.0;
 
 /// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.
 const CROWDED: usize = 64;
@@ -59,8 +59,13 @@ pub struct SiteGrid {
 impl SiteGrid {
     /// Sorts `positions` (at least one, in the frame) with `weights` (one for each, or none).
     pub fn new(positions: &[[f64; 3]], weights: &[f64]) -> Self {
+        Self::with_density(positions, weights, SITES_PER_VOXEL)
+    }
+
+    /// The same, with voxels of about `sites_per_voxel` sites.
+    pub fn with_density(positions: &[[f64; 3]], weights: &[f64], sites_per_voxel: f64) -> Self {
         let (lo, hi) = crate::diagram::bounding_box(positions);
-        let (width, dims) = resolution(lo, hi, positions.len());
+        let (width, dims) = resolution(lo, hi, positions.len() as f64 / sites_per_voxel);
         let mut grid = Self {
             sites: Vec::with_capacity(positions.len()),
             order: Vec::with_capacity(positions.len()),
@@ -324,11 +329,11 @@ impl SiteGrid {
     }
 }
 
-/// Width of the cubic voxels and their number along each axis, such that there is about one for `SITES_PER_VOXEL` sites.
-fn resolution(lo: [f64; 3], hi: [f64; 3], sites: usize) -> (f64, [u32; 3]) {
+/// Width of the cubic voxels and their number along each axis, such that there are about `voxels`.
+fn resolution(lo: [f64; 3], hi: [f64; 3], voxels: f64) -> (f64, [u32; 3]) {
     let extent: [f64; 3] = std::array::from_fn(|k| hi[k] - lo[k]);
     let longest = extent.iter().fold(0.0_f64, |a, &b| a.max(b));
-    let wanted = (sites as f64 / SITES_PER_VOXEL).max(1.0);
+    let wanted = voxels.max(1.0);
     if longest == 0.0 || wanted < 2.0 {
         return (longest.max(f64::MIN_POSITIVE) * 2.0, [1; 3]);
     }

@@ -77,9 +77,11 @@ INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign
 OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c);
 INLINE V3 magnitudes(V3 a);
 OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums);
+OUTLINE uint settle(Store *s, CellSums *sums);
 OUTLINE uint lies_outside(Store *s);
 OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
 OUTLINE void add_box_faces(Store *s, CellSums *sums);
+OUTLINE real box_of_cell(Store *s, V3 *low, V3 *high);
 OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi);
 OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums);
 INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel);
@@ -814,15 +816,11 @@ INLINE real outside_of(real x, real lo, real hi) {
 // core/src/cell/integrate.rs
 
 // Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
+//
+// For a volume that is positive the bound of one of the pieces that it is made of decides: the bounds of all pieces together are far
+// above what rounding does, and would swallow thin slabs that the sum over all cells misses.
 OUTLINE uint volume_is_above_bound(CellSums sums) {
-    real bound = sums.rounding;
-    if (sums.volume > REAL(0.0)) {
-        const real nothing = (ROUNDINGS_OF_NOTHING * UNIT_ROUNDOFF) * sums.size;
-        if (nothing < bound) {
-            bound = nothing;
-        }
-    }
-    if (fabs(sums.volume) > bound) {
+    if ((sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding))) || (sums.volume < -(NEGATIVE_ROUNDINGS * sums.rounding))) {
         return 1;
     }
     return 0;
@@ -830,7 +828,7 @@ OUTLINE uint volume_is_above_bound(CellSums sums) {
 
 // Whether (1) a facet's area exceeds what rounding alone can make of nothing.
 OUTLINE uint facet_is_above_bound(FacetSum sum) {
-    if (fabs(sum.area) > sum.rounding) {
+    if ((sum.area > (SHARE_OF_NOTHING * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding))) {
         return 1;
     }
     return 0;
@@ -868,9 +866,9 @@ OUTLINE uint integrate(Store *s, real weight, V3 center, real reach, uint flags,
     const V3 first = scale(weight / REAL(24.0), part.first);
     const V3 about = scale(volume, center);
     sums->volume = sums->volume + volume;
-    sums->size = sums->size + fabs(volume);
     sums->first = add(sums->first, add(first, about));
     sums->rounding = sums->rounding + (part.rounding / REAL(6.0));
+    sums->largest_rounding = larger(sums->largest_rounding, part.rounding / REAL(6.0));
     if ((flags & SECOND_MOMENTS) != 0) {
         // ∫ (y + c)(y + c)ᵀ = ∫ yyᵀ + c mᵀ + m cᵀ + V ccᵀ, m = ∫ y.
         const V3 twice = add(add(first, first), about);
@@ -917,11 +915,19 @@ INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center
 INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot) {
     const V3 direction = v3_cross(f.n, g.n);
     const real square = v3_dot(direction, direction);
-    if (square > ((NEARLY_PARALLEL * f.square) * g.square)) {
-        *foot = scale(-REAL(1.0) / square, add(scale(f.d, v3_cross(g.n, direction)), scale(g.d, v3_cross(direction, f.n))));
-        return COMPLETE;
+    const real whole = f.square * g.square;
+    if (!(square > (NEARLY_PARALLEL * whole))) {
+        return store_exact_foot(s, f.index, g.index, center, foot);
     }
-    return store_exact_foot(s, f.index, g.index, center, foot);
+    const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
+    const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
+    *foot = add(scale(f.d, to_f), scale(g.d, to_g));
+    if (square < (WORTH_REFINING_FOOT * whole)) {
+        const real rest_f = residual((Plane){ .n = f.n, .d = f.d }, *foot);
+        const real rest_g = residual((Plane){ .n = g.n, .d = g.d }, *foot);
+        *foot = add(*foot, add(scale(rest_f, to_f), scale(rest_g, to_g)));
+    }
+    return COMPLETE;
 }
 
 // Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
@@ -1003,7 +1009,8 @@ OUTLINE void reset_facets(Store *s) {
 // Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
 // keeps the domain's inside, −1 where it keeps its outside.
 OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums) {
-    if (facet_is_above_bound(sum) == 0) {
+    // The surface has no negative area.
+    if ((facet_is_above_bound(sum) == 0) || (sum.area < REAL(0.0))) {
         return;
     }
     const real share = (outward * sum.area) / sqrt(v3_dot(plane.n, plane.n));
@@ -1296,10 +1303,39 @@ OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *
         if (quotient < REAL(0.0)) {
             inner = -inner;
         }
-        *sums = (CellSums){ 0 };
-        return integrate_whole(s, (real)inner, center, flags, sums);
+        // A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
+        const real off = fabs(sums->volume - (((real)inner) * whole.volume));
+        if (off <= (sums->rounding + whole.rounding)) {
+            *sums = (CellSums){ 0 };
+            return integrate_whole(s, (real)inner, center, flags, sums);
+        }
     }
+    return settle(s, sums);
+}
+
+// `COMPLETE` where something is left of the cell, else `EMPTY`.
+//
+// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
+OUTLINE uint settle(Store *s, CellSums *sums) {
     if (volume_is_above_bound(*sums) == 0) {
+        return EMPTY;
+    }
+    if (sums->volume > sums->rounding) {
+        return COMPLETE;
+    }
+    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    const real radius = box_of_cell(s, &low, &high);
+    const real extent = norm_max(sub(high, low)) + radius;
+    if (sums->volume < REAL(0.0)) {
+        if (-sums->volume <= (((ROUNDINGS_OF_NEEDLE * UNIT_ROUNDOFF) * extent) * (extent * extent))) {
+            return EMPTY;
+        }
+        return COMPLETE;
+    }
+    const V3 middle = scale(REAL(0.5), add(low, high));
+    const V3 barycenter = scale(REAL(1.0) / sums->volume, sums->first);
+    if (norm_max(sub(barycenter, middle)) > extent) {
         return EMPTY;
     }
     return COMPLETE;
@@ -1331,10 +1367,7 @@ OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellS
     if (status != COMPLETE) {
         return status;
     }
-    if (volume_is_above_bound(*sums) == 0) {
-        return EMPTY;
-    }
-    return COMPLETE;
+    return settle(s, sums);
 }
 
 // The faces of the initial box are the boundary where there is no domain.
@@ -1348,19 +1381,27 @@ OUTLINE void add_box_faces(Store *s, CellSums *sums) {
     }
 }
 
-// The voxels that the bounding box of the cell meets, rounded outward.
-OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi) {
-    V3 low = store_position(s, 0);
-    V3 high = low;
+// The bounding box of the vertices; returns their largest error radius.
+OUTLINE real box_of_cell(Store *s, V3 *low, V3 *high) {
+    *low = store_position(s, 0);
+    *high = *low;
     real radius = store_radius(s, 0);
     uint v = 1;
     while (v < store_vertices(s)) {
         const V3 p = store_position(s, v);
-        low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
-        high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
+        *low = v3(smaller(low->x, p.x), smaller(low->y, p.y), smaller(low->z, p.z));
+        *high = v3(larger(high->x, p.x), larger(high->y, p.y), larger(high->z, p.z));
         radius = larger(radius, store_radius(s, v));
         v += 1;
     }
+    return radius;
+}
+
+// The voxels that the bounding box of the cell meets, rounded outward.
+OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi) {
+    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    const real radius = box_of_cell(s, &low, &high);
     const V3 site = store_site(s);
     // The vertices' error, and the rounding of moving them into the diagram's frame.
     const real margin = radius + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(site) + larger(norm_max(low), norm_max(high))));

@@ -210,8 +210,8 @@ typedef struct {
     V3 second_mixed;
     // What rounding may have added to the volume, at most.
     real rounding;
-    // Magnitudes of the volumes of the pieces that were added and subtracted.
-    real size;
+    // The largest that rounding may have added to one of the pieces that were added and subtracted.
+    real largest_rounding;
     // Area of the boundary within the cell.
     real boundary_area;
     // ∫ x dA over the boundary.
@@ -231,13 +231,18 @@ typedef struct {
 // there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
 #define ROUNDINGS_ACROSS ((real)(REAL(8.0)))
 
-// A volume that is positive counts as nothing only below so many roundings of the pieces that it is made of: the bound of a thin
-// slab beside large pieces is far above what rounding does, and dropping the slab would be seen in the sum over all cells.
-#define ROUNDINGS_OF_NOTHING ((real)(REAL(16.0)))
+// What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
+#define SHARE_OF_NOTHING ((real)(REAL(0.125)))
 
-// Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly: the
-// square of the vertices' bound.
-#define NEARLY_PARALLEL ((real)(REAL(1e-20)))
+// What is negative, where winding numbers are not, is made by rounding: by more than its bound only where nearly degenerate planes meet, and
+// never by so many times.
+#define NEGATIVE_ROUNDINGS ((real)(REAL(1024.0)))
+
+// Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly; between the two it
+// is refined once. The squares of the vertices' bounds.
+#define NEARLY_PARALLEL ((real)(REAL(5.684341886081e-14)))
+
+#define WORTH_REFINING_FOOT ((real)(REAL(3.814697265625e-6)))
 
 // One plane as the integrals see it: moved to the reference point, with its foot.
 typedef struct {
@@ -277,3 +282,7 @@ typedef struct {
 #define CONE_SIGN_ERROR ((real)((REAL(7.0) + (REAL(56.0) * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF))
 
 // core/src/cell/restrict.rs
+
+// Roundings, in units of the cube of a cell's extent, that may make a volume negative where the cell is a needle, whose own bound
+// does not know what cancels within its tetrahedra.
+#define ROUNDINGS_OF_NEEDLE ((real)(REAL(64.0)))

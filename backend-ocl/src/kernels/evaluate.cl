@@ -37,6 +37,9 @@ __kernel void cells(
     };
     Search search;
     uint status = complete_cell(&store, &search, shells, list[i]);
+    if (status == COMPLETE) {
+        status = refine(&store);
+    }
     CellSums part = (CellSums){ 0 };
     if (status == COMPLETE) {
         status = integrate_cell(&store, params->flags, interior_only, &part);
@@ -45,7 +48,7 @@ __kernel void cells(
     if (status == COMPLETE) {
         uint n = 0;
         for (uint f = 0; f < store.planes; f++) {
-            if ((store.tag[f] < TAG_BOX) && (facet_is_above_bound(store.facet[f]) != 0)) {
+            if ((store_tag(&store, f) < TAG_BOX) && (facet_is_above_bound(store.facet[f]) != 0)) {
                 n++;
             }
         }
@@ -57,12 +60,12 @@ __kernel void cells(
             uint next = first;
             for (uint f = 0; f < store.planes; f++) {
                 const FacetSum sum = store.facet[f];
-                if ((store.tag[f] < TAG_BOX) && (facet_is_above_bound(sum) != 0)) {
+                if ((store_tag(&store, f) < TAG_BOX) && (facet_is_above_bound(sum) != 0)) {
                     facets[next].area = sum.area;
                     facets[next].moment[0] = sum.moment.x;
                     facets[next].moment[1] = sum.moment.y;
                     facets[next].moment[2] = sum.moment.z;
-                    facets[next].neighbor = store.tag[f];
+                    facets[next].neighbor = store_tag(&store, f);
                     next++;
                 }
             }

@@ -1,7 +1,9 @@
-// The search for the sites that cut a cell. First the voxels around the cell's own, in the order of a table of offsets sorted by distance;
-// then, where those do not prove the cell complete, the pyramid from its root, and the trees of crowded voxels.
+// The search for the sites that cut a cell. First the voxels around the cell's own, in the order of a table of offsets sorted by distance
+// (`search_shells`); then, where those do not prove the cell complete, the pyramid from its root, and the trees of crowded voxels
+// (`search_rest`).
 //
-// The next candidate is found by one function and met by one call of `clip`, so that the work-items of a group clip together.
+// Each work-item looks for its own next candidate, and then all of a group clip together: looking must cost little. So what it needs
+// is kept in registers, and distances to voxels are in single precision and units of a voxel.
 
 // Voxels along each axis to each side that the table of offsets holds; `SHELLS` entries (search.rs makes it).
 #define SHELL_RADIUS 4u
@@ -13,16 +15,13 @@
 // Sites in a voxel from which on the sharp test costs less than what it saves.
 #define WORTH_SHARP_TEST 8u
 
-// Where the search stands.
-#define IN_SHELLS 0u
+// Where the search of the pyramid stands.
 #define IN_PYRAMID 1u
 #define IN_TREE 2u
 #define AT_END 3u
 
-// What `next_site` found.
-#define FOUND_SITE 0u
-#define FOUND_NONE 1u
-#define FOUND_OUTSIDE 2u
+// What single precision may err by in a distance to a voxel, in units of a voxel: distances are below 8, and pads below 1e-9.
+#define SHELL_SLACK 1e-5f
 
 typedef struct {
     uint site;
@@ -33,13 +32,9 @@ typedef struct {
     uint uncertified;
     uint visited;
     uint where;
-    // Next entry of the table of offsets.
-    uint entry;
     // Sites at hand.
     uint next;
     uint end;
-    // Whether a crowded voxel was left for later.
-    uint deferred;
     uint center[3];
     uint level;
     uint node[3];
@@ -47,13 +42,6 @@ typedef struct {
     uint depth;
     uint stack[40];
 } Search;
-
-// A site that may cut the cell.
-typedef struct {
-    uint site;
-    V3 difference;
-    real weight;
-} Candidate;
 
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
@@ -233,81 +221,155 @@ OUTLINE void step_in_tree(Store *s, Search *search) {
     search->depth += 2u;
 }
 
-// One voxel of the table of offsets. Returns 1 where the cell is known to lie outside the domain.
-INLINE uint step_in_shells(Store *s, Search *search, __global const uchar4 *shells) {
-    __global const Params *params = s->world.params;
-    const uint entry = search->entry;
-    // Cells outside the domain need not be complete to be known empty.
-    if (((entry == 7u) || (entry == 19u)) || (entry == 27u)) {
-        if (lies_outside(s) != 0) {
-            return 1;
-        }
-    }
-    if (entry == SHELLS) {
-        search->where = IN_PYRAMID;
-        return 0;
-    }
-    search->entry = entry + 1u;
-    const uchar4 shell = shells[entry];
-    // All later voxels are at least this far away.
-    const real least = (sqrt((real)shell.w) * params->grid_width) * (REAL(1.0) - (REAL(8.0) * UNIT_ROUNDOFF))
-        - REAL(4.0) * ((params->grid_pad[0] + params->grid_pad[1]) + params->grid_pad[2]);
-    if ((least > REAL(0.0)) && out_of_reach(s, search, least * least, params->largest_weight)) {
-        search->where = search->deferred ? IN_PYRAMID : AT_END;
-        return 0;
-    }
-    const uint i = search->center[0] + shell.x - SHELL_RADIUS;
-    const uint j = search->center[1] + shell.y - SHELL_RADIUS;
-    const uint k = search->center[2] + shell.z - SHELL_RADIUS;
-    // Below zero is beyond the end, too.
-    if (((i >= params->grid_dims[0]) || (j >= params->grid_dims[1])) || (k >= params->grid_dims[2])) {
-        return 0;
-    }
-    const uint voxel = node_index(s, 0, i, j, k);
-    const uint begin = s->world.voxels[voxel];
-    const uint end = s->world.voxels[voxel + 1u];
-    if ((begin == end) || can_skip_node(s, search, 0, i, j, k, 0)) {
-        return 0;
-    }
-    if ((params->has_clusters != 0) && ((end - begin) > CROWDED)) {
-        search->deferred = 1;
-        return 0;
-    }
-    search->next = begin;
-    search->end = end;
-    return 0;
-}
-
-// The next site that may cut the cell.
-INLINE uint next_site(Store *s, Search *search, __global const uchar4 *shells, Candidate *candidate) {
+// The next site of the pyramid that may cut the cell; 0 where there is none.
+OUTLINE uint next_in_pyramid(Store *s, Search *search, uint *found) {
     for (;;) {
         while (search->next < search->end) {
             const uint site = search->next;
             search->next = site + 1u;
-            if (site == search->site) {
-                continue;
-            }
             const real4 other = s->world.sites[site];
             const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
                                .z = other.z - search->position.z };
-            if (out_of_reach(s, search, square_of(d), other.w)) {
-                continue;
+            if ((site != search->site) && !out_of_reach(s, search, square_of(d), other.w)) {
+                *found = site;
+                return 1;
             }
-            *candidate = (Candidate){ .site = site, .difference = d, .weight = other.w };
-            return FOUND_SITE;
         }
-        if (search->where == IN_SHELLS) {
-            if (step_in_shells(s, search, shells)) {
-                return FOUND_OUTSIDE;
-            }
-        } else if (search->where == IN_PYRAMID) {
+        if (search->where == IN_PYRAMID) {
             step_in_pyramid(s, search);
         } else if (search->where == AT_END) {
-            return FOUND_NONE;
+            return 0;
         } else {
             step_in_tree(s, search);
         }
     }
+}
+
+// Cuts the cell by the bisector with a site.
+INLINE uint cut_by(Store *s, Search *search, uint site) {
+    const real4 other = s->world.sites[site];
+    const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y, .z = other.z - search->position.z };
+    search->visited++;
+    return clip(s, bisector(d, search->weight - other.w), site);
+}
+
+// Whether a cell is known to lie outside the domain: looked for after the voxel itself and those at its faces, edges and corners.
+INLINE uint is_outside(Store *s, uint entry) {
+    return (((entry == 7u) || (entry == 19u)) || (entry == 27u)) && (s->world.params->has_domain != 0) && (lies_outside(s) != 0);
+}
+
+// Goes through the table of offsets. Returns `COMPLETE` where the cell is, `UNTOUCHED` where the rest of the sites has to be searched,
+// or how the cell ended.
+INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shells) {
+    __global const Params *params = s->world.params;
+    __global const real4 *sites = s->world.sites;
+    __global const uint *voxels = s->world.voxels;
+    const V3 p = search->position;
+    const uint own = search->site;
+    const uint equal = params->equal_weights;
+    const uint crowded = (params->has_clusters != 0) ? CROWDED : 0xFFFFFFFFu;
+    const uint nx = params->grid_dims[0];
+    const uint ny = params->grid_dims[1];
+    const uint nz = params->grid_dims[2];
+    const real per_width = REAL(1.0) / params->grid_width;
+    const float fx = (float)(((p.x - params->grid_lo[0]) * per_width) - (real)search->center[0]);
+    const float fy = (float)(((p.y - params->grid_lo[1]) * per_width) - (real)search->center[1]);
+    const float fz = (float)(((p.z - params->grid_lo[2]) * per_width) - (real)search->center[2]);
+    const real extra = params->largest_weight - search->weight;
+    const real enlarged = params->enlarged;
+    uint entry = 0;
+    uint next = 0;
+    uint end = 0;
+    uint rest = 0;
+    uint left_out = 0;
+    for (;;) {
+        // How far a site that can cut the cell may be; the same in units of a voxel, squared.
+        real reach = security_reach(search->farthest, extra);
+        if (enlarged > REAL(0.0)) {
+            const real stop = enlarged * security_reach(search->farthest, REAL(0.0));
+            left_out = stop < reach;
+            reach = fmin(reach, stop);
+        }
+        const real reach_square = reach * reach;
+        const float in_voxels = (float)(reach * per_width) + SHELL_SLACK;
+        const float limit = (in_voxels * in_voxels) * 1.00001f;
+        uint found = 0xFFFFFFFFu;
+        for (;;) {
+            if (next < end) {
+                const real4 other = sites[next];
+                const V3 d = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
+                const real square = square_of(d);
+                const uint site = next;
+                next++;
+                if ((square < reach_square) && (site != own)) {
+                    if (equal || !out_of_reach(s, search, square, other.w)) {
+                        found = site;
+                        break;
+                    }
+                }
+                continue;
+            }
+            if (is_outside(s, entry)) {
+                return EMPTY;
+            }
+            if (entry == SHELLS) {
+                rest = 1;
+                break;
+            }
+            const uchar4 shell = shells[entry];
+            // All later voxels are at least as far away.
+            if ((float)shell.w >= limit) {
+                break;
+            }
+            entry++;
+            const int ox = (int)shell.x - (int)SHELL_RADIUS;
+            const int oy = (int)shell.y - (int)SHELL_RADIUS;
+            const int oz = (int)shell.z - (int)SHELL_RADIUS;
+            const float gx = fmax(fmax((float)ox - fx, fx - (float)(ox + 1)), 0.0f);
+            const float gy = fmax(fmax((float)oy - fy, fy - (float)(oy + 1)), 0.0f);
+            const float gz = fmax(fmax((float)oz - fz, fz - (float)(oz + 1)), 0.0f);
+            // Below zero is beyond the end, too.
+            const uint i = search->center[0] + (uint)ox;
+            const uint j = search->center[1] + (uint)oy;
+            const uint k = search->center[2] + (uint)oz;
+            if ((((((gx * gx) + (gy * gy)) + (gz * gz)) >= limit) || (i >= nx)) || ((j >= ny) || (k >= nz))) {
+                continue;
+            }
+            const uint voxel = i + (nx * (j + (ny * k)));
+            next = voxels[voxel];
+            end = voxels[voxel + 1u];
+            if ((end - next) > crowded) {
+                rest = 1;
+                next = end;
+            } else if (!equal && can_skip_node(s, search, 0, i, j, k, 0)) {
+                next = end;
+            }
+        }
+        if (found == 0xFFFFFFFFu) {
+            search->uncertified |= left_out;
+            return rest ? UNTOUCHED : COMPLETE;
+        }
+        const uint status = cut_by(s, search, found);
+        if (status == CUT) {
+            search->farthest = farthest_vertex(s);
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+}
+
+// Goes through the pyramid, but for the voxels of the table of offsets that are not crowded.
+OUTLINE uint search_rest(Store *s, Search *search) {
+    uint site;
+    while (next_in_pyramid(s, search, &site)) {
+        const uint status = cut_by(s, search, site);
+        if (status == CUT) {
+            search->farthest = farthest_vertex(s);
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+    return COMPLETE;
 }
 
 INLINE uint voxel_along(Store *s, uint axis, real x) {
@@ -325,11 +387,9 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->weight = own.w;
     search->uncertified = 0;
     search->visited = 0;
-    search->where = IN_SHELLS;
-    search->entry = 0;
+    search->where = IN_PYRAMID;
     search->next = 0;
     search->end = 0;
-    search->deferred = 0;
     search->depth = 0;
     search->level = params->top_level;
     for (uint axis = 0; axis < 3u; axis++) {
@@ -339,7 +399,11 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->center[1] = voxel_along(s, 1, own.y);
     search->center[2] = voxel_along(s, 2, own.z);
     s->site = search->position;
+    s->weight = own.w;
     s->exact = 0;
+    s->is_fine = 0;
+    s->specials = 0;
+    s->last_index = 0xFFFFFFFFu;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
     uint status = begin(s, lo, hi);
@@ -347,21 +411,18 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
         return status;
     }
     search->farthest = farthest_vertex(s);
-    for (;;) {
-        Candidate candidate;
-        const uint found = next_site(s, search, shells, &candidate);
-        if (found == FOUND_NONE) {
-            return COMPLETE;
-        }
-        if (found == FOUND_OUTSIDE) {
-            return EMPTY;
-        }
-        search->visited++;
-        status = clip(s, bisector(candidate.difference, search->weight - candidate.weight), candidate.site);
-        if (status == CUT) {
-            search->farthest = farthest_vertex(s);
-        } else if (status != UNTOUCHED) {
+    status = search_shells(s, search, shells);
+    return (status == UNTOUCHED) ? search_rest(s, search) : status;
+}
+
+// Computes all vertices in double precision, for the integrals.
+INLINE uint refine(Store *s) {
+    s->is_fine = 1;
+    for (uint v = 0; v < s->vertices; v++) {
+        const uint status = place_vertex(s, v);
+        if (status != COMPLETE) {
             return status;
         }
     }
+    return COMPLETE;
 }

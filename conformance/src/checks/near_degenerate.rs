@@ -7,6 +7,7 @@ use laguerre_core::cell::{
     box_cannot_cut, farthest_vertex, security_reach, v3,
 };
 use laguerre_core::exact;
+use laguerre_core::site_grid::SiteGrid;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Domain, PowerDiagram, Request};
 
@@ -16,10 +17,10 @@ use crate::domains::{self, Pose, Room, Shape};
 use crate::sites::Random;
 
 /// Cells that each law is tried on.
-const CELLS: usize = 400;
+const CELLS: usize = 1500;
 
-/// Every vertex lies on its three planes to a rounding: Cramer's rule is off by the inverse of the normals' determinant, and
-/// one step of refinement squares that.
+/// Every vertex is where its planes meet, to its error radius, and lies on them to a rounding: Cramer's rule is off by the
+/// inverse of the normals' determinant, and one step of refinement squares that.
 pub fn vertices_lie_on_their_planes(_: &dyn Backend) -> Verdict {
     let mut random = Random::new(1);
     for _ in 0..CELLS {
@@ -33,14 +34,33 @@ pub fn vertices_lie_on_their_planes(_: &dyn Backend) -> Verdict {
                 s if s > EXACT_BELOW / 2.0 => cramer * cramer,
                 _ => 0.0,
             };
+            let (at, mut exactly) = (vector(store.position(v)), v3(0.0, 0.0, 0.0));
+            ensure!(exact::position(a, b, c, &mut exactly) == cell::COMPLETE, "a vertex without a position");
+            let (off, radius) = ((vector(exactly) - at).abs().max_element(), store.radius(v));
+            ensure!(off <= radius, "a vertex of share {share:e} is {off:e} off, not within {radius:e}");
             for plane in [a, b, c] {
                 let off = height(plane, store.position(v)).abs();
                 // 4 roundings for what is measured here, 8 for the position's correction.
-                let bound =
-                    (12.0 * U + rest) * (size(plane.n) * vector(store.position(v)).abs().max_element() + plane.d.abs());
+                let bound = (12.0 * U + rest) * (size(plane.n) * at.abs().max_element() + plane.d.abs());
                 ensure!(off <= bound, "a vertex of share {share:e} is {off:e} off its plane, bound {bound:e}");
             }
         }
+    }
+    Ok(())
+}
+
+/// Exact positions are rounded once: where planes along the axes meet, they are the quotients of IEEE arithmetic.
+pub fn exact_positions_are_rounded_once(_: &dyn Backend) -> Verdict {
+    let mut random = Random::new(7);
+    // Of some 2,000 quotients one is so near to the middle of two numbers that only the division's remainder tells.
+    for _ in 0..10 * CELLS {
+        let [n, d] = [0, 1].map(|_| [0, 1, 2].map(|_| 1.0 + random.unit()));
+        let axes = [[n[0], 0.0, 0.0], [0.0, n[1], 0.0], [0.0, 0.0, n[2]]];
+        let [a, b, c] = [0, 1, 2].map(|k| Plane { n: plain(axes[k].into()), d: d[k] });
+        let mut position = v3(0.0, 0.0, 0.0);
+        ensure!(exact::position(a, b, c, &mut position) == cell::COMPLETE, "axes that do not meet");
+        let quotients = [0, 1, 2].map(|k| -d[k] / n[k]);
+        ensure!(vector(position) == DVec3::from(quotients), "{position:?} is not {quotients:?}");
     }
     Ok(())
 }
@@ -140,6 +160,35 @@ pub fn no_false_proof(_: &dyn Backend) -> Verdict {
     Ok(())
 }
 
+/// A node's box holds its sites, those on the very border of a voxel too: what is proved about the box is true of them.
+pub fn boxes_hold_their_sites(_: &dyn Backend) -> Verdict {
+    let mut random = Random::new(9);
+    for _ in 0..100 {
+        // The grid depends on the ends and the number alone, so that its borders are known before the sites that go there.
+        let ends = [random.point(), random.point()];
+        let (lo, hi) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let all =
+            |others: Vec<DVec3>| -> Vec<[f64; 3]> { [lo, hi].into_iter().chain(others).map(Into::into).collect() };
+        let width = SiteGrid::new(&all(vec![lo; 500]), &[]).voxel_width();
+        let borders = (0..500).map(|_| {
+            let steps = (random.point() * (hi - lo) / width).round();
+            let off = f64::EPSILON * (random.point() * 6.0 - 3.0).round();
+            ((lo + steps * width) * (1.0 + off)).clamp(lo, hi)
+        });
+        let grid = SiteGrid::new(&all(borders.collect()), &[]);
+        ensure!(grid.voxel_width() == width, "another grid");
+        for &[x, y, z, _] in grid.sites() {
+            let voxel = grid.voxel_of([x, y, z]);
+            for level in 0..grid.levels().len() {
+                let (lo, hi) = grid.node_box(level, voxel.map(|i| i >> level));
+                let holds = [x, y, z].iter().enumerate().all(|(k, c)| (lo[k]..=hi[k]).contains(c));
+                ensure!(holds, "site {:?} is not in its box {lo:?} to {hi:?}", [x, y, z]);
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Areas and volume are those of the polygons that the vertices span, however far the site is and however nearly parallel two
 /// planes are.
 pub fn integrals_are_of_the_polygons(_: &dyn Backend) -> Verdict {
@@ -172,7 +221,7 @@ pub fn integrals_are_of_the_polygons(_: &dyn Backend) -> Verdict {
                 if sine > EXACT_BELOW { sine } else { 1.0 }
             });
             let foot = 1.0 / sines.fold(1.0, f64::min);
-            let bound = ROUNDINGS * U * reach * size * foot;
+            let bound = ROUNDINGS * cycle.len() as f64 * U * reach * size * foot;
             let off = (store.facet(f).area - polygon).abs();
             ensure!(
                 off <= bound,
@@ -180,7 +229,8 @@ pub fn integrals_are_of_the_polygons(_: &dyn Backend) -> Verdict {
                 store.facet(f).area
             );
         }
-        let (off, bound) = ((sums.volume - volume).abs(), ROUNDINGS * U * reach * surface);
+        let (off, bound) =
+            ((sums.volume - volume).abs(), ROUNDINGS * f64::from(vertices) * U * reach * (surface + U * reach * reach));
         ensure!(off <= bound, "volume {:e}, of the polygons {volume:e}: bound {bound:e}", sums.volume);
     }
     Ok(())
@@ -220,8 +270,8 @@ pub fn untouched_cells_are_whole(_: &dyn Backend) -> Verdict {
     Ok(())
 }
 
-/// Corners of the domain's grid lie exactly in the plane of a face, outside the face. Its cones from there are flat and add
-/// nothing, but the face still divides the cells that it meets.
+/// Corners of the domain's grid lie in the plane of a face, outside the face, exactly or to a rounding. The face's cone from there
+/// is flat, or so thin that it is lost, but the face still divides the cells that it meets.
 pub fn face_in_line_with_corners(backend: &dyn Backend) -> Verdict {
     // A prism along y. Of its section the lower edge is drawn so that its line passes through the grid's lowest corner, and,
     // being inclined by 1025/1024, through no other.
@@ -236,17 +286,58 @@ pub fn face_in_line_with_corners(backend: &dyn Backend) -> Verdict {
     let corner_of = |domain: &Domain| domain.grid().corner([0; 3]);
     let [x, y, z] = corner_of(&prism(&[[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])?);
     let on_line = |t: f64| [x + t, z + (t + t / 1024.0)];
-    let (left, right) = (on_line(-x), on_line(0.5));
-    let domain = prism(&[[0.0, 1.0], left, right, [1.0, 0.0], [1.0, 1.0]])?;
     let point = |[x, z]: [f64; 2], y: f64| v3(x, y, z);
-    let sign = exact::sign_of_cone(point(left, 0.0), point(right, 0.0), point(left, 1.0), v3(x, y, z));
-    ensure!(sign == 0 && corner_of(&domain) == [x, y, z], "the corner is not in line with the face");
-    // Cells of a third of a voxel, where the face begins.
-    let mut random = Random::new(6);
-    let width = domain.grid().voxel_width();
-    let place = |at: DVec3| [2.0 * width * at.x, 0.4 + 2.0 * width * at.y, 2.0 * width * at.z];
-    let sites: Vec<[f64; 3]> = (0..300).map(|_| place(random.point())).collect();
-    let diagram = PowerDiagram::new(&sites, &[]).map_err(|e| e.to_string())?.restricted_to(&domain);
+    let mut signs = [0; 3];
+    for [l, r] in (-3..=3).flat_map(|l| (-3..=3).map(move |r| [l, r])) {
+        let [left, right] = [(-x, l), (0.5, r)].map(|(t, roundings)| {
+            let [x, z] = on_line(t);
+            [x, z + f64::from(roundings) * U * z]
+        });
+        let domain = prism(&[[0.0, 1.0], left, right, [1.0, 0.0], [1.0, 1.0]])?;
+        ensure!(corner_of(&domain) == [x, y, z], "another grid");
+        let sign = exact::sign_of_cone(point(left, 0.0), point(right, 0.0), point(left, 1.0), v3(x, y, z));
+        signs[(sign + 1) as usize] += 1;
+        // Cells of a third of a voxel, where the face begins.
+        let mut random = Random::new(6);
+        let width = domain.grid().voxel_width();
+        let place = |at: DVec3| [2.0 * width * at.x, 0.4 + 2.0 * width * at.y, 2.0 * width * at.z];
+        let sites: Vec<[f64; 3]> = (0..300).map(|_| place(random.point())).collect();
+        sums_to(backend, &domain, &sites).map_err(|e| format!("{e}; {l} and {r} roundings off the line"))?;
+    }
+    ensure!(signs.iter().all(|&count| count > 0), "corners on the sides of the face: {signs:?}");
+    Ok(())
+}
+
+/// A line of the grid's corners, along which winding numbers are counted, would run through vertices of the domain: the grid is
+/// shifted.
+pub fn vertices_in_line_with_corners(backend: &dyn Backend) -> Verdict {
+    // A box, and in it an octahedron of which two vertices are on such a line of the box's grid.
+    let corners: Vec<[f64; 3]> = (0..8).map(|c| [0, 1, 2].map(|k| f64::from(c >> k & 1))).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let cube: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let alone = Domain::new(&corners, &cube).map_err(|e| e.to_string())?;
+    let [_, y, z] = alone.grid().corner([0, 6, 6]);
+    let axes = [0, 1, 2].map(|k| if k == 0 { 0.375 } else { 0.25 });
+    let tips = (0..6).map(|tip| {
+        let mut at = [0.5, y, z];
+        at[tip / 2] += axes[tip / 2] * if tip % 2 == 0 { 1.0 } else { -1.0 };
+        at
+    });
+    let vertices: Vec<[f64; 3]> = corners.iter().copied().chain(tips).collect();
+    let octants = (0..8_u32).map(|o| {
+        let [a, b, c] = [8 + (o & 1), 10 + (o >> 1 & 1), 12 + (o >> 2)];
+        if o.count_ones() % 2 == 0 { [a, b, c] } else { [a, c, b] }
+    });
+    let triangles: Vec<[u32; 3]> = cube.iter().copied().chain(octants).collect();
+    let domain = Domain::new(&vertices, &triangles).map_err(|e| e.to_string())?;
+    let mut random = Random::new(8);
+    let sites: Vec<[f64; 3]> = (0..300).map(|_| random.point().into()).collect();
+    sums_to(backend, &domain, &sites)
+}
+
+/// That the volumes of the cells of `sites` sum to that of the domain.
+fn sums_to(backend: &dyn Backend, domain: &Domain, sites: &[[f64; 3]]) -> Verdict {
+    let diagram = PowerDiagram::new(sites, &[]).map_err(|e| e.to_string())?.restricted_to(domain);
     let output = backend.evaluate(&diagram, &Request::moments()).map_err(|e| e.to_string())?;
     ensure!(output.count(CellStatus::Complete) > 150, "{} cells", output.count(CellStatus::Complete));
     let mut sum = Sum::default();
@@ -262,7 +353,7 @@ const REFINED_BELOW: f64 = 1.0 / 512.0;
 /// Below this share it computes positions exactly, and below this sine feet on edges.
 const EXACT_BELOW: f64 = 1e-10;
 
-/// Roundings of a signed area or volume.
+/// Roundings of the signed areas at a corner of a facet, or of the volumes there.
 const ROUNDINGS: f64 = 64.0;
 
 /// A cell of few to many facets, some of them nearly parallel to others and crossing them inside it; its site may be far outside.

@@ -62,7 +62,8 @@ pub fn first_moments(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict
     Ok(())
 }
 
-/// Where no winding number is negative, a barycenter is the mean of points of the container: within its bounding box.
+/// Where no winding number is negative, a barycenter is the mean of points of the container: within its bounding box. A cell
+/// that is so small that rounding could take its barycenter farther away than the container is large is nothing, and to be empty.
 pub fn barycenters(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     if has_negative_windings(&scene.room) {
         return Ok(());
@@ -72,7 +73,8 @@ pub fn barycenters(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     for i in (0..scene.len()).filter(|&i| output.status[i] != CellStatus::Empty) {
         let place = DVec3::from(output.barycenter[i]);
         let off = (lo - place).max(place - hi).max_element();
-        let bound = bounds.displacement(i) + bounds.cell_rounding(i) * bounds.reach(i) / output.volume[i];
+        let rounding = bounds.cell_rounding(i) * bounds.reach(i) / output.volume[i];
+        let bound = bounds.displacement(i) + rounding.min(bounds.reach(i));
         ensure!(
             off <= bound,
             "site {i}: barycenter {place} is {off:e} outside of the container's box, bound {bound:e}"

@@ -3,8 +3,8 @@
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
 use super::store::CellStore;
-use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, norm_1, scale, sub, v3};
-use super::vertex::Triplet;
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, scale, smaller, sub, v3};
+use super::vertex::{Triplet, residual};
 
 /// Flags of [`integrate`](super::integrate_cell): volume and first moment alone.
 pub const VOLUME_ONLY: u32 = 0;
@@ -39,8 +39,8 @@ pub struct CellSums {
     pub second_mixed: V3,
     /// What rounding may have added to the volume, at most.
     pub rounding: Real,
-    /// Magnitudes of the volumes of the pieces that were added and subtracted.
-    pub size: Real,
+    /// The largest that rounding may have added to one of the pieces that were added and subtracted.
+    pub largest_rounding: Real,
     /// Area of the boundary within the cell.
     pub boundary_area: Real,
     /// ∫ x dA over the boundary.
@@ -60,20 +60,21 @@ const ROUNDINGS: Real = 64.0;
 /// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
 const ROUNDINGS_ACROSS: Real = 8.0;
 
-/// A volume that is positive counts as nothing only below so many roundings of the pieces that it is made of: the bound of a thin
-/// slab beside large pieces is far above what rounding does, and dropping the slab would be seen in the sum over all cells.
-const ROUNDINGS_OF_NOTHING: Real = 16.0;
+/// What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
+const SHARE_OF_NOTHING: Real = 0.125;
+
+/// What is negative, where winding numbers are not, is made by rounding: by more than its bound only where nearly degenerate planes meet, and
+/// never by so many times.
+const NEGATIVE_ROUNDINGS: Real = 1024.0;
 
 /// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
+///
+/// For a volume that is positive the bound of one of the pieces that it is made of decides: the bounds of all pieces together are far
+/// above what rounding does, and would swallow thin slabs that the sum over all cells misses.
 pub fn volume_is_above_bound(sums: CellSums) -> u32 {
-    let mut bound: Real = sums.rounding;
-    if sums.volume > 0.0 {
-        let nothing: Real = (ROUNDINGS_OF_NOTHING * UNIT_ROUNDOFF) * sums.size;
-        if nothing < bound {
-            bound = nothing;
-        }
-    }
-    if sums.volume.abs() > bound {
+    if (sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding)))
+        || (sums.volume < -(NEGATIVE_ROUNDINGS * sums.rounding))
+    {
         return 1;
     }
     return 0;
@@ -81,15 +82,16 @@ pub fn volume_is_above_bound(sums: CellSums) -> u32 {
 
 /// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
 pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
-    if sum.area.abs() > sum.rounding {
+    if (sum.area > (SHARE_OF_NOTHING * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding)) {
         return 1;
     }
     return 0;
 }
 
-/// Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly: the
-/// square of the vertices' bound.
-const NEARLY_PARALLEL: Real = 1e-20;
+/// Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly; between the two it
+/// is refined once. The squares of the vertices' bounds.
+const NEARLY_PARALLEL: Real = 5.684341886081e-14;
+const WORTH_REFINING_FOOT: Real = 3.814697265625e-6;
 
 /// One plane as the integrals see it: moved to the reference point, with its foot.
 #[derive(Clone, Copy)]
@@ -145,9 +147,9 @@ pub(crate) fn integrate<S: CellStore>(
     let first: V3 = scale(weight / 24.0, part.first);
     let about: V3 = scale(volume, center);
     sums.volume = sums.volume + volume;
-    sums.size = sums.size + volume.abs();
     sums.first = add(sums.first, add(first, about));
     sums.rounding = sums.rounding + (part.rounding / 6.0);
+    sums.largest_rounding = larger(sums.largest_rounding, part.rounding / 6.0);
     if (flags & SECOND_MOMENTS) != 0 {
         // ∫ (y + c)(y + c)ᵀ = ∫ yyᵀ + c mᵀ + m cᵀ + V ccᵀ, m = ∫ y.
         let twice: V3 = add(add(first, first), about);
@@ -221,11 +223,19 @@ fn add_edge<S: CellStore>(
 fn foot_on_edge<S: CellStore>(s: &mut S, f: Side, g: Side, center: V3, foot: &mut V3) -> u32 {
     let direction: V3 = cross(f.n, g.n);
     let square: Real = dot(direction, direction);
-    if square > ((NEARLY_PARALLEL * f.square) * g.square) {
-        *foot = scale(-1.0 / square, add(scale(f.d, cross(g.n, direction)), scale(g.d, cross(direction, f.n))));
-        return COMPLETE;
+    let whole: Real = f.square * g.square;
+    if !(square > (NEARLY_PARALLEL * whole)) {
+        return s.exact_foot(f.index, g.index, center, foot);
     }
-    return s.exact_foot(f.index, g.index, center, foot);
+    let to_f: V3 = scale(-1.0 / square, cross(g.n, direction));
+    let to_g: V3 = scale(-1.0 / square, cross(direction, f.n));
+    *foot = add(scale(f.d, to_f), scale(g.d, to_g));
+    if square < (WORTH_REFINING_FOOT * whole) {
+        let rest_f: Real = residual(Plane { n: f.n, d: f.d }, *foot);
+        let rest_g: Real = residual(Plane { n: g.n, d: g.d }, *foot);
+        *foot = add(*foot, add(scale(rest_f, to_f), scale(rest_g, to_g)));
+    }
+    return COMPLETE;
 }
 
 /// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
@@ -320,7 +330,8 @@ pub(crate) fn reset_facets<S: CellStore>(s: &mut S) {
 /// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
 /// keeps the domain's inside, −1 where it keeps its outside.
 pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
-    if facet_is_above_bound(sum) == 0 {
+    // The surface has no negative area.
+    if (facet_is_above_bound(sum) == 0) || (sum.area < 0.0) {
         return;
     }
     let share: Real = (outward * sum.area) / dot(plane.n, plane.n).sqrt();

@@ -7,7 +7,7 @@ use super::integrate::{
 };
 use super::status::{BOUNDARY, COMPLETE, EMPTY, P_FULL, TAG_BOX};
 use super::store::{CellStore, Voxel};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, add, larger, norm_max, smaller, sub, v3};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, larger, norm_max, scale, smaller, sub, v3};
 
 /// The integrals of the finished cell over the container: the domain where there is one, weighted by its winding number,
 /// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
@@ -70,10 +70,43 @@ pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, s
         if quotient < 0.0 {
             inner = -inner;
         }
-        *sums = CellSums::default();
-        return integrate_whole(s, inner as Real, center, flags, sums);
+        // A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
+        let off: Real = (sums.volume - ((inner as Real) * whole.volume)).abs();
+        if off <= (sums.rounding + whole.rounding) {
+            *sums = CellSums::default();
+            return integrate_whole(s, inner as Real, center, flags, sums);
+        }
     }
+    return settle(s, sums);
+}
+
+/// Roundings, in units of the cube of a cell's extent, that may make a volume negative where the cell is a needle, whose own bound
+/// does not know what cancels within its tetrahedra.
+const ROUNDINGS_OF_NEEDLE: Real = 64.0;
+
+/// `COMPLETE` where something is left of the cell, else `EMPTY`.
+///
+/// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
+fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
     if volume_is_above_bound(*sums) == 0 {
+        return EMPTY;
+    }
+    if sums.volume > sums.rounding {
+        return COMPLETE;
+    }
+    let mut low: V3 = v3(0.0, 0.0, 0.0);
+    let mut high: V3 = v3(0.0, 0.0, 0.0);
+    let radius: Real = box_of_cell(s, &mut low, &mut high);
+    let extent: Real = norm_max(sub(high, low)) + radius;
+    if sums.volume < 0.0 {
+        if -sums.volume <= (((ROUNDINGS_OF_NEEDLE * UNIT_ROUNDOFF) * extent) * (extent * extent)) {
+            return EMPTY;
+        }
+        return COMPLETE;
+    }
+    let middle: V3 = scale(0.5, add(low, high));
+    let barycenter: V3 = scale(1.0 / sums.volume, sums.first);
+    if norm_max(sub(barycenter, middle)) > extent {
         return EMPTY;
     }
     return COMPLETE;
@@ -105,10 +138,7 @@ fn integrate_whole<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32
     if status != COMPLETE {
         return status;
     }
-    if volume_is_above_bound(*sums) == 0 {
-        return EMPTY;
-    }
-    return COMPLETE;
+    return settle(s, sums);
 }
 
 /// The faces of the initial box are the boundary where there is no domain.
@@ -122,19 +152,27 @@ fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
     }
 }
 
-/// The voxels that the bounding box of the cell meets, rounded outward.
-fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
-    let mut low: V3 = s.position(0);
-    let mut high: V3 = low;
+/// The bounding box of the vertices; returns their largest error radius.
+fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> Real {
+    *low = s.position(0);
+    *high = *low;
     let mut radius: Real = s.radius(0);
     let mut v: u32 = 1;
     while v < s.vertices() {
         let p: V3 = s.position(v);
-        low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
-        high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
+        *low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
+        *high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
         radius = larger(radius, s.radius(v));
         v += 1;
     }
+    return radius;
+}
+
+/// The voxels that the bounding box of the cell meets, rounded outward.
+fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
+    let mut low: V3 = v3(0.0, 0.0, 0.0);
+    let mut high: V3 = v3(0.0, 0.0, 0.0);
+    let radius: Real = box_of_cell(s, &mut low, &mut high);
     let site: V3 = s.site();
     // The vertices' error, and the rounding of moving them into the diagram's frame.
     let margin: Real = radius + ((4.0 * UNIT_ROUNDOFF) * (norm_max(site) + larger(norm_max(low), norm_max(high))));

@@ -89,7 +89,7 @@ pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3
 }
 
 /// `n·x + d`, rounded once or little more.
-fn residual(plane: Plane, x: V3) -> Real {
+pub(crate) fn residual(plane: Plane, x: V3) -> Real {
     let first: Wide = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
     let second: Wide = wide_add(product_exact(plane.n.z, x.z), Wide { hi: plane.d, lo: 0.0 });
     let sum: Wide = wide_add(first, second);

@@ -10,8 +10,8 @@ use crate::{Error, Result};
 
 /// Longest header that is read; NumPy itself takes no longer ones.
 const LONGEST_HEADER: usize = 10_000;
-/// A header of numbers nests one dictionary and one tuple; brackets without end would exhaust the parser's stack.
-const MOST_BRACKETS: usize = 16;
+/// A header of numbers has one dictionary and one tuple. The library's parser takes three times as long for each brace more.
+const MOST_BRACKETS: usize = 4;
 /// Sizes of so many digits in all have a product below 2⁶⁴; a longer shape is that of no file.
 const MOST_DIGITS: usize = 18;
 

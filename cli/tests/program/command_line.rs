@@ -51,8 +51,8 @@ fn a_backend_that_is_not_there_is_code_3() {
     let folder = inputs();
     let args = ["integrate", "white.xyz", "--backend", "ocl", "-o", "a.csv", "--json"];
     let mut command = Command::new(PROGRAM);
-    // Where it was built, its loader is sought at run time: here, where there is none.
-    command.current_dir(folder.path()).args(args).env("OPENCL_DYLIB_PATH", "/nowhere/libOpenCL.so");
+    // Where it was built, the loader is told of a place without any platform.
+    command.current_dir(folder.path()).args(args).env("OCL_ICD_VENDORS", "/nowhere");
     let line = failed(&command.output().unwrap(), 3, &args);
     assert!(["ocl", "OpenCL"].iter().any(|name| line.contains(name)) && line.contains("--backend cpu"), "{line}");
     assert!(!folder.path().join("a.csv").exists());

@@ -66,36 +66,40 @@ impl Backend for Cpu {
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        let prepared = diagram.prepare()?;
-        let clusters = clusters_of(&prepared);
-        let clusters = clusters.as_ref().map(|found| found as &dyn Nearest);
-        let mut assembler = Assembler::new(&prepared, request);
-        let mut exact_cells = 0;
-        let all = (0..prepared.sites.len() as u32).collect();
-        let passes = run_passes(FIRST, all, |room, cells| -> Result<PassOutcome> {
-            let results = self.pool.install(|| run_chunks(room, cells, &prepared, clusters, request));
-            let mut outcome = PassOutcome::default();
-            for result in results {
-                if let Some(site) = result.undecided {
-                    return Err(undecided(&prepared, site));
-                }
-                let mut begin = 0;
-                for (i, cell) in result.cells.iter().enumerate() {
-                    let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
-                    assembler.add(cell, &result.facets[begin..end]);
-                    begin = end;
-                }
-                outcome.failed.extend(result.failed);
-                outcome.neighbors = outcome.neighbors.max(result.visited);
-                exact_cells += result.exact_cells;
-            }
-            Ok(outcome)
-        })?;
-        let mut output = assembler.finish();
-        output.exact_cells = exact_cells;
-        output.passes = passes;
-        Ok(output)
+        self.pool.install(|| evaluate(diagram, request))
     }
+}
+
+fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+    let prepared = diagram.prepare()?;
+    let clusters = clusters_of(&prepared);
+    let clusters = clusters.as_ref().map(|found| found as &dyn Nearest);
+    let mut assembler = Assembler::new(diagram, &prepared.container, request);
+    let mut exact_cells = 0;
+    let all = (0..prepared.sites.len() as u32).collect();
+    let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
+        let results = run_chunks(room, cells, &prepared, clusters, request);
+        let mut outcome: PassOutcome = PassOutcome::default();
+        for result in results {
+            if let Some(site) = result.undecided {
+                return Err(undecided(&prepared, site));
+            }
+            let mut begin = 0;
+            for (i, cell) in result.cells.iter().enumerate() {
+                let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
+                assembler.add(cell, &result.facets[begin..end]);
+                begin = end;
+            }
+            outcome.failed.extend(result.failed);
+            outcome.neighbors = outcome.neighbors.max(result.visited);
+            exact_cells += result.exact_cells;
+        }
+        Ok(outcome)
+    })?;
+    let mut output = assembler.finish();
+    output.exact_cells = exact_cells;
+    output.passes = passes;
+    Ok(output)
 }
 
 fn clusters_of(prepared: &Prepared) -> Option<Clusters> {
@@ -162,11 +166,12 @@ fn run_cell(
     };
     result.visited = result.visited.max(outcome.visited);
     result.exact_cells += usize::from(store.exact);
-    result.cells.push(CellRecord { site, status, sums });
+    let order = prepared.sites.order();
+    result.cells.push(CellRecord { site: order[site as usize], status, sums });
     if request.facets {
         let before = result.facets.len();
         if status != CellStatus::Empty {
-            collect_facets(store, &mut result.facets);
+            collect_facets(store, order, &mut result.facets);
         }
         result.facet_counts.push((result.facets.len() - before) as u32);
     }

@@ -1,17 +1,26 @@
 //! Memory of a device that grows when it must and is kept from call to call.
 
+use crate::handle::Handle;
 use laguerre_core::{Error, ErrorKind, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
-use opencl3::error_codes::ClError;
+use opencl3::error_codes::{
+    CL_INVALID_BUFFER_SIZE, CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY, CL_OUT_OF_RESOURCES, ClError,
+};
 use opencl3::memory::{Buffer, CL_MEM_READ_WRITE};
 use opencl3::types::CL_BLOCKING;
 use std::ptr;
 
+/// What OpenCL says where memory does not suffice: no such object can be allocated, the host is out of it, or a buffer cannot be so large.
+const OUT_OF_MEMORY: [i32; 3] = [CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY, CL_INVALID_BUFFER_SIZE];
+
+/// What drivers that allocate late say where a kernel is run.
+const OUT_OF_MEMORY_LATE: [i32; 2] = [CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_RESOURCES];
+
 /// Room for a number of `T`.
 pub(crate) struct Room<T> {
     what: &'static str,
-    buffer: Option<Buffer<T>>,
+    buffer: Option<Handle<Buffer<T>>>,
     length: usize,
 }
 
@@ -23,23 +32,40 @@ impl<T: Copy> Room<T> {
 
     /// Makes sure that at least `length` fit. What was there is lost if it has to grow.
     pub(crate) fn grow(&mut self, context: &Context, length: usize) -> Result<()> {
-        // OpenCL has no empty buffers.
-        let length = length.max(1);
-        if self.buffer.is_some() && self.length >= length {
-            return Ok(());
+        self.create(context, length).map_err(|error| {
+            failed(&format!("allocating {} bytes for {}", room_for(length) * size_of::<T>(), self.what), error)
+        })
+    }
+
+    /// The same where the device has the memory; says whether.
+    pub(crate) fn grow_if_possible(&mut self, context: &Context, length: usize) -> Result<bool> {
+        match self.create(context, length) {
+            Err(error) if OUT_OF_MEMORY.contains(&error.0) => Ok(false),
+            _ => self.grow(context, length).map(|()| true),
         }
+    }
+
+    /// Gives the memory back.
+    pub(crate) fn free(&mut self) {
         self.buffer = None;
-        let bytes = length * size_of::<T>();
-        // SAFETY: the flags ask for device memory alone, no host pointer is passed.
-        let buffer = unsafe { Buffer::create(context, CL_MEM_READ_WRITE, length, ptr::null_mut()) };
-        self.buffer = Some(buffer.map_err(|e| failed(&format!("allocating {bytes} bytes for {}", self.what), e))?);
-        self.length = length;
+        self.length = 0;
+    }
+
+    fn create(&mut self, context: &Context, length: usize) -> std::result::Result<(), ClError> {
+        let length = room_for(length);
+        if self.buffer.is_none() || self.length < length {
+            self.free();
+            // SAFETY: the flags ask for device memory alone, no host pointer is passed.
+            let buffer = unsafe { Buffer::create(context, CL_MEM_READ_WRITE, length, ptr::null_mut()) }?;
+            self.buffer = Some(Handle::new(buffer));
+            self.length = length;
+        }
         Ok(())
     }
 
     /// The buffer, as a kernel's argument.
     pub(crate) fn get(&self) -> Result<&Buffer<T>> {
-        self.buffer.as_ref().ok_or_else(|| Error::new(ErrorKind::Device, format!("no memory for {}", self.what)))
+        self.buffer.as_deref().ok_or_else(|| Error::new(ErrorKind::Device, format!("no memory for {}", self.what)))
     }
 
     /// Makes room for `data` and copies it to the device.
@@ -49,9 +75,34 @@ impl<T: Copy> Room<T> {
         if let (Some(buffer), false) = (&mut self.buffer, data.is_empty()) {
             // SAFETY: the buffer has room for `data`, and the call returns when it is copied.
             unsafe { queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, data, &[]) }
+                .map(Handle::new)
                 .map_err(|e| failed(&format!("copying {what} to the device"), e))?;
         }
         Ok(())
+    }
+
+    /// Makes room for `length` numbers and sets all of them to `value`.
+    pub(crate) fn fill_with(&mut self, context: &Context, queue: &CommandQueue, value: T, length: usize) -> Result<()> {
+        self.grow(context, length)?;
+        let what = self.what;
+        if let (Some(buffer), 1..) = (&mut self.buffer, length) {
+            let bytes = length * size_of::<T>();
+            // SAFETY: the buffer holds at least `bytes`, and the pattern is copied before the call returns.
+            unsafe { queue.enqueue_fill_buffer(buffer, &[value], 0, bytes, &[]) }
+                .map(Handle::new)
+                .map_err(|e| failed(&format!("clearing {what}"), e))?;
+        }
+        Ok(())
+    }
+
+    /// Copies the first `length` to `data` from `place` on, which grows if it must.
+    pub(crate) fn read_at(&self, queue: &CommandQueue, length: usize, data: &mut Vec<T>, place: usize) -> Result<()>
+    where
+        T: Default,
+    {
+        let end = place + length.min(self.length);
+        data.resize(data.len().max(end), T::default());
+        self.read_into(queue, 0, &mut data[place..end])
     }
 
     /// Copies the first `length` back, into memory that is kept from call to call.
@@ -59,18 +110,42 @@ impl<T: Copy> Room<T> {
     where
         T: Default,
     {
-        data.resize(length.min(self.length), T::default());
+        self.read_from(queue, 0, length, data)
+    }
+
+    /// The same for `length` from `first` on.
+    pub(crate) fn read_from(&self, queue: &CommandQueue, first: usize, length: usize, data: &mut Vec<T>) -> Result<()>
+    where
+        T: Default,
+    {
+        data.resize(length.min(self.length - first.min(self.length)), T::default());
+        self.read_into(queue, first, data)
+    }
+
+    fn read_into(&self, queue: &CommandQueue, first: usize, data: &mut [T]) -> Result<()> {
         if !data.is_empty() {
-            // SAFETY: `data` is no longer than the buffer, and the call returns when it is filled; any bits are a `T`, which
+            // SAFETY: `data` ends before the buffer does, and the call returns when it is filled; any bits are a `T`, which
             // is a number or a struct of numbers.
-            unsafe { queue.enqueue_read_buffer(self.get()?, CL_BLOCKING, 0, data, &[]) }
+            unsafe { queue.enqueue_read_buffer(self.get()?, CL_BLOCKING, first * size_of::<T>(), data, &[]) }
+                .map(Handle::new)
                 .map_err(|e| failed(&format!("copying {} from the device", self.what), e))?;
         }
         Ok(())
     }
 }
 
+/// Elements that a buffer for `length` has: OpenCL has no empty ones.
+fn room_for(length: usize) -> usize {
+    length.max(1)
+}
+
+/// Whether a kernel did not run for lack of memory.
+pub(crate) fn lacked_memory(error: &ClError) -> bool {
+    OUT_OF_MEMORY_LATE.contains(&error.0)
+}
+
 /// A device error in one line.
 pub(crate) fn failed(doing: &str, error: ClError) -> Error {
-    Error::new(ErrorKind::Device, format!("OpenCL failed {doing}: {error} ({})", error.0))
+    let or = if OUT_OF_MEMORY.contains(&error.0) || lacked_memory(&error) { ", or fewer sites" } else { "" };
+    Error::new(ErrorKind::Device, format!("OpenCL failed {doing}: {error} ({}): use --backend cpu{or}", error.0))
 }

@@ -1,58 +1,83 @@
-//! One device: its queue, its programs, its memory, and the batches it computes.
+//! One device: its queue, its programs, its memory, and the cells it computes.
 
-use crate::buffer::{Room, failed};
-use crate::params::{self, Cluster, Facet, Params};
-use crate::platform::Found as FoundDevice;
-use crate::program::{MOST_PLANES, Programs};
+use crate::buffer::{Room, failed, lacked_memory};
+use crate::grid::Sites;
+use crate::handle::Handle;
+use crate::launch::{enqueue, launch};
+use crate::params::{self, Params, Shared};
+use crate::platform::{self, Found};
+use crate::program::{GridKernels, Kernels, MOST_PLANES, Programs, Way};
+use crate::results::{ALL_SUMS, FEW_SUMS, NOT_COMPUTED, Results};
 use crate::shells;
-use laguerre_core::assemble::{Assembler, CellRecord, FacetRecord};
-use laguerre_core::cell::{self, CellSums, FacetSum, v3};
-use laguerre_core::diagram::Prepared;
-use laguerre_core::passes::Capacities;
-use laguerre_core::{CellStatus, Domain, Request, Result};
+use laguerre_core::assemble::FacetRecord;
+use laguerre_core::diagram::{FramedContainer, Prepared};
+use laguerre_core::output::Substep;
+use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
+use laguerre_core::{Domain, Error, PassReport, PowerDiagram, Request, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
-use opencl3::kernel::ExecuteKernel;
-use std::sync::{Mutex, PoisonError};
+use opencl3::types::cl_device_id;
+use std::ops::Range;
 use std::time::Instant;
 
-/// Work-items of a group. They share nothing; a multiple of what any GPU runs in step.
-const GROUP: usize = 64;
+/// Room of the first pass, where a sample does not ask for more: half-spaces and vertices of nearly every cell of random sites, with
+/// its four cone planes.
+const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 
-/// `FACETS_FULL` of `evaluate.cl`.
-const FACETS_FULL: u32 = 16;
-
-/// Numbers that `evaluate.cl` writes for each cell (`FEW_SUMS`, `ALL_SUMS`).
-const FEW_SUMS: usize = 4;
-const ALL_SUMS: usize = 18;
+/// Sites from which on a sample is worth its time, its size, and how many of it may fail: a pass costs about as much as what it
+/// saves the next where one cell in twenty fails (paper §6.1: capacities at 95 %).
+const WORTH_A_SAMPLE: usize = 1 << 16;
+const SAMPLE: usize = 1024;
+const MAY_FAIL: f64 = 0.05;
 
 /// Facets of a cell that a batch has room for, on average: a Voronoi cell of random sites has 15.5.
 const FACETS_PER_CELL: usize = 18;
 
-/// Cells of a batch at most, and the share of the device's memory that its results may take.
+/// Cells of a batch at most, the share of the device's memory that its facets may take, and the smallest that is tried where even that
+/// is not to be had.
 const MOST_CELLS: usize = 1 << 21;
 const SHARE_OF_MEMORY: u64 = 8;
+const FEWEST_CELLS: usize = 1024;
+
+/// Counters of `cells` (`OF_BOUNDARY` and so on in `evaluate.cl`).
+const BOUNDARY: usize = 0;
+const FAILED: usize = 1;
+const FULL: usize = 2;
+const UNDECIDED: usize = 3;
+const VISITED: usize = 4;
+const FACETS: usize = 5;
+const COUNTERS: usize = 6;
 
 /// A device that is open.
 pub(crate) struct Device {
+    id: cl_device_id,
+    /// For messages.
+    pub(crate) name: String,
+    /// Whether groups of work-items compute cells together, where they can.
+    together: bool,
     /// Bytes of its memory.
     memory_size: u64,
-    context: Context,
-    queue: CommandQueue,
+    context: Handle<Context>,
+    queue: Handle<CommandQueue>,
+    grid_kernels: GridKernels,
     programs: Programs,
     memory: Memory,
+    sites: Sites,
+    shared: Shared,
+    counters: Vec<u32>,
+    /// Time that kernels took in this call.
+    seconds: f64,
     results: Results,
     /// The domain whose grid is on the device.
     domain: Option<Domain>,
+    /// What the first pass of the next call begins with, and for how many sites that was found.
+    first: Option<(usize, Capacities)>,
 }
 
+// SAFETY: OpenCL objects may be used from any thread; a device is used by one at a time, being borrowed mutably.
+unsafe impl Send for Device {}
+
 struct Memory {
-    params: Room<Params>,
-    sites: Room<[f64; 4]>,
-    voxels: Room<u32>,
-    weights: Room<f64>,
-    clusters: Room<Cluster>,
-    roots: Room<u32>,
     shells: Room<[u8; 4]>,
     domain_vertices: Room<[f64; 3]>,
     triangles: Room<[u32; 3]>,
@@ -61,77 +86,90 @@ struct Memory {
     list_entries: Room<u32>,
     windings: Room<i32>,
     surface_table: Room<u32>,
-    list: Room<u32>,
-    outcome: Room<[u32; 2]>,
+    probe: Room<u32>,
+    counters: Room<u32>,
+    /// The cells of a pass, where they are not a range, and those it could not end.
+    todo: Room<u32>,
+    boundary: Room<u32>,
+    failed: Room<u32>,
+    full: Room<u32>,
+    undecided: Room<u32>,
+    outcome: Room<u32>,
     sums: Room<f64>,
-    facets: Room<Facet>,
-    rows: Room<[u32; 2]>,
-    facet_count: Room<u32>,
+    rows: Room<[u64; 2]>,
+    facets: Room<FacetRecord>,
 }
 
-/// Results on the host, kept from batch to batch.
-#[derive(Default)]
-struct Results {
-    outcomes: Vec<[u32; 2]>,
-    sums: Vec<f64>,
-    rows: Vec<[u32; 2]>,
-    facet_count: Vec<u32>,
-    facets: Vec<Facet>,
+/// Cells of a pass: a range of sorted sites, or as many as stand in `todo`.
+#[derive(Clone, Debug)]
+pub(crate) enum Todo {
+    Sorted(Range<usize>),
+    Listed(usize),
 }
 
-/// What one pass leaves to do, and what it took.
-#[derive(Debug, Default)]
-pub(crate) struct PassResult {
-    /// Cells that did not fit.
-    pub(crate) failed: Vec<u32>,
-    /// Cells that only the host can decide.
-    pub(crate) undecided: Vec<u32>,
-    pub(crate) exact_cells: usize,
-    pub(crate) visited: u32,
-    /// Time that the kernels took.
+impl Cells for Todo {
+    fn count(&self) -> usize {
+        match self {
+            Self::Sorted(range) => range.len(),
+            Self::Listed(count) => *count,
+        }
+    }
+}
+
+impl Default for Todo {
+    fn default() -> Self {
+        Self::Listed(0)
+    }
+}
+
+/// What a device did with its share of the cells.
+pub(crate) struct Computed<'a> {
+    pub(crate) passes: Vec<PassReport>,
+    pub(crate) results: &'a mut Results,
+    /// The caller's indices of the sites whose cells only the host can decide.
+    pub(crate) for_host: Vec<u32>,
+    /// Time from sites on the device to results on the device.
     pub(crate) seconds: f64,
 }
 
-/// Cells of a batch that have to run again: without room for their facets, or on the surface.
-#[derive(Default)]
-struct Again {
-    full: Vec<u32>,
-    boundary: Vec<u32>,
-}
-
 impl Device {
-    pub(crate) fn open(found: &FoundDevice) -> Result<Self> {
+    pub(crate) fn open(found: &Found) -> Result<Self> {
         let id = found.id.0;
-        let device = opencl3::device::Device::new(id);
-        let context = Context::from_device(&device).map_err(|e| failed("creating a context", e))?;
-        // SAFETY: context and device are valid, and no properties are asked for that the device could lack.
-        let queue = unsafe { CommandQueue::create(&context, id, 0) }.map_err(|e| failed("creating a queue", e))?;
-        let mut device = Self {
+        let (context, queue) = platform::open(found)?;
+        let grid_kernels = GridKernels::build(&context, id)?;
+        let mut memory = Memory::new();
+        memory.shells.fill(&context, &queue, &shells::table())?;
+        Ok(Self {
+            id,
+            name: found.info.name.clone(),
+            together: found.info.is_gpu,
             memory_size: found.info.memory,
             context,
             queue,
+            grid_kernels,
             programs: Programs::default(),
-            memory: Memory::new(),
+            memory,
+            sites: Sites::new(),
+            shared: Shared::new(),
+            counters: Vec::new(),
+            seconds: 0.0,
             results: Results::default(),
             domain: None,
-        };
-        let (context, queue) = (&device.context, &device.queue);
-        device.memory.shells.fill(context, queue, &shells::table())?;
-        Ok(device)
+            first: None,
+        })
     }
 
     /// Brings the sites, and the domain if it is another one, to the device.
-    pub(crate) fn load(&mut self, prepared: &Prepared, request: &Request, room: Capacities) -> Result<()> {
-        self.probe(room, request.facets)?;
+    pub(crate) fn load(
+        &mut self,
+        diagram: &PowerDiagram,
+        container: &FramedContainer,
+        request: &Request,
+    ) -> Result<()> {
+        self.shared.params = Params::new(container, request);
         let Self { context, queue, memory, .. } = self;
-        let sites = &prepared.sites;
-        memory.sites.fill(context, queue, sites.sites())?;
-        memory.voxels.fill(context, queue, sites.offsets())?;
-        let weights: Vec<f64> = sites.levels().iter().flat_map(|level| level.largest_weight.iter().copied()).collect();
-        memory.weights.fill(context, queue, &weights)?;
-        memory.clusters.fill(context, queue, &params::clusters(prepared))?;
-        memory.roots.fill(context, queue, sites.roots())?;
-        let domain = prepared.domain();
+        self.sites.upload(context, queue, diagram)?;
+        let domain = container.domain();
         if domain.is_some_and(|new| self.domain.as_ref().is_some_and(|old| old.is_same(new))) {
             return Ok(());
         }
@@ -145,210 +183,274 @@ impl Device {
         memory.windings.fill(context, queue, grid.map_or(&[], |g| g.windings()))?;
         memory.surface_table.fill(context, queue, grid.map_or(&[], |g| g.surface_table()))?;
         self.domain = domain.cloned();
+        self.first = None;
         Ok(())
     }
 
-    /// Compares the device's layouts with the host's.
-    fn probe(&mut self, room: Capacities, facets: bool) -> Result<()> {
-        let Self { context, queue, memory, programs, .. } = self;
-        memory.list.grow(context, params::PROBES)?;
-        let kernels = programs.get(context, room, facets)?;
-        // SAFETY: `probe` takes one buffer of `PROBES` numbers, and one work-item runs.
-        unsafe {
-            ExecuteKernel::new(&kernels.probe)
-                .set_arg(memory.list.get()?)
-                .set_global_work_size(1)
-                .enqueue_nd_range(queue)
-        }
-        .map_err(|e| failed("running probe", e))?;
-        let mut probed = Vec::new();
-        memory.list.read(queue, params::PROBES, &mut probed)?;
-        params::check_layouts(&probed)
-    }
-
-    /// Computes cells (sorted sites) with the given room, batch by batch; in two substeps if `substeps` (paper, Alg. 1): first all, then
-    /// those that turn out to meet the surface.
-    pub(crate) fn compute(
-        &mut self,
-        prepared: &Prepared,
-        request: &Request,
-        room: Capacities,
-        list: &[u32],
-        substeps: bool,
-        assembler: &Mutex<Assembler<'_>>,
-    ) -> Result<PassResult> {
-        let mut result = PassResult::default();
-        let mut params = Params::new(prepared, request);
-        let batch = self.cells_per_batch(request);
-        for cells in list.chunks(batch) {
-            if request.facets {
-                params.facet_room = (cells.len() * FACETS_PER_CELL).max(MOST_PLANES as usize) as u32;
-            }
-            let mut now = cells.to_vec();
-            let mut again = Again::default();
-            let mut interior_only = substeps && prepared.domain_grid().is_some();
-            while !now.is_empty() {
-                result.seconds += self.run(&params, request, room, &now, interior_only)?;
-                self.collect(request, &now, assembler, &mut result, &mut again)?;
-                now = std::mem::take(&mut again.full);
-                if now.is_empty() {
-                    now = std::mem::take(&mut again.boundary);
-                    interior_only = false;
-                }
-            }
-            request.progress.advance(cells.len());
-        }
-        Ok(result)
-    }
-
-    fn cells_per_batch(&self, request: &Request) -> usize {
-        let sums = if cell::flags_of(request) == 0 { FEW_SUMS } else { ALL_SUMS };
-        let facets = if request.facets { FACETS_PER_CELL * size_of::<Facet>() + 8 } else { 0 };
-        let bytes = 12 + 8 * sums + facets;
-        ((self.memory_size / SHARE_OF_MEMORY) as usize / bytes).clamp(1024, MOST_CELLS)
-    }
-
-    fn run(
-        &mut self,
-        params: &Params,
-        request: &Request,
-        room: Capacities,
-        cells: &[u32],
-        interior: bool,
-    ) -> Result<f64> {
-        let Self { context, queue, memory, programs, .. } = self;
-        let sums = if cell::flags_of(request) == 0 { FEW_SUMS } else { ALL_SUMS };
-        let n = cells.len();
-        memory.params.fill(context, queue, &[*params])?;
-        memory.list.fill(context, queue, cells)?;
-        memory.outcome.grow(context, n)?;
-        memory.sums.grow(context, n * sums)?;
-        memory.facets.grow(context, params.facet_room as usize)?;
-        memory.rows.grow(context, n)?;
-        memory.facet_count.fill(context, queue, &[0])?;
-        let kernels = programs.get(context, room, request.facets)?;
-        queue.finish().map_err(|e| failed("preparing cells", e))?;
+    /// Sorts the sites on the device, and says how many have a cell; `None` where the host has to.
+    pub(crate) fn sort(&mut self, diagram: &PowerDiagram, container: &FramedContainer) -> Result<Option<usize>> {
+        let Self { context, queue, grid_kernels, sites, shared, .. } = self;
+        queue.finish().map_err(|e| failed("copying sites to the device", e))?;
         let begin = Instant::now();
-        // SAFETY: the arguments are those of `cells` in `evaluate.cl`, in its order; every buffer is as long as the kernel takes it
-        // to be: `n` cells, their sums, `facet_room` facets, and the grids as `load` left them.
-        unsafe {
-            ExecuteKernel::new(&kernels.cells)
-                .set_arg(memory.params.get()?)
-                .set_arg(memory.sites.get()?)
-                .set_arg(memory.voxels.get()?)
-                .set_arg(memory.weights.get()?)
-                .set_arg(memory.clusters.get()?)
-                .set_arg(memory.roots.get()?)
-                .set_arg(memory.shells.get()?)
-                .set_arg(memory.domain_vertices.get()?)
-                .set_arg(memory.triangles.get()?)
-                .set_arg(memory.lowest_voxels.get()?)
-                .set_arg(memory.list_offsets.get()?)
-                .set_arg(memory.list_entries.get()?)
-                .set_arg(memory.windings.get()?)
-                .set_arg(memory.surface_table.get()?)
-                .set_arg(memory.list.get()?)
-                .set_arg(&(n as u32))
-                .set_arg(&u32::from(interior))
-                .set_arg(memory.outcome.get()?)
-                .set_arg(memory.sums.get()?)
-                .set_arg(memory.facets.get()?)
-                .set_arg(memory.rows.get()?)
-                .set_arg(memory.facet_count.get()?)
-                .set_global_work_size(n.next_multiple_of(GROUP))
-                .set_local_work_size(GROUP)
-                .enqueue_nd_range(queue)
-        }
-        .map_err(|e| failed("running cells", e))?;
-        queue.finish().map_err(|e| failed("running cells", e))?;
-        Ok(begin.elapsed().as_secs_f64())
+        let sorted = sites.sort(context, queue, grid_kernels, diagram, container, shared)?;
+        self.seconds = begin.elapsed().as_secs_f64();
+        Ok(sorted)
     }
 
-    /// Reads the results of a run and hands them to the assembler.
-    fn collect(
+    /// Takes sites that the host sorted; returns how many have a cell.
+    pub(crate) fn take(&mut self, prepared: &Prepared) -> Result<usize> {
+        let Self { context, queue, sites, shared, .. } = self;
+        sites.take(context, queue, prepared, shared)
+    }
+
+    /// Computes the cells of a range of the sorted sites (paper, Alg. 1). `sites` is the number of the caller's.
+    pub(crate) fn compute(&mut self, request: &Request, sites: usize, share: Range<usize>) -> Result<Computed<'_>> {
+        self.clear(request, sites, share.len())?;
+        // Together no proof is cut short, and no tree is searched.
+        let together = self.together && self.shared.params.has_clusters == 0 && request.epsilon.is_none();
+        let first = if together { FIRST } else { self.first_capacities(request, share.clone())? };
+        let mut for_host = Vec::new();
+        let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
+            if room.planes > MOST_PLANES {
+                for_host.extend(self.callers(todo)?);
+                return Ok(PassOutcome::default());
+            }
+            self.pass(request, room, todo, room == first, together && room == first)
+        })?;
+        let undecided = self.counters[UNDECIDED] as usize;
+        if undecided > 0 {
+            std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
+            for_host.extend(self.callers(&Todo::Listed(undecided))?);
+        }
+        if let Some(report) = passes.first() {
+            let too_many = report.failed as f64 > MAY_FAIL * report.cells as f64;
+            self.first = Some((share.len(), if too_many { first.grown() } else { first }));
+        }
+        let Self { queue, memory, results, shared, .. } = self;
+        let width = if shared.params.flags == 0 { FEW_SUMS } else { ALL_SUMS };
+        results.width = width;
+        memory.outcome.read(queue, sites, &mut results.outcomes)?;
+        memory.sums.read(queue, sites * width, &mut results.sums)?;
+        if request.facets {
+            memory.rows.read(queue, sites, &mut results.rows)?;
+        }
+        Ok(Computed { passes, results, for_host, seconds: self.seconds })
+    }
+
+    /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.
+    fn clear(&mut self, request: &Request, sites: usize, share: usize) -> Result<()> {
+        let Self { context, queue, memory, shared, results, .. } = self;
+        memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
+        memory.sums.grow(context, sites * if shared.params.flags == 0 { FEW_SUMS } else { ALL_SUMS })?;
+        memory.rows.grow(context, if request.facets { sites } else { 1 })?;
+        for list in
+            [&mut memory.todo, &mut memory.boundary, &mut memory.failed, &mut memory.full, &mut memory.undecided]
+        {
+            list.grow(context, share)?;
+        }
+        results.rows.clear();
+        results.facet_count = 0;
+        self.counters = vec![0; COUNTERS];
+        memory.counters.fill(context, queue, &self.counters)
+    }
+
+    /// Room such that few cells fail: what sufficed in the last call, or what a sample of the cells needs.
+    fn first_capacities(&mut self, request: &Request, share: Range<usize>) -> Result<Capacities> {
+        if let Some((count, room)) = self.first
+            && share.len() / 2 <= count
+            && count / 2 <= share.len()
+        {
+            return Ok(room);
+        }
+        let mut room = FIRST;
+        if share.len() < WORTH_A_SAMPLE {
+            return Ok(room);
+        }
+        // Without facets: they have no room yet.
+        self.shared.params.facet_room = 0;
+        loop {
+            let (all, stride) = (Todo::Sorted(share.clone()), share.len() / SAMPLE);
+            if let Some(late) = self.run(request, Way::Alone(room), &all, stride, 0..SAMPLE, false)? {
+                return Err(late);
+            }
+            let failures = self.counters[FAILED];
+            self.counters = vec![0; COUNTERS];
+            self.memory.counters.fill(&self.context, &self.queue, &self.counters)?;
+            if f64::from(failures) <= MAY_FAIL * SAMPLE as f64 || room.grown().planes > MOST_PLANES {
+                return Ok(room);
+            }
+            room = room.grown();
+        }
+    }
+
+    /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to meet the surface or
+    /// were left.
+    fn pass(
         &mut self,
         request: &Request,
-        cells: &[u32],
-        assembler: &Mutex<Assembler<'_>>,
-        pass: &mut PassResult,
-        again: &mut Again,
-    ) -> Result<()> {
-        let Self { queue, memory, results, .. } = self;
-        let width = if cell::flags_of(request) == 0 { FEW_SUMS } else { ALL_SUMS };
-        memory.outcome.read(queue, cells.len(), &mut results.outcomes)?;
-        memory.sums.read(queue, cells.len() * width, &mut results.sums)?;
-        if request.facets {
-            memory.rows.read(queue, cells.len(), &mut results.rows)?;
-            memory.facet_count.read(queue, 1, &mut results.facet_count)?;
-            memory.facets.read(queue, results.facet_count[0] as usize, &mut results.facets)?;
+        room: Capacities,
+        cells: &Todo,
+        is_first: bool,
+        together: bool,
+    ) -> Result<PassOutcome<Todo>> {
+        let mut now = cells.clone();
+        let mut way = if together { Way::Together } else { Way::Alone(room) };
+        let mut interior_only = is_first && self.domain.is_some();
+        let mut is_second = false;
+        let begin = self.seconds;
+        let mut second = Substep::default();
+        while now.count() > 0 {
+            let before = self.seconds;
+            self.sweep(request, way, &now, interior_only)?;
+            if is_second {
+                second.seconds += self.seconds - before;
+            }
+            let Self { memory, counters, .. } = self;
+            now = Todo::Listed(counters[FULL] as usize);
+            if counters[FULL] > 0 {
+                std::mem::swap(&mut memory.todo, &mut memory.full);
+                counters[FULL] = 0;
+            } else if counters[BOUNDARY] > 0 {
+                now = Todo::Listed(counters[BOUNDARY] as usize);
+                std::mem::swap(&mut memory.todo, &mut memory.boundary);
+                second.cells = now.count();
+                counters[BOUNDARY] = 0;
+                way = Way::Alone(room);
+                interior_only = false;
+                is_second = true;
+            }
         }
-        let mut assembler = assembler.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut records = Vec::new();
-        for (i, (&site, &[outcome, visited])) in cells.iter().zip(&results.outcomes).enumerate() {
-            let status = match outcome & 0xff {
-                cell::COMPLETE if outcome >> 9 & 1 != 0 => CellStatus::Uncertified,
-                cell::COMPLETE => CellStatus::Complete,
-                cell::EMPTY => CellStatus::Empty,
-                other => {
-                    match other {
-                        cell::BOUNDARY => again.boundary.push(site),
-                        FACETS_FULL => again.full.push(site),
-                        cell::P_FULL | cell::V_FULL => pass.failed.push(site),
-                        _ => pass.undecided.push(site),
-                    }
-                    continue;
+        let failed = Todo::Listed(self.counters[FAILED] as usize);
+        std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
+        self.counters[FAILED] = 0;
+        let neighbors = self.counters[VISITED];
+        Ok(PassOutcome { failed, neighbors, triangles: 0, device_seconds: self.seconds - begin, second })
+    }
+
+    /// Runs over the given cells, batch by batch.
+    fn sweep(&mut self, request: &Request, way: Way, cells: &Todo, interior_only: bool) -> Result<()> {
+        let count = cells.count();
+        let mut batch = self.room_for_batch(request, count, MOST_CELLS)?;
+        let mut begin = 0;
+        while begin < count {
+            let end = (begin + batch).min(count);
+            self.shared.params.facet_base = self.results.facet_count as u64;
+            let left = |counters: &[u32]| counters[BOUNDARY] + counters[FAILED] + counters[FULL];
+            let before = left(&self.counters);
+            if let Some(late) = self.run(request, way, cells, 1, begin..end, interior_only)? {
+                // A driver that allocates late: nothing ran.
+                if !request.facets || batch <= FEWEST_CELLS {
+                    return Err(late);
                 }
-            };
-            pass.exact_cells += (outcome >> 8 & 1) as usize;
-            pass.visited = pass.visited.max(visited);
-            if status == CellStatus::Empty {
-                // What is not added is empty.
+                self.memory.facets.free();
+                batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
-            records.clear();
+            request.progress.advance((end - begin).saturating_sub((left(&self.counters) - before) as usize));
             if request.facets {
-                let [begin, count] = results.rows[i].map(|n| n as usize);
-                records.extend(results.facets[begin..begin + count].iter().map(record_of));
+                // Beyond the room there is nothing; a gap at its end belongs to no row.
+                let written = self.counters[FACETS].min(self.shared.params.facet_room) as usize;
+                let Self { queue, memory, results, .. } = self;
+                memory.facets.read_at(queue, written, &mut results.facets, results.facet_count)?;
+                results.facet_count += written;
+                self.counters[FACETS] = 0;
             }
-            let sums = sums_of(&results.sums[i * width..][..width]);
-            assembler.add(&CellRecord { site, status, sums }, &records);
+            begin = end;
         }
         Ok(())
     }
+
+    /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
+    fn room_for_batch(&mut self, request: &Request, count: usize, most: usize) -> Result<usize> {
+        if !request.facets {
+            self.memory.facets.grow(&self.context, 1)?;
+            return Ok(most);
+        }
+        let bytes = FACETS_PER_CELL * size_of::<FacetRecord>();
+        let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
+        let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(1));
+        loop {
+            let room = (batch * FACETS_PER_CELL).max(MOST_PLANES as usize);
+            let facets = &mut self.memory.facets;
+            if batch > FEWEST_CELLS && !facets.grow_if_possible(&self.context, room)? {
+                batch /= 2;
+                continue;
+            }
+            facets.grow(&self.context, room)?;
+            self.shared.params.facet_room = room as u32;
+            return Ok(batch);
+        }
+    }
+
+    /// Runs the kernel over `turns` of the given cells, or of every `stride`th of them, and reads the counters. Where the device
+    /// finds only now that it lacks memory, nothing has run, and its error is given.
+    fn run(
+        &mut self,
+        request: &Request,
+        way: Way,
+        cells: &Todo,
+        stride: usize,
+        turns: Range<usize>,
+        interior_only: bool,
+    ) -> Result<Option<Error>> {
+        let Self { context, queue, memory, programs, sites, shared, counters, .. } = self;
+        let kernels = programs.get(context, self.id, way, request.facets)?;
+        check_layouts(context, queue, memory, kernels)?;
+        memory.facets.grow(context, 1)?;
+        shared.send(context, queue)?;
+        memory.counters.fill(context, queue, counters)?;
+        let (has_list, start) = match cells {
+            Todo::Sorted(range) => (0_u32, range.start),
+            Todo::Listed(_) => (1, 0),
+        };
+        let first = (start + turns.start) as u32;
+        let begin = Instant::now();
+        let ran = launch!(queue, &kernels.cells, turns.len() * kernels.per_cell, kernels.group;
+            shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.clusters.get()?,
+            sites.roots.get()?, memory.shells.get()?, memory.domain_vertices.get()?, memory.triangles.get()?,
+            memory.lowest_voxels.get()?, memory.list_offsets.get()?, memory.list_entries.get()?, memory.windings.get()?,
+            memory.surface_table.get()?, sites.order.get()?, memory.todo.get()?, &has_list, &first, &(stride as u32),
+            &(turns.len() as u32), &u32::from(interior_only), memory.outcome.get()?, memory.sums.get()?,
+            memory.facets.get()?, memory.rows.get()?, memory.counters.get()?, memory.boundary.get()?, memory.failed.get()?,
+            memory.full.get()?, memory.undecided.get()?);
+        if let Err(error) = ran {
+            let late = lacked_memory(&error);
+            let failed = kernels.cells.failed(error);
+            return if late { Ok(Some(failed)) } else { Err(failed) };
+        }
+        memory.counters.read(queue, COUNTERS, counters)?;
+        self.seconds += begin.elapsed().as_secs_f64();
+        Ok(None)
+    }
+
+    /// The caller's indices of cells.
+    fn callers(&self, cells: &Todo) -> Result<Vec<u32>> {
+        let (mut listed, mut order) = (Vec::new(), Vec::new());
+        self.memory.todo.read(&self.queue, cells.count(), &mut listed)?;
+        self.sites.order.read(&self.queue, usize::MAX, &mut order)?;
+        Ok(match cells {
+            Todo::Sorted(range) => order[range.clone()].to_vec(),
+            Todo::Listed(_) => listed.iter().map(|&site| order[site as usize]).collect(),
+        })
+    }
 }
 
-fn sums_of(numbers: &[f64]) -> CellSums {
-    let vector = |at: usize| v3(numbers[at], numbers[at + 1], numbers[at + 2]);
-    let few = CellSums { volume: numbers[0], first: vector(1), ..CellSums::default() };
-    if numbers.len() == FEW_SUMS {
-        return few;
+/// Compares the device's layouts with the host's, once for each build.
+fn check_layouts(context: &Context, queue: &CommandQueue, memory: &mut Memory, kernels: &mut Kernels) -> Result<()> {
+    if !kernels.probed {
+        memory.probe.grow(context, params::PROBES)?;
+        enqueue!(queue, &kernels.probe, 1, 1; memory.probe.get()?);
+        let mut probed = Vec::new();
+        memory.probe.read(queue, params::PROBES, &mut probed)?;
+        params::check_layouts(&probed)?;
+        kernels.probed = true;
     }
-    CellSums {
-        second_diagonal: vector(4),
-        second_mixed: vector(7),
-        boundary_area: numbers[10],
-        boundary_moment: vector(11),
-        boundary_vector: vector(14),
-        boundary_flux: numbers[17],
-        ..few
-    }
-}
-
-fn record_of(facet: &Facet) -> FacetRecord {
-    let [x, y, z] = facet.moment;
-    // What is below its bound was left out on the device.
-    FacetRecord { neighbor: facet.neighbor, sum: FacetSum { area: facet.area, moment: v3(x, y, z), rounding: 0.0 } }
+    Ok(())
 }
 
 impl Memory {
     const fn new() -> Self {
         Self {
-            params: Room::new("parameters"),
-            sites: Room::new("sites"),
-            voxels: Room::new("the site grid"),
-            weights: Room::new("the pyramid"),
-            clusters: Room::new("the trees of crowded voxels"),
-            roots: Room::new("the trees of crowded voxels"),
             shells: Room::new("the table of offsets"),
             domain_vertices: Room::new("the domain's vertices"),
             triangles: Room::new("the domain's triangles"),
@@ -357,12 +459,17 @@ impl Memory {
             list_entries: Room::new("the domain's grid"),
             windings: Room::new("the domain's grid"),
             surface_table: Room::new("the domain's grid"),
-            list: Room::new("a batch of cells"),
-            outcome: Room::new("a batch of cells"),
-            sums: Room::new("a batch of cells"),
+            probe: Room::new("layouts"),
+            counters: Room::new("counters"),
+            todo: Room::new("a list of cells"),
+            boundary: Room::new("a list of cells"),
+            failed: Room::new("a list of cells"),
+            full: Room::new("a list of cells"),
+            undecided: Room::new("a list of cells"),
+            outcome: Room::new("how cells ended"),
+            sums: Room::new("cells' sums"),
+            rows: Room::new("rows of facets"),
             facets: Room::new("a batch's facets"),
-            rows: Room::new("a batch's facets"),
-            facet_count: Room::new("a batch's facets"),
         }
     }
 }

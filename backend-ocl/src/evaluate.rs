@@ -1,20 +1,15 @@
-//! The backend: the passes of the scheduler over all devices, and what they leave to the host.
+//! The backend: all devices, and what they leave to the host.
 
-use crate::device::{Device, PassResult};
+use crate::device::Device;
 use crate::fallback;
+use crate::grid::SITES_PER_VOXEL;
 use crate::platform::choose;
-use crate::program::MOST_PLANES;
 use laguerre_core::assemble::Assembler;
-use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
-use laguerre_core::{Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_core::{
+    Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Output, PassReport, PowerDiagram, Request, Result,
+};
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
-
-/// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
-const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
-
-/// Sites per voxel: the smaller the voxels, the more nearly sites come nearest first, and the more voxels are looked at (measured: see
-/// BENCHMARKS.md).
-const SITES_PER_VOXEL: f64 = 2.0;
 
 /// The OpenCL backend.
 pub struct Ocl {
@@ -31,7 +26,8 @@ impl Ocl {
         let chosen = choose(choice)?;
         let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
         let name = names.join(", ");
-        let devices = chosen.iter().map(Device::open).collect::<Result<Vec<_>>>()?;
+        let open = |found| Device::open(found).map_err(|error| on_device(error, &found.info.name));
+        let devices = chosen.iter().map(open).collect::<Result<Vec<_>>>()?;
         Ok(Self { name, devices: Mutex::new(devices) })
     }
 }
@@ -43,42 +39,37 @@ impl Backend for Ocl {
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
+        let container = diagram.framed_container()?;
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
-        for device in devices.iter_mut() {
-            device.load(&prepared, request, FIRST)?;
-        }
-        let assembler = Mutex::new(Assembler::new(&prepared, request));
-        let (mut output_exact, mut device_seconds) = (0, 0.0);
-        let mut for_host = Vec::new();
-        let all = (0..prepared.sites.len() as u32).collect();
-        let passes = run_passes(FIRST, all, |room, cells| -> Result<PassOutcome> {
-            let mut outcome = PassOutcome::default();
-            if room.planes > MOST_PLANES {
-                for_host.extend_from_slice(cells);
-                return Ok(outcome);
-            }
-            let substeps = room == FIRST;
-            let compute = |device: &mut Device, cells: &[u32]| {
-                device.compute(&prepared, request, room, cells, substeps, &assembler)
-            };
-            let mut longest = 0.0_f64;
-            for result in on_all(&mut devices, cells, &compute)? {
-                longest = longest.max(result.seconds);
-                outcome.failed.extend(result.failed);
-                outcome.neighbors = outcome.neighbors.max(result.visited);
-                output_exact += result.exact_cells;
-                for_host.extend(result.undecided);
-            }
-            device_seconds += longest;
-            Ok(outcome)
+        // Every device sorts all sites for itself: its cells are cut by others' sites.
+        let sorted = on_all(&mut devices, &|_, device| {
+            device.load(diagram, &container, request)?;
+            device.sort(diagram, &container)
         })?;
-        let mut assembler = assembler.into_inner().unwrap_or_else(PoisonError::into_inner);
-        for (cell, facets) in fallback::compute(&prepared, request, &for_host)? {
-            assembler.add(&cell, &facets);
+        let mut count = sorted.iter().flatten().copied().max();
+        if sorted.contains(&None) {
+            let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
+            count = on_all(&mut devices, &|_, device| device.take(&prepared))?.first().copied();
         }
-        let mut output = assembler.finish();
-        output.exact_cells = output_exact + for_host.len();
+        let shares = shares(count.unwrap_or(0), devices.len());
+        let computed =
+            on_all(&mut devices, &|i, device| device.compute(request, diagram.positions().len(), shares[i].clone()))?;
+        let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
+
+        let mut assembler = Assembler::new(diagram, &container, request);
+        let mut for_host = Vec::new();
+        let (mut exact_cells, mut passes) = (0, Vec::new());
+        for device in &computed {
+            device.results.assemble(&mut assembler);
+            exact_cells += device.results.exact_cells();
+            for_host.extend_from_slice(&device.for_host);
+            join_passes(&mut passes, &device.passes);
+        }
+        fallback::compute(diagram, request, &for_host, &mut assembler)?;
+        let mut output = assembler.finish_with(|i| {
+            computed.iter().map(|device| device.results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default()
+        });
+        output.exact_cells = exact_cells + for_host.len();
         output.device_seconds = device_seconds;
         output.host_cells = for_host.len();
         output.passes = passes;
@@ -86,25 +77,50 @@ impl Backend for Ocl {
     }
 }
 
-/// Splits `cells` over the devices along the grid's order, each on a thread of its own; the results in order.
-fn on_all(
-    devices: &mut [Device],
-    cells: &[u32],
-    compute: &(dyn Fn(&mut Device, &[u32]) -> Result<PassResult> + Sync),
-) -> Result<Vec<PassResult>> {
-    let share = cells.len().div_ceil(devices.len()).max(1);
+/// Splits the sorted sites over the devices, along the grid's order.
+fn shares(count: usize, devices: usize) -> Vec<Range<usize>> {
+    let end = |i: usize| count * i / devices;
+    (0..devices).map(|i| end(i)..end(i + 1)).collect()
+}
+
+/// Adds the passes of one device to those of the others.
+fn join_passes(all: &mut Vec<PassReport>, own: &[PassReport]) {
+    all.resize(all.len().max(own.len()), PassReport::default());
+    for (sum, pass) in all.iter_mut().zip(own) {
+        sum.neighbors = sum.neighbors.max(pass.neighbors);
+        sum.planes = sum.planes.max(pass.planes);
+        sum.vertices = sum.vertices.max(pass.vertices);
+        sum.triangles = sum.triangles.max(pass.triangles);
+        sum.cells += pass.cells;
+        sum.failed += pass.failed;
+        sum.seconds = sum.seconds.max(pass.seconds);
+        sum.device_seconds = sum.device_seconds.max(pass.device_seconds);
+        sum.second.cells += pass.second.cells;
+        sum.second.seconds = sum.second.seconds.max(pass.second.seconds);
+    }
+}
+
+/// Says of which device an error is, where it is one's.
+fn on_device(error: Error, name: &str) -> Error {
+    if error.kind() == ErrorKind::Device { error.at(name) } else { error }
+}
+
+/// Does something with every device, each on a thread of its own; the results in order.
+fn on_all<'a, T: Send>(
+    devices: &'a mut [Device],
+    work: &(dyn Fn(usize, &'a mut Device) -> Result<T> + Sync),
+) -> Result<Vec<T>> {
+    let work = |i, device: &'a mut Device| {
+        let name = device.name.clone();
+        work(i, device).map_err(|error| on_device(error, &name))
+    };
     if let [device] = devices {
-        return Ok(vec![compute(device, cells)?]);
+        return Ok(vec![work(0, device)?]);
     }
     std::thread::scope(|scope| {
-        let running: Vec<_> = devices
-            .iter_mut()
-            .zip(cells.chunks(share))
-            .map(|(device, cells)| scope.spawn(move || compute(device, cells)))
-            .collect();
-        let joined = running.into_iter().map(|thread| {
-            thread.join().unwrap_or_else(|_| Err(Error::new(ErrorKind::Device, "a device's thread ended early")))
-        });
-        joined.collect()
+        let threads = devices.iter_mut().enumerate().map(|(i, device)| scope.spawn(move || work(i, device)));
+        let running: Vec<_> = threads.collect();
+        let ended_early = || Error::new(ErrorKind::Device, "a device's thread ended early");
+        running.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(ended_early()))).collect()
     })
 }

@@ -1,19 +1,34 @@
 //! The cells that a device hands back: exact arithmetic and all the room there is, on the host.
 
-use laguerre_core::assemble::{CellRecord, FacetRecord, collect_facets};
+use laguerre_core::assemble::{Assembler, CellRecord, FacetRecord, collect_facets};
 use laguerre_core::cell::{self, CellSums, PlainStore};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::search::Search;
-use laguerre_core::{CellStatus, Error, ErrorKind, Request, Result};
+use laguerre_core::{CellStatus, Error, ErrorKind, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 
-/// Computes the cells of some sorted sites; the results are in their order.
+/// Computes the cells of some sites (the caller's indices).
 pub(crate) fn compute(
-    prepared: &Prepared,
+    diagram: &PowerDiagram,
     request: &Request,
     sites: &[u32],
-) -> Result<Vec<(CellRecord, Vec<FacetRecord>)>> {
-    sites.par_iter().map_init(Search::default, |search, &site| compute_cell(search, prepared, request, site)).collect()
+    assembler: &mut Assembler<'_>,
+) -> Result<()> {
+    if sites.is_empty() {
+        return Ok(());
+    }
+    let prepared = diagram.prepare()?;
+    let mut sorted_of = vec![0_u32; diagram.positions().len()];
+    prepared.sites.order().iter().zip(0..).for_each(|(&site, sorted)| sorted_of[site as usize] = sorted);
+    let cells: Result<Vec<_>> = sites
+        .par_iter()
+        .map_init(Search::default, |search, &i| compute_cell(search, &prepared, request, sorted_of[i as usize]))
+        .collect();
+    for (cell, facets) in cells? {
+        assembler.add(&cell, &facets);
+    }
+    request.progress.advance(sites.len());
+    Ok(())
 }
 
 fn compute_cell(
@@ -22,6 +37,7 @@ fn compute_cell(
     request: &Request,
     site: u32,
 ) -> Result<(CellRecord, Vec<FacetRecord>)> {
+    let order = prepared.sites.order();
     let [x, y, z, _] = prepared.sites.sites()[site as usize];
     let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
     let outcome = search.complete(&mut store, prepared, None, site, request.epsilon);
@@ -36,14 +52,14 @@ fn compute_cell(
         cell::EMPTY => CellStatus::Empty,
         _ => {
             // Cannot happen while the signs are exact; said instead of a panic.
-            let site = prepared.sites.order()[site as usize];
+            let site = order[site as usize];
             let message = format!("the cell of site {site} could not be decided; please report its input");
             return Err(Error::new(ErrorKind::Device, message));
         }
     };
     let mut facets = Vec::new();
     if request.facets && status != CellStatus::Empty {
-        collect_facets(&store, &mut facets);
+        collect_facets(&store, order, &mut facets);
     }
-    Ok((CellRecord { site, status, sums }, facets))
+    Ok((CellRecord { site: order[site as usize], status, sums }, facets))
 }

@@ -6,9 +6,15 @@ mod buffer;
 mod device;
 mod evaluate;
 mod fallback;
+mod grid;
+mod handle;
+mod launch;
 mod params;
+#[cfg(feature = "test-util")]
+pub mod parity;
 mod platform;
 mod program;
+mod results;
 mod shells;
 
 pub use evaluate::Ocl;

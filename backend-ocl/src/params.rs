@@ -1,8 +1,13 @@
 //! Data that the device reads, laid out as `store.cl` and `evaluate.cl` declare it.
 
-use laguerre_core::cell;
-use laguerre_core::diagram::Prepared;
+use crate::buffer::Room;
+use laguerre_core::assemble::FacetRecord;
+use laguerre_core::diagram::{FramedContainer, Prepared};
+use laguerre_core::site_grid::Voxels;
 use laguerre_core::{Error, ErrorKind, Request, Result};
+use laguerre_core::{cell, frame};
+use opencl3::command_queue::CommandQueue;
+use opencl3::context::Context;
 use std::mem::offset_of;
 
 /// `Params` of `store.cl`.
@@ -18,13 +23,17 @@ pub(crate) struct Params {
     domain_lo: [f64; 3],
     domain_width: f64,
     enlarged: f64,
+    frame_shift: [f64; 3],
+    frame_unit: f64,
+    frame_smallest: f64,
+    pub(crate) facet_base: u64,
     grid_dims: [u32; 3],
     top_level: u32,
-    level_begin: [u32; 32],
+    pub(crate) level_begin: [u32; 32],
     domain_dims: [u32; 3],
     has_domain: u32,
-    has_clusters: u32,
-    flags: u32,
+    pub(crate) has_clusters: u32,
+    pub(crate) flags: u32,
     equal_weights: u32,
     pub(crate) facet_room: u32,
 }
@@ -42,16 +51,6 @@ pub(crate) struct Cluster {
     unused: u32,
 }
 
-/// `FacetRecord` of `evaluate.cl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Facet {
-    pub(crate) area: f64,
-    pub(crate) moment: [f64; 3],
-    pub(crate) neighbor: u32,
-    pub(crate) unused: u32,
-}
-
 /// Numbers that `probe` of `evaluate.cl` writes.
 pub(crate) const PROBES: usize = 8;
 
@@ -62,7 +61,7 @@ pub(crate) fn check_layouts(probed: &[u32]) -> Result<()> {
         offset_of!(Params, grid_dims),
         offset_of!(Params, facet_room),
         size_of::<Cluster>(),
-        size_of::<Facet>(),
+        size_of::<FacetRecord>(),
         size_of::<cell::V3>(),
         size_of::<cell::Plane>(),
         size_of::<cell::CellSums>(),
@@ -73,38 +72,91 @@ pub(crate) fn check_layouts(probed: &[u32]) -> Result<()> {
     Err(Error::new(ErrorKind::Device, format!("the device lays out structs as {probed:?}, the host as {expected:?}")))
 }
 
-impl Params {
-    pub(crate) fn new(prepared: &Prepared, request: &Request) -> Self {
-        let sites = &prepared.sites;
-        let mut level_begin = [0; 32];
-        let mut begin = 0;
-        for (slot, level) in level_begin.iter_mut().zip(sites.levels()) {
-            *slot = begin as u32;
-            begin += level.largest_weight.len();
+/// Range of some sites: the `Range` of `grid.cl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Range {
+    pub(crate) lo: [f64; 3],
+    pub(crate) hi: [f64; 3],
+    pub(crate) smallest_weight: f64,
+    pub(crate) largest_weight: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        let (above, below) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { lo: [above; 3], hi: [below; 3], smallest_weight: above, largest_weight: below }
+    }
+}
+
+impl Range {
+    /// The range of both.
+    pub(crate) fn joined(&self, other: &Self) -> Self {
+        Self {
+            lo: std::array::from_fn(|k| self.lo[k].min(other.lo[k])),
+            hi: std::array::from_fn(|k| self.hi[k].max(other.hi[k])),
+            smallest_weight: self.smallest_weight.min(other.smallest_weight),
+            largest_weight: self.largest_weight.max(other.largest_weight),
         }
+    }
+}
+
+impl Params {
+    /// All but what `sort_into` sets.
+    pub(crate) fn new(container: &FramedContainer, request: &Request) -> Self {
+        let frame = &container.frame;
         let mut params = Self {
-            box_lo: prepared.lo,
-            box_hi: prepared.hi,
-            grid_lo: sites.corner(),
-            grid_width: sites.voxel_width(),
-            grid_pad: sites.pad(),
-            largest_weight: sites.largest_weight(),
+            box_lo: container.lo,
+            box_hi: container.hi,
             enlarged: request.epsilon.map_or(0.0, |e| 1.0 + e),
-            grid_dims: sites.levels()[0].dims,
-            top_level: sites.levels().len() as u32 - 1,
-            level_begin,
-            has_clusters: u32::from(sites.has_clusters()),
+            frame_shift: frame.shift(),
+            frame_unit: frame.unit(),
+            frame_smallest: frame::SMALLEST,
             flags: cell::flags_of(request),
-            equal_weights: u32::from(sites.sites().iter().all(|site| site[3] == sites.largest_weight())),
             ..Self::default()
         };
-        if let Some(grid) = prepared.domain_grid() {
+        if let Some(grid) = container.domain_grid() {
             params.domain_lo = grid.corner([0; 3]);
             params.domain_width = grid.voxel_width();
             params.domain_dims = grid.dims();
             params.has_domain = 1;
         }
         params
+    }
+
+    /// The grid of the sites, and where each level of its pyramid begins; returns the nodes of all levels.
+    pub(crate) fn sort_into(&mut self, voxels: &Voxels, range: &Range, has_clusters: bool) -> usize {
+        self.grid_lo = voxels.lo;
+        self.grid_width = voxels.width;
+        self.grid_pad = voxels.pad;
+        self.grid_dims = voxels.dims;
+        self.largest_weight = range.largest_weight;
+        self.equal_weights = u32::from(range.smallest_weight == range.largest_weight);
+        self.has_clusters = u32::from(has_clusters);
+        let mut nodes = 0;
+        for (level, dims) in voxels.levels().into_iter().enumerate() {
+            self.level_begin[level] = nodes as u32;
+            self.top_level = level as u32;
+            nodes += dims.iter().map(|&n| n as usize).product::<usize>();
+        }
+        nodes
+    }
+}
+
+/// The parameters on the host, and room for them on the device.
+pub(crate) struct Shared {
+    pub(crate) params: Params,
+    pub(crate) room: Room<Params>,
+}
+
+impl Shared {
+    pub(crate) fn new() -> Self {
+        Self { params: Params::default(), room: Room::new("parameters") }
+    }
+
+    /// Brings the parameters to the device.
+    pub(crate) fn send(&mut self, context: &Context, queue: &CommandQueue) -> Result<()> {
+        self.room.fill(context, queue, &[self.params])
     }
 }
 

@@ -1,10 +1,17 @@
 //! Which devices there are, and which can be used.
 
+use crate::grid::GROUP;
+use crate::handle::Handle;
 use laguerre_core::{DeviceChoice, DeviceInfo, Error, ErrorKind, Result};
+use opencl3::command_queue::{CommandQueue, create_command_queue};
+use opencl3::context::Context;
+use opencl3::context::context::create_context;
 use opencl3::device::{CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_GPU, Device};
-use opencl3::error_codes::ClError;
+use opencl3::error_codes::{CL_INVALID_VALUE, ClError};
 use opencl3::platform::get_platforms;
 use opencl3::types::cl_device_id;
+use std::ptr;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A device that was found.
 #[derive(Clone, Debug)]
@@ -30,23 +37,32 @@ pub fn devices() -> Result<Vec<DeviceInfo>> {
     Ok(find()?.into_iter().map(|found| found.info).collect())
 }
 
+/// Lets one thread at a time list and open devices: PoCL 3.1 crashes where two ask for its devices for the first time.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 fn find() -> Result<Vec<Found>> {
+    let _alone = alone();
     let platforms = get_platforms().map_err(|error| {
         let why = match error.0 {
             -2000 => "the OpenCL loader (libOpenCL.so.1) was not found".to_owned(),
             -1001 => "no OpenCL platform is installed".to_owned(),
-            _ => format!("OpenCL platforms cannot be listed ({error})"),
+            code => format!("OpenCL platforms cannot be listed: {error} ({code})"),
         };
         Error::new(ErrorKind::Unavailable, format!("{why}: install the driver of your device, or use --backend cpu"))
     })?;
-    let mut found = Vec::new();
+    let (mut found, mut silent) = (Vec::new(), Vec::new());
     for platform in platforms {
-        let name = platform.name().unwrap_or_default();
-        // A platform without devices says so by an error.
-        for id in platform.get_devices(CL_DEVICE_TYPE_ALL).unwrap_or_default() {
-            found.push(describe(id, &name));
+        let name = platform.name().unwrap_or_else(|_| "a platform without a name".to_owned());
+        match platform.get_devices(CL_DEVICE_TYPE_ALL) {
+            Ok(ids) => found.extend(ids.into_iter().map(|id| describe(id, &name))),
+            Err(error) => silent.push(unlisted(&name, error)),
         }
     }
+    // After the devices, which keep their numbers when it speaks again.
+    found.append(&mut silent);
     if found.is_empty() {
         let message = "OpenCL is there, but no platform has a device: check the driver, or use --backend cpu";
         return Err(Error::new(ErrorKind::Unavailable, message));
@@ -56,19 +72,37 @@ fn find() -> Result<Vec<Found>> {
 
 fn describe(id: cl_device_id, platform: &str) -> Found {
     let device = Device::new(id);
-    let unusable = why_unusable(&device).unwrap_or_else(|error| Some(format!("it does not answer ({error})")));
-    let info = DeviceInfo {
-        name: device.name().unwrap_or_default().trim().to_owned(),
+    let mut info = DeviceInfo {
+        name: device.name().unwrap_or_else(|_| "a device without a name".to_owned()).trim().to_owned(),
         platform: platform.trim().to_owned(),
-        is_gpu: device.dev_type().is_ok_and(|kind| kind & CL_DEVICE_TYPE_GPU != 0),
-        compute_units: device.max_compute_units().unwrap_or(0),
-        memory: device.global_mem_size().unwrap_or(0),
-        unusable,
+        is_gpu: false,
+        compute_units: 0,
+        memory: 0,
+        unusable: None,
     };
+    info.unusable = examine(&device, &mut info)
+        .unwrap_or_else(|error| Some(format!("OpenCL does not answer for it: {error} ({})", error.0)));
     Found { info, id: DeviceId(id) }
 }
 
-fn why_unusable(device: &Device) -> std::result::Result<Option<String>, ClError> {
+/// Stands for the devices of a platform that does not list them: that it fails is to be seen beside those that can be used.
+fn unlisted(platform: &str, error: ClError) -> Found {
+    let info = DeviceInfo {
+        name: "unknown devices".to_owned(),
+        platform: platform.trim().to_owned(),
+        is_gpu: false,
+        compute_units: 0,
+        memory: 0,
+        unusable: Some(format!("OpenCL cannot list the devices of {}: {error} ({})", platform.trim(), error.0)),
+    };
+    Found { info, id: DeviceId(ptr::null_mut()) }
+}
+
+/// Fills in what a device has, and says why it cannot be used, if so.
+fn examine(device: &Device, info: &mut DeviceInfo) -> std::result::Result<Option<String>, ClError> {
+    info.is_gpu = device.dev_type()? & CL_DEVICE_TYPE_GPU != 0;
+    info.compute_units = device.max_compute_units()?;
+    info.memory = device.global_mem_size()?;
     let why = |text: &str| Ok(Some(text.to_owned()));
     if !device.available()? {
         return why("it is not available");
@@ -79,11 +113,38 @@ fn why_unusable(device: &Device) -> std::result::Result<Option<String>, ClError>
     if !device.endian_little()? {
         return why("it is big-endian");
     }
-    // Without doubles the query is 0, or an error.
-    if device.double_fp_config().unwrap_or(0) == 0 {
-        return why("it has no double precision");
+    // A device without doubles says 0, or does not know the question.
+    match device.double_fp_config() {
+        Ok(0) | Err(ClError(CL_INVALID_VALUE)) => return why("it has no double precision"),
+        answer => answer?,
+    };
+    let largest = device.max_work_group_size()?;
+    if largest < GROUP {
+        return why(&format!("its work-groups are of at most {largest} work-items, and {GROUP} are needed"));
     }
     Ok(None)
+}
+
+/// Opens a device: its context, and a queue of its own.
+///
+/// # Errors
+/// `Device` where OpenCL fails.
+pub(crate) fn open(found: &Found) -> Result<(Handle<Context>, Handle<CommandQueue>)> {
+    let failed = |what: &str, code| {
+        let message =
+            format!("OpenCL failed creating {what}: {} ({code}): use another device, or --backend cpu", ClError(code));
+        Error::new(ErrorKind::Device, message)
+    };
+    let _alone = alone();
+    let id = found.id.0;
+    let context =
+        create_context(&[id], ptr::null(), None, ptr::null_mut()).map_err(|code| failed("a context", code))?;
+    // Without a list of devices: see `Handle`.
+    let context = Handle::new(Context::new(context, &[]));
+    // SAFETY: the context is of this device, and no properties are asked for that it could lack.
+    let queue = unsafe { create_command_queue(context.get(), id, 0) }.map_err(|code| failed("a queue", code))?;
+    // One dimension is all that is ever asked for.
+    Ok((context, Handle::new(CommandQueue::new(queue, 1))))
 }
 
 /// The devices of a choice.

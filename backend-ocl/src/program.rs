@@ -1,60 +1,170 @@
 //! The kernels: their source, built for the room of a pass, and kept.
 
-use crate::buffer::failed;
+use crate::handle::Handle;
+use crate::launch::Kernel;
 use laguerre_core::passes::Capacities;
 use laguerre_core::{Error, ErrorKind, Result};
 use opencl3::context::Context;
-use opencl3::kernel::Kernel;
-use opencl3::program::Program;
+use opencl3::error_codes::{CL_BUILD_PROGRAM_FAILURE, CL_INVALID_BUILD_OPTIONS, ClError};
+use opencl3::program::{Program, build_program};
+use opencl3::types::cl_device_id;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::ffi::CString;
+use std::ptr;
 
-const SOURCES: [&str; 6] = [
+const EVALUATE: [&str; 9] = [
     include_str!("kernels/prelude.cl"),
+    include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/store.cl"),
+    include_str!("kernels/world.cl"),
     include_str!("kernels/cell.cl"),
     include_str!("kernels/search.cl"),
+    include_str!("kernels/output.cl"),
     include_str!("kernels/evaluate.cl"),
 ];
+
+const TOGETHER: [&str; 9] = [
+    include_str!("kernels/prelude.cl"),
+    include_str!("kernels/params.cl"),
+    include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/lanes_store.cl"),
+    include_str!("kernels/world.cl"),
+    include_str!("kernels/cell.cl"),
+    include_str!("kernels/output.cl"),
+    include_str!("kernels/lanes.cl"),
+    include_str!("kernels/lanes_evaluate.cl"),
+];
+
+const GRID: [&str; 3] =
+    [include_str!("kernels/prelude.cl"), include_str!("kernels/params.cl"), include_str!("kernels/grid.cl")];
 
 /// Most half-spaces that a work-item has room for; what needs more is the host's.
 pub(crate) const MOST_PLANES: u32 = 216;
 
+/// Who computes a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Way {
+    /// One work-item, with so much room.
+    Alone(Capacities),
+    /// A group of [`LANES`] work-items.
+    Together,
+}
+
+/// `LANES` of `lanes_store.cl`.
+pub(crate) const LANES: usize = 32;
+
+/// Work-items of a group where each computes a cell alone. They share nothing; a multiple of what any GPU runs in step.
+const GROUP: usize = 64;
+
 /// One build, and its kernels.
 pub(crate) struct Kernels {
     pub(crate) cells: Kernel,
+    /// Work-items of a group, and those that compute one cell.
+    pub(crate) group: usize,
+    pub(crate) per_cell: usize,
     pub(crate) probe: Kernel,
+    /// Whether the layouts were compared.
+    pub(crate) probed: bool,
+}
+
+/// The kernels that sort sites.
+pub(crate) struct GridKernels {
+    pub(crate) enter_sites: Kernel,
+    pub(crate) count_sites: Kernel,
+    pub(crate) scan_blocks: Kernel,
+    pub(crate) add_blocks: Kernel,
+    pub(crate) place_sites: Kernel,
+    pub(crate) sort_voxels: Kernel,
+    pub(crate) gather_sites: Kernel,
+    pub(crate) raise_level: Kernel,
+}
+
+impl GridKernels {
+    pub(crate) fn build(context: &Context, device: cl_device_id) -> Result<Self> {
+        let program = compile(context, device, &GRID.concat(), "")?;
+        Ok(Self {
+            enter_sites: Kernel::new(&program, "enter_sites")?,
+            count_sites: Kernel::new(&program, "count_sites")?,
+            scan_blocks: Kernel::new(&program, "scan_blocks")?,
+            add_blocks: Kernel::new(&program, "add_blocks")?,
+            place_sites: Kernel::new(&program, "place_sites")?,
+            sort_voxels: Kernel::new(&program, "sort_voxels")?,
+            gather_sites: Kernel::new(&program, "gather_sites")?,
+            raise_level: Kernel::new(&program, "raise_level")?,
+        })
+    }
 }
 
 /// All builds so far.
 #[derive(Default)]
 pub(crate) struct Programs {
-    built: HashMap<(u32, u32, bool), Kernels>,
+    built: HashMap<(Way, bool), Kernels>,
 }
 
 impl Programs {
-    /// The kernels with room for `room`, built if they are not.
-    pub(crate) fn get(&mut self, context: &Context, room: Capacities, facets: bool) -> Result<&Kernels> {
-        let key = (room.planes, room.vertices, facets);
-        match self.built.entry(key) {
+    /// The kernels that compute cells in the given way, with facets or without, built if they are not.
+    pub(crate) fn get(
+        &mut self,
+        context: &Context,
+        device: cl_device_id,
+        way: Way,
+        facets: bool,
+    ) -> Result<&mut Kernels> {
+        match self.built.entry((way, facets)) {
             Entry::Occupied(built) => Ok(built.into_mut()),
-            Entry::Vacant(place) => Ok(place.insert(build(context, room, facets)?)),
+            Entry::Vacant(place) => Ok(place.insert(build(context, device, way, facets)?)),
         }
     }
 }
 
-fn build(context: &Context, room: Capacities, facets: bool) -> Result<Kernels> {
-    let Capacities { planes, vertices } = room;
-    let options = format!("-D CAP_P={planes} -D CAP_V={vertices} -D WITH_FACETS={}", u32::from(facets));
-    // As one string: given several, opencl3 0.12 passes their lengths wrongly.
-    let program = Program::create_and_build_from_source(context, &SOURCES.concat(), &options)
-        .map_err(|log| Error::new(ErrorKind::Device, format!("the kernels do not build: {}", one_line(&log))))?;
-    let kernel = |name| Kernel::create(&program, name).map_err(|error| failed(&format!("creating {name}"), error));
-    Ok(Kernels { cells: kernel("cells")?, probe: kernel("probe")? })
+fn build(context: &Context, device: cl_device_id, way: Way, facets: bool) -> Result<Kernels> {
+    let facets = format!("-D WITH_FACETS={}", u32::from(facets));
+    let (program, name) = match way {
+        Way::Alone(Capacities { planes, vertices }) => {
+            let options = format!("-D CAP_P={planes} -D CAP_V={vertices} {facets}");
+            (compile(context, device, &EVALUATE.concat(), &options)?, "cells")
+        }
+        Way::Together => (compile(context, device, &TOGETHER.concat(), &facets)?, "cells_together"),
+    };
+    let cells = Kernel::new(&program, name)?;
+    let largest = cells.largest_group(device)?;
+    let (group, per_cell) = match way {
+        Way::Alone(_) => (GROUP.min(largest), 1),
+        Way::Together => (LANES, LANES),
+    };
+    Ok(Kernels { cells, group, per_cell, probe: Kernel::new(&program, "probe")?, probed: false })
 }
 
-/// A build log as one line of a message.
-fn one_line(log: &str) -> String {
-    log.split_whitespace().collect::<Vec<_>>().join(" ")
+/// Most characters of a build log that stand in a message.
+const MOST_OF_A_LOG: usize = 1000;
+
+/// Builds a program for a device.
+pub(crate) fn compile(context: &Context, device: cl_device_id, source: &str, options: &str) -> Result<Handle<Program>> {
+    let failed = |error: ClError, log: &str| {
+        let message = format!("the OpenCL kernels do not build: {error} ({}): use --backend cpu{log}", error.0);
+        Error::new(ErrorKind::Device, message)
+    };
+    // As one string: given several, opencl3 0.12 passes their lengths wrongly.
+    let program = Program::create_from_source(context, source).map(Handle::new).map_err(|e| failed(e, ""))?;
+    let options = CString::new(options).map_err(|_| failed(ClError(CL_INVALID_BUILD_OPTIONS), ""))?;
+    // Not `Program::build`, which also keeps the kernels' names: see `Handle`.
+    build_program(program.get(), &[device], &options, None, ptr::null_mut()).map_err(|code| {
+        let log = if code == CL_BUILD_PROGRAM_FAILURE { program.get_build_log(device).ok() } else { None };
+        let log = log.map(|log| beginning(&log)).filter(|log| !log.is_empty());
+        failed(ClError(code), &log.map_or(String::new(), |log| format!("; the compiler says: {log}")))
+    })?;
+    Ok(program)
+}
+
+/// The beginning of a build log, from its first error on where there is one, as one line.
+fn beginning(log: &str) -> String {
+    let lines: Vec<&str> = log.lines().collect();
+    let first = lines.iter().position(|line| line.to_lowercase().contains("error")).unwrap_or(0);
+    let words = lines[first..].iter().flat_map(|line| line.split_whitespace()).collect::<Vec<_>>().join(" ");
+    match words.char_indices().nth(MOST_OF_A_LOG) {
+        Some((end, _)) => format!("{} …", &words[..end]),
+        None => words,
+    }
 }

@@ -23,6 +23,7 @@ Examples:
   laguerre sample white 100000 --domain bunny.obj -o sites.xyz     sites in the bunny's box
   laguerre integrate sites.xyz --domain bunny.obj -o cells.csv     volume and barycenter of every cell
   laguerre verify cells.csv sites.xyz --domain bunny.obj           whether they are right
+  laguerre bench                                                   how fast, on this machine
 
 Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified, or wrong; 130 interrupted.";
 
@@ -32,7 +33,10 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Sample(SampleArgs),
     Demo(DemoArgs),
+    Tune(TuneArgs),
+    Bench(BenchArgs),
     Devices(DevicesArgs),
+    Paper(PaperArgs),
 }
 
 /// What can compute on this machine, and why what cannot, cannot.
@@ -158,7 +162,7 @@ Examples:
   laguerre sample blue 10000 --domain bunny.obj --inside --seed 7 -o sites.npy
   laguerre sample lattice 64000 --box 0,0,0,1,1,1 -o lattice.xyz";
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
 pub(crate) enum Distribution {
     /// Independent and uniform
     White,
@@ -184,6 +188,140 @@ pub(crate) struct DemoArgs {
     /// Number of sites
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub(crate) sites: u32,
+}
+
+/// What the cells of SITES need: histograms of neighbours visited, half-spaces, vertices and triangles, and capacities for 95 % of them.
+///
+/// K: sites visited before a cell is complete. P and V: the most half-spaces and vertices at once. T: triangles of the domain tried.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = TUNE_EXAMPLES)]
+pub(crate) struct TuneArgs {
+    #[command(flatten)]
+    pub(crate) sites: SitesArgs,
+
+    #[command(flatten)]
+    pub(crate) container: ContainerArgs,
+
+    /// Where to draw the histograms: .svg
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// The share of the cells, in percent, that the proposed capacities are to suffice for
+    #[arg(long, value_name = "PERCENT", default_value_t = 95.0, value_parser = parse_percent)]
+    pub(crate) share: f64,
+
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const TUNE_EXAMPLES: &str = "\
+Examples:
+  laguerre tune sites.xyz --domain bunny.obj -o counts.svg
+  laguerre tune sites.npy --weights weights.npy --box 0,0,0,1,1,1 --share 99 --json";
+
+/// How fast the backends are on this machine: backend × distribution × number of sites × domain.
+///
+/// Each input is made in memory as `sample` makes it. One evaluation to warm up, then some whose median and spread are shown: the whole
+/// call, from arrays in memory to results in memory, and of that what a device computed. Volumes and barycenters, no facets.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = BENCH_EXAMPLES)]
+pub(crate) struct BenchArgs {
+    /// Numbers of sites (each distribution comes as near as it can)
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [10_000, 100_000],
+          value_parser = clap::value_parser!(u32).range(1..=1 << 31))]
+    pub(crate) sites: Vec<u32>,
+
+    /// Distributions, as `sample` knows them
+    #[arg(long, value_name = "DIST,…", value_delimiter = ',', default_values = ["white", "perturbed", "blue", "lattice"])]
+    pub(crate) distributions: Vec<Distribution>,
+
+    /// What cuts the cells: box, the domains bunny, trefoil, torus, double-torus, sphere, cavity, or mesh files
+    #[arg(long, value_name = "NAME|MESH,…", value_delimiter = ',', default_values = ["box", "bunny"])]
+    pub(crate) domains: Vec<String>,
+
+    /// Backends; those that are there unless given
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub(crate) backends: Vec<BenchBackend>,
+
+    /// Evaluations after the one that warms up
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) repetitions: u32,
+
+    /// OpenCL devices: their numbers, separated by commas, or all; the first GPU unless given
+    #[arg(long, value_name = "N|all", value_parser = parse_devices)]
+    pub(crate) device: Option<DeviceChoice>,
+
+    /// Threads of the CPU; one for each core unless given
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
+    pub(crate) threads: Option<usize>,
+
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const BENCH_EXAMPLES: &str = "\
+Examples:
+  laguerre bench
+  laguerre bench --backends ocl --device 0 --sites 1000000,10000000 --distributions white --repetitions 5
+  laguerre bench --domains part.stl --json";
+
+/// What computes, where more than one may be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BenchBackend {
+    /// All cores, with SIMD
+    Cpu,
+    /// OpenCL devices
+    Ocl,
+}
+
+/// The experiments of the paper (Basselin et al., "Restricted Power Diagrams on the GPU", 2021), as text for BENCHMARKS.md.
+///
+/// Fig. 9: what cells need, by distribution, Voronoi and power. Fig. 10: three distributions, no domain and six domains, per pass.
+/// Fig. 11: Voronoi against power diagrams of cells of equal volume. The precision paragraph of §6.3: the sums against the domain's,
+/// and each cell against another computation. `cargo xtask paper` runs this and puts the text in its place.
+#[derive(ClapArgs, Debug)]
+#[command(hide = true)]
+pub(crate) struct PaperArgs {
+    /// Number of sites
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(100..=1 << 31))]
+    pub(crate) sites: u32,
+
+    #[command(flatten)]
+    pub(crate) backend: BackendArgs,
+
+    /// Evaluations after the one that warms up
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) repetitions: u32,
+
+    /// Which experiments
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_values = ["fig9", "fig10", "fig11", "precision"])]
+    pub(crate) only: Vec<Experiment>,
+
+    /// Fixed-point steps towards equal volumes
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    pub(crate) steps: u32,
+
+    /// Where to write the text, between marker comments; standard output unless given
+    #[arg(long, value_name = "FILE")]
+    pub(crate) markdown: Option<PathBuf>,
+
+    /// Where to draw the histograms of Fig. 9: .svg
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Experiment {
+    /// What cells need
+    Fig9,
+    /// Timings by distribution and domain
+    Fig10,
+    /// Voronoi against power
+    Fig11,
+    /// The precision paragraph
+    Precision,
 }
 
 #[derive(ClapArgs, Debug)]
@@ -276,6 +414,13 @@ fn parse_epsilon(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(epsilon) if epsilon.is_finite() && epsilon >= 0.0 => Ok(epsilon),
         _ => Err("a finite number, 0 or larger, is needed".into()),
+    }
+}
+
+fn parse_percent(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(percent) if percent > 0.0 && percent <= 100.0 => Ok(percent),
+        _ => Err("a number above 0 and up to 100 is needed".into()),
     }
 }
 

@@ -3,10 +3,11 @@
 use std::fs;
 use std::time::Instant;
 
-use laguerre::{Domain, Error, ErrorKind, PowerDiagram, Request, Result};
+use laguerre::{Error, ErrorKind, PowerDiagram, Request, Result};
 
 use crate::args::{Corners, DemoArgs};
 use crate::container::Whole;
+use crate::domains;
 use crate::evaluate::{evaluate, open_default};
 use crate::integrate::{outcome, write_cells};
 use crate::outcome::{Outcome, print};
@@ -15,7 +16,6 @@ use crate::report::{Report, Seconds};
 use crate::sample::Sampler;
 use crate::slice::SlicePlane;
 
-const BUNNY: &[u8] = include_bytes!("../../fixtures/meshes/bunny.obj");
 /// Lloyd steps from random sites: cells of different sizes still, but no slivers.
 const STEPS: usize = 3;
 /// Where the picture cuts the bunny: across its z axis, turned and tilted (degrees) so as to meet nose, one whole ear,
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let backend = open_default()?;
     let mut seconds = Seconds::default();
     let start = Instant::now();
-    let domain = Domain::from_obj(BUNNY)?;
+    let domain = domains::bunny()?;
     let (lo, hi) = domain.bounding_box();
     seconds.read = start.elapsed().as_secs_f64();
     let start = Instant::now();

@@ -49,7 +49,7 @@ fn step(diagram: &PowerDiagram, output: &Output, accept: impl Fn([f64; 3]) -> bo
 }
 
 /// Standard deviation over mean. Two passes, so that plain sums suffice for a figure that is compared with a tenth.
-fn relative_deviation(volumes: &[f64]) -> f64 {
+pub(crate) fn relative_deviation(volumes: &[f64]) -> f64 {
     let n = volumes.len() as f64;
     let mean = volumes.iter().sum::<f64>() / n;
     let variance = volumes.iter().map(|v| (v / mean - 1.0).powi(2)).sum::<f64>() / n;

@@ -2,19 +2,25 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod bench;
 mod container;
 mod demo;
 mod devices;
+mod domains;
 mod evaluate;
 mod inside;
 mod integrate;
 mod lloyd;
 mod outcome;
+mod paper;
 mod picture;
+mod plot;
 mod report;
 mod sample;
 mod sites;
 mod slice;
+mod timing;
+mod tune;
 mod verify;
 
 use std::process::ExitCode;
@@ -31,7 +37,10 @@ fn main() -> ExitCode {
             Command::Verify(args) => verify::run(&args),
             Command::Sample(args) => sample::run(&args),
             Command::Demo(args) => demo::run(&args),
+            Command::Tune(args) => tune::run(&args),
+            Command::Bench(args) => bench::run(&args),
             Command::Devices(_) => devices::run(),
+            Command::Paper(args) => paper::run(&args),
         },
         Err(error) => return outcome::command_line(&error),
     };

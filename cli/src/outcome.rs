@@ -12,6 +12,8 @@ pub(crate) enum Outcome {
     Done,
     /// Results were written, but some cells are marked as not certified.
     Uncertified,
+    /// Results were looked at, and some cells are wrong.
+    Refuted,
 }
 
 const WRONG_INPUT: u8 = 2;
@@ -24,7 +26,7 @@ const INTERRUPTED: i32 = 130;
 pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::Uncertified) => UNCERTIFIED.into(),
+        Ok(Outcome::Uncertified | Outcome::Refuted) => UNCERTIFIED.into(),
         Err(error) => {
             say(&error.to_string());
             match error.kind() {

@@ -1,7 +1,7 @@
 //! What the program says about a result: the object of `--json`, and the summary for people.
 
 use laguerre::summation::Sum;
-use laguerre::{BackendInfo, CellStatus, Output, PassReport};
+use laguerre::{BackendInfo, CellStatus, Output, PassReport, Selection};
 use serde::Serialize;
 
 use crate::container::Whole;
@@ -59,12 +59,13 @@ pub(crate) struct Pass {
     triangles: u32,
     cells: usize,
     failed: usize,
+    seconds: f64,
 }
 
 impl From<&PassReport> for Pass {
     fn from(pass: &PassReport) -> Self {
-        let PassReport { neighbors, planes, vertices, triangles, cells, failed, .. } = *pass;
-        Self { neighbors, planes, vertices, triangles, cells, failed }
+        let PassReport { neighbors, planes, vertices, triangles, cells, failed, seconds, .. } = *pass;
+        Self { neighbors, planes, vertices, triangles, cells, failed, seconds }
     }
 }
 
@@ -140,6 +141,14 @@ fn sums(output: &Output, whole: &Whole) -> (f64, f64) {
     }
     let off = |k: usize| (moment[k].total() - (whole.barycenter[k] - center[k])).abs();
     (volume.total(), off(0).max(off(1)).max(off(2)) / whole.diagonal())
+}
+
+/// The processor in its own words, and the threads that it has.
+pub(crate) fn machine() -> (String, usize) {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    // The CPU backend knows; a build without it need not.
+    let info = laguerre::open(Selection::Cpu { threads: Some(1) }).map(|backend| backend.info());
+    (info.map_or_else(|_| std::env::consts::ARCH.to_owned(), |info| info.device), threads)
 }
 
 /// 1234567 as 1,234,567.

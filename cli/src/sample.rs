@@ -1,7 +1,7 @@
 //! `laguerre sample`: sites to compute with.
 
 use laguerre::io::{self, SITES_ENDINGS};
-use laguerre::{Domain, Error, PowerDiagram, Result};
+use laguerre::{Backend, Domain, Error, PowerDiagram, Result};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -52,6 +52,8 @@ pub(crate) struct Sampler<'a> {
     /// Where the sites must be inside the domain.
     inside: Option<(&'a Domain, InsideTest<'a>)>,
     random: ChaCha8Rng,
+    /// What relaxes sites; the default backend where there is none.
+    backend: Option<&'a dyn Backend>,
 }
 
 impl<'a> Sampler<'a> {
@@ -62,10 +64,17 @@ impl<'a> Sampler<'a> {
             extent: std::array::from_fn(|k| corners.hi[k] - corners.lo[k]),
             inside: domain.map(|d| (d, InsideTest::new(d))),
             random: ChaCha8Rng::seed_from_u64(seed),
+            backend: None,
         }
     }
 
-    fn sample(&mut self, distribution: Distribution, count: u32) -> Result<Vec<[f64; 3]>> {
+    /// Lets `backend` relax the sites, where that is needed.
+    pub(crate) fn relaxed_by(self, backend: &'a dyn Backend) -> Self {
+        Self { backend: Some(backend), ..self }
+    }
+
+    /// About `count` sites.
+    pub(crate) fn sample(&mut self, distribution: Distribution, count: u32) -> Result<Vec<[f64; 3]>> {
         if f64::from(count) / self.share_inside() > MOST_TRIES {
             return Err(Error::input("the domain fills too little of its box to find so many sites inside it"));
         }
@@ -102,7 +111,11 @@ impl<'a> Sampler<'a> {
             Some((domain, _)) => diagram.restricted_to(domain),
             None => diagram.in_box(self.corners.lo, self.corners.hi)?,
         };
-        let done = relax(open_default()?.as_ref(), &mut diagram, spread, most_steps, |p| self.accepts(p))?;
+        let accept = |p: [f64; 3]| self.accepts(p);
+        let done = match self.backend {
+            Some(backend) => relax(backend, &mut diagram, spread, most_steps, accept)?,
+            None => relax(open_default()?.as_ref(), &mut diagram, spread, most_steps, accept)?,
+        };
         Ok((diagram.positions().to_vec(), done))
     }
 
@@ -137,7 +150,8 @@ impl<'a> Sampler<'a> {
         }
         let tile = Corners { lo: [0.0; 3], hi: width.map(|w| w * quantum) };
         let seed = self.random.next_u64();
-        let (blue, _) = Sampler::new(tile, None, seed).blue(in_tile, BLUE_SPREAD, MOST_STEPS)?;
+        let mut sampler = Sampler { backend: self.backend, ..Sampler::new(tile, None, seed) };
+        let (blue, _) = sampler.blue(in_tile, BLUE_SPREAD, MOST_STEPS)?;
         let mut positions = Vec::new();
         for (c, b, a) in grid([TILES; 3]) {
             for site in &blue {

@@ -116,7 +116,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
         return Ok(Outcome::Done);
     }
     say(&format!("{}: {}", args.results.display(), findings.verdict()));
-    Ok(Outcome::Uncertified)
+    Ok(Outcome::Refuted)
 }
 
 /// That there is a row for each site, before anything is computed.

@@ -159,15 +159,40 @@ impl<'a> Bounds<'a> {
     }
 
     /// Bound of the sum of all volumes (length³): the promise, and a rounding of the coordinates, as they are in the frame of
-    /// the farthest site. The surface is off by [`FEW`]·u·D, a facet by u·D as seen from each side. Of facets that were not
+    /// the farthest site. The surface is off by [`FEW`]·u·D, a facet by u·D as seen from each side. Within a mesh all that the
+    /// cells have in the domain's grid is integrated, and what is outside of the domain subtracted, from tetrahedra that fill the
+    /// grid: off by [`ROUNDINGS`]·u of its volume, which for a thin shape across its grid is more than the surface's share, and
+    /// independent of it.
+    ///
+    /// A container of less volume than the rounding of a cell leaves nothing that may not be called empty. Of facets that were not
     /// asked for nothing is known but that no cell is off by more than its own rounding.
     pub fn volume_sum(&self) -> f64 {
+        let volume = self.scene.room.volume();
         let reach = self.reach.iter().copied().fold(0.0, f64::max);
+        let cells = || (0..self.scene.len()).map(|i| self.cell_rounding(i));
+        let is_needle = volume <= cells().fold(0.0, f64::max);
         let rounding = match self.output.facets {
-            Some(_) => U * reach * (FEW * self.scene.room.area() + self.facet_area),
-            None => (0..self.scene.len()).map(|i| self.cell_rounding(i)).sum(),
+            Some(_) if is_needle && self.output.count(CellStatus::Empty) > 0 => volume,
+            Some(_) => {
+                let surface = FEW * reach * self.scene.room.area();
+                U * (surface.max(ROUNDINGS * self.scene.room.grid_volume()) + reach * self.facet_area)
+            }
+            None => cells().sum(),
         };
-        SUM * self.scene.room.volume() + rounding
+        SUM * volume + rounding
+    }
+
+    /// By what angle the bisector of sites `i` and `j` is turned, and by what share of it their distance is off: coordinates
+    /// enter the library's frame without rounding where they are within the container's box, else off by u times their
+    /// distance from it.
+    pub fn turn(&self, i: usize, j: usize) -> f64 {
+        let (lo, hi) = self.scene.room.bounding_box();
+        let off = |s: usize| {
+            let site = self.scene.positions[s];
+            let outside = (0..3).filter(|&k| site[k] < lo[k] || site[k] > hi[k]).count();
+            U * self.reach[s] * (outside as f64).sqrt()
+        };
+        (off(i) + off(j)) / self.scene.site(i).distance(self.scene.site(j))
     }
 
     /// Bound of the sum of all boundaries' areas (length²): the promise, and the roundings of all cells. A cell that is called

@@ -1,23 +1,31 @@
 //! From sums in the frame of each site to the output in the caller's order and unit. Written once for all backends.
 
-use crate::cell::{CellStore, CellSums, FacetSum, TAG_BOX, V3, facet_is_above_bound};
-use crate::diagram::Prepared;
+use crate::PowerDiagram;
+use crate::cell::{CellStore, CellSums, TAG_BOX, V3, facet_is_above_bound};
+use crate::diagram::FramedContainer;
+use crate::frame::Frame;
 use crate::output::{Boundary, CellStatus, FacetList, Neighbor, Output};
 use crate::request::Request;
+use rayon::prelude::*;
 
-/// One facet of a finished cell, in the frame of its site.
-#[derive(Clone, Copy, Debug)]
+/// One facet of a finished cell, in the frame of its site. Devices write the same.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FacetRecord {
-    /// The sorted index of the site beyond it.
+    /// Area.
+    pub area: f64,
+    /// ∫ x dA.
+    pub moment: V3,
+    /// The caller's index of the site beyond it.
     pub neighbor: u32,
-    /// Its sums.
-    pub sum: FacetSum,
+    /// Zero.
+    pub unused: u32,
 }
 
 /// One finished cell, in the frame of its site.
 #[derive(Clone, Copy, Debug)]
 pub struct CellRecord {
-    /// The sorted index of its site.
+    /// The caller's index of its site.
     pub site: u32,
     /// How it ended.
     pub status: CellStatus,
@@ -25,30 +33,43 @@ pub struct CellRecord {
     pub sums: CellSums,
 }
 
-/// Appends the facets of the finished cell that exceed their rounding bound.
-pub fn collect_facets<S: CellStore>(store: &S, facets: &mut Vec<FacetRecord>) {
+/// Appends the facets of the finished cell that exceed their rounding bound; the tags are sorted indices, and `order` the caller's.
+pub fn collect_facets<S: CellStore>(store: &S, order: &[u32], facets: &mut Vec<FacetRecord>) {
     for f in 0..store.planes() {
-        let (neighbor, sum) = (store.tag(f), store.facet(f));
-        if neighbor < TAG_BOX && facet_is_above_bound(sum) != 0 {
-            facets.push(FacetRecord { neighbor, sum });
+        let (tag, sum) = (store.tag(f), store.facet(f));
+        if tag < TAG_BOX && facet_is_above_bound(sum) != 0 {
+            let neighbor = order[tag as usize];
+            facets.push(FacetRecord { area: sum.area, moment: sum.moment, neighbor, unused: 0 });
         }
     }
 }
 
+/// Rows of facets that are worth a task of their own.
+const ROWS_AT_ONCE: usize = 4096;
+
 /// Collects finished cells into an [`Output`].
 #[derive(Debug)]
 pub struct Assembler<'a> {
-    prepared: &'a Prepared,
+    positions: &'a [[f64; 3]],
+    frame: Frame,
     output: Output,
-    /// Rows of facets as they came: the caller's index of the site, and the facets' range in `facets`.
-    rows: Vec<(u32, usize)>,
+    /// For each site where its facets begin in `facets`, and how many they are; empty where none are asked for.
+    rows: Vec<(u64, u32)>,
     facets: Vec<FacetRecord>,
+}
+
+/// The integrals of one finished cell in the caller's frame and unit.
+struct Finished {
+    volume: f64,
+    barycenter: [f64; 3],
+    second_moment: [f64; 6],
+    boundary: Boundary,
 }
 
 impl<'a> Assembler<'a> {
     /// For all cells of a diagram; cells that are never added, as those of coincident sites, stay empty.
-    pub fn new(prepared: &'a Prepared, request: &Request) -> Self {
-        let n = prepared.sites.len() + prepared.sites.coincident().len();
+    pub fn new(diagram: &'a PowerDiagram, container: &FramedContainer, request: &Request) -> Self {
+        let n = diagram.positions().len();
         let output = Output {
             status: vec![CellStatus::Empty; n],
             volume: vec![0.0; n],
@@ -58,89 +79,161 @@ impl<'a> Assembler<'a> {
             boundary: request.facets.then(|| vec![Boundary::default(); n]),
             ..Output::default()
         };
-        Self { prepared, output, rows: Vec::new(), facets: Vec::new() }
+        let rows = if request.facets { vec![(0, 0); n] } else { Vec::new() };
+        Self { positions: diagram.positions(), frame: container.frame, output, rows, facets: Vec::new() }
     }
 
     /// Adds one finished cell with its facets.
     pub fn add(&mut self, cell: &CellRecord, facets: &[FacetRecord]) {
-        let i = self.prepared.sites.order()[cell.site as usize] as usize;
+        let i = cell.site as usize;
         self.output.status[i] = cell.status;
         if cell.status == CellStatus::Empty {
             return;
         }
-        let frame = &self.prepared.frame;
-        let unit = frame.unit();
-        let [x, y, z, _] = self.prepared.sites.sites()[cell.site as usize];
-        let place = |m: V3, mass: f64| frame.leave([x + m.x / mass, y + m.y / mass, z + m.z / mass]);
-        let sums = &cell.sums;
-        self.output.volume[i] = sums.volume * unit.powi(3);
-        self.output.barycenter[i] = place(sums.first, sums.volume);
+        let finished = finish(&self.frame, self.positions[i], &cell.sums);
+        self.output.volume[i] = finished.volume;
+        self.output.barycenter[i] = finished.barycenter;
         if let Some(second) = &mut self.output.second_moment {
-            let (s, m, v) = (sums, sums.first, sums.volume);
-            second[i] = [
-                s.second_diagonal.x - m.x * m.x / v,
-                s.second_diagonal.y - m.y * m.y / v,
-                s.second_diagonal.z - m.z * m.z / v,
-                s.second_mixed.x - m.x * m.y / v,
-                s.second_mixed.y - m.x * m.z / v,
-                s.second_mixed.z - m.y * m.z / v,
-            ]
-            .map(|x| x * unit.powi(5));
+            second[i] = finished.second_moment;
         }
-        if let Some(boundary) = &mut self.output.boundary
-            && sums.boundary_area != 0.0
-        {
-            let n = sums.boundary_vector;
-            boundary[i] = Boundary {
-                area: sums.boundary_area * unit.powi(2),
-                barycenter: place(sums.boundary_moment, sums.boundary_area),
-                vector_area: [n.x, n.y, n.z].map(|a| a * unit.powi(2)),
-                flux: sums.boundary_flux * unit.powi(3),
-            };
+        if let Some(boundary) = &mut self.output.boundary {
+            boundary[i] = finished.boundary;
         }
-        if self.output.facets.is_some() {
-            self.rows.push((cell.site, self.facets.len()));
+        if let Some(row) = self.rows.get_mut(i) {
+            *row = (self.facets.len() as u64, facets.len() as u32);
             self.facets.extend_from_slice(facets);
         }
     }
 
-    /// The output; `exact_cells` and `passes` are the caller's to fill in.
-    pub fn finish(mut self) -> Output {
+    /// Adds, for every site `i` where `cell(i)` is something that is not empty, that cell without its facets.
+    pub fn add_all(&mut self, cell: impl Fn(usize) -> Option<(CellStatus, CellSums)> + Sync) {
+        let Self { positions, frame, output, .. } = self;
+        let finished = |i: usize| {
+            let (status, sums) = cell(i).filter(|(status, _)| *status != CellStatus::Empty)?;
+            Some((status, finish(frame, positions[i], &sums)))
+        };
+        let columns = output.status.par_iter_mut().zip(&mut output.volume).zip(&mut output.barycenter);
+        columns.enumerate().for_each(|(i, ((status, volume), barycenter))| {
+            if let Some((how, cell)) = finished(i) {
+                (*status, *volume, *barycenter) = (how, cell.volume, cell.barycenter);
+            }
+        });
+        if let Some(second) = &mut output.second_moment {
+            let set = |(i, second): (usize, &mut [f64; 6])| {
+                finished(i).into_iter().for_each(|(_, cell)| *second = cell.second_moment);
+            };
+            second.par_iter_mut().enumerate().for_each(set);
+        }
+        if let Some(boundary) = &mut output.boundary {
+            let set = |(i, boundary): (usize, &mut Boundary)| {
+                finished(i).into_iter().for_each(|(_, cell)| *boundary = cell.boundary);
+            };
+            boundary.par_iter_mut().enumerate().for_each(set);
+        }
+    }
+
+    /// The output; the counts of cells and `passes` are the caller's to fill in.
+    pub fn finish(self) -> Output {
+        self.finish_with(|_| &[])
+    }
+
+    /// The same where the facets of cells that were added without stand elsewhere: `row(i)` are those of site `i`.
+    pub fn finish_with<'b>(mut self, row: impl Fn(usize) -> &'b [FacetRecord] + Sync) -> Output {
         if let Some(list) = &mut self.output.facets {
-            *list = facet_list(self.prepared, self.output.status.len(), &self.rows, &self.facets);
+            let row_of = |i: usize| match self.rows[i] {
+                (_, 0) => row(i),
+                (begin, count) => &self.facets[begin as usize..][..count as usize],
+            };
+            *list = facet_list(&self.frame, self.positions, &row_of);
         }
         self.output
     }
 }
 
-/// Sorts rows into the caller's order and each row by neighbour.
-fn facet_list(prepared: &Prepared, n: usize, rows: &[(u32, usize)], facets: &[FacetRecord]) -> FacetList {
-    let order = prepared.sites.order();
-    let sites = prepared.sites.sites();
-    let (frame, unit) = (&prepared.frame, prepared.frame.unit());
-    let mut by_site = vec![0..0; n];
-    for (r, &(site, begin)) in rows.iter().enumerate() {
-        let end = rows.get(r + 1).map_or(facets.len(), |next| next.1);
-        by_site[order[site as usize] as usize] = begin..end;
+/// The integrals of the cell of the site at `position` (the caller's) from its sums.
+fn finish(frame: &Frame, position: [f64; 3], sums: &CellSums) -> Finished {
+    let unit = frame.unit();
+    let [x, y, z] = frame.enter(position);
+    let place = |m: V3, mass: f64| frame.leave([x + m.x / mass, y + m.y / mass, z + m.z / mass]);
+    let (s, m, v) = (sums, sums.first, sums.volume);
+    let second_moment = [
+        s.second_diagonal.x - m.x * m.x / v,
+        s.second_diagonal.y - m.y * m.y / v,
+        s.second_diagonal.z - m.z * m.z / v,
+        s.second_mixed.x - m.x * m.y / v,
+        s.second_mixed.y - m.x * m.z / v,
+        s.second_mixed.z - m.y * m.z / v,
+    ];
+    let mut boundary = Boundary::default();
+    if sums.boundary_area != 0.0 {
+        let n = sums.boundary_vector;
+        boundary = Boundary {
+            area: sums.boundary_area * unit.powi(2),
+            barycenter: place(sums.boundary_moment, sums.boundary_area),
+            vector_area: [n.x, n.y, n.z].map(|a| a * unit.powi(2)),
+            flux: sums.boundary_flux * unit.powi(3),
+        };
     }
-    let mut sorted_of = vec![0_u32; n];
-    order.iter().enumerate().for_each(|(sorted, &i)| sorted_of[i as usize] = sorted as u32);
-    let mut list = FacetList { offsets: vec![0], ..FacetList::default() };
-    let mut row: Vec<FacetRecord> = Vec::new();
-    for (i, range) in by_site.into_iter().enumerate() {
-        row.clear();
-        row.extend_from_slice(&facets[range]);
-        row.sort_unstable_by_key(|facet| order[facet.neighbor as usize]);
-        let [x, y, z, _] = sites[sorted_of[i] as usize];
-        for facet in &row {
-            let [nx, ny, nz, _] = sites[facet.neighbor as usize];
-            let (area, m) = (facet.sum.area, facet.sum.moment);
-            list.neighbor.push(Neighbor { site: order[facet.neighbor as usize], image: [0; 3] });
-            list.area.push(area * unit.powi(2));
-            list.barycenter.push(frame.leave([x + m.x / area, y + m.y / area, z + m.z / area]));
-            list.distance.push(((nx - x).powi(2) + (ny - y).powi(2) + (nz - z).powi(2)).sqrt() * unit);
+    Finished {
+        volume: sums.volume * unit.powi(3),
+        barycenter: place(sums.first, sums.volume),
+        second_moment: second_moment.map(|x| x * unit.powi(5)),
+        boundary,
+    }
+}
+
+/// The facets of all sites in one list.
+fn facet_list<'b>(
+    frame: &Frame,
+    positions: &[[f64; 3]],
+    row_of: &(impl Fn(usize) -> &'b [FacetRecord] + Sync),
+) -> FacetList {
+    let mut offsets = vec![0; positions.len() + 1];
+    let mut total = 0;
+    for (i, end) in offsets[1..].iter_mut().enumerate() {
+        total += row_of(i).len();
+        *end = total;
+    }
+    let mut list = FacetList {
+        offsets,
+        neighbor: vec![Neighbor { site: 0, image: [0; 3] }; total],
+        area: vec![0.0; total],
+        barycenter: vec![[0.0; 3]; total],
+        distance: vec![0.0; total],
+    };
+    // Each task has its own part of the columns.
+    let mut parts = Vec::new();
+    let (mut neighbor, mut area) = (&mut list.neighbor[..], &mut list.area[..]);
+    let (mut barycenter, mut distance) = (&mut list.barycenter[..], &mut list.distance[..]);
+    for first in (0..positions.len()).step_by(ROWS_AT_ONCE) {
+        let last = (first + ROWS_AT_ONCE).min(positions.len());
+        let count = list.offsets[last] - list.offsets[first];
+        let columns = (
+            neighbor.split_off_mut(..count).unwrap_or_default(),
+            area.split_off_mut(..count).unwrap_or_default(),
+            barycenter.split_off_mut(..count).unwrap_or_default(),
+            distance.split_off_mut(..count).unwrap_or_default(),
+        );
+        parts.push((first..last, columns));
+    }
+    parts.into_par_iter().for_each(|(sites, (neighbor, area, barycenter, distance))| {
+        let mut row: Vec<FacetRecord> = Vec::new();
+        let mut next = 0;
+        for i in sites {
+            row.clear();
+            row.extend_from_slice(row_of(i));
+            row.sort_unstable_by_key(|facet| facet.neighbor);
+            let [x, y, z] = frame.enter(positions[i]);
+            for facet in &row {
+                let [nx, ny, nz] = frame.enter(positions[facet.neighbor as usize]);
+                let (a, m) = (facet.area, facet.moment);
+                neighbor[next] = Neighbor { site: facet.neighbor, image: [0; 3] };
+                area[next] = a * frame.unit().powi(2);
+                barycenter[next] = frame.leave([x + m.x / a, y + m.y / a, z + m.z / a]);
+                distance[next] = ((nx - x).powi(2) + (ny - y).powi(2) + (nz - z).powi(2)).sqrt() * frame.unit();
+                next += 1;
+            }
         }
-        list.offsets.push(list.area.len());
-    }
+    });
     list
 }

@@ -165,28 +165,47 @@ impl PowerDiagram {
     /// # Errors
     /// As [`PowerDiagram::prepare`].
     pub fn prepare_with(&self, sites_per_voxel: f64) -> Result<Prepared> {
-        let (frame, lo, hi, domain) = match self.container()? {
+        let container = self.framed_container()?;
+        self.check_range(&container)?;
+        let positions: Vec<[f64; 3]> = self.positions.iter().map(|&p| container.frame.enter(p)).collect();
+        let weights: Vec<f64> = self.weights.iter().map(|&w| container.frame.enter_weight(w)).collect();
+        let sites = SiteGrid::with_density(&positions, &weights, sites_per_voxel);
+        Ok(Prepared { container, sites })
+    }
+
+    /// The container in its internal frame.
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::container`].
+    pub fn framed_container(&self) -> Result<FramedContainer> {
+        Ok(match self.container()? {
             Container::Box(lo, hi) => {
                 let frame = Frame::of_box(lo, hi);
-                (frame, frame.enter(lo), frame.enter(hi), None)
+                FramedContainer { frame, lo: frame.enter(lo), hi: frame.enter(hi), domain: None }
             }
             Container::Domain(domain) => {
                 let grid = domain.grid();
                 let (lo, hi) = (grid.corner([0; 3]), grid.corner(grid.dims()));
-                (*domain.frame(), lo, hi, Some(domain))
+                FramedContainer { frame: *domain.frame(), lo, hi, domain: Some(domain) }
             }
-        };
-        let positions: Vec<[f64; 3]> = self.positions.iter().map(|&p| frame.enter(p)).collect();
-        if let Some(i) = positions.iter().position(|p| p.iter().any(|x| x.abs() > FARTHEST_SITE)) {
+        })
+    }
+
+    /// Whether all sites and weights are in range of the container.
+    ///
+    /// # Errors
+    /// `Input` for the first that is not ([`FARTHEST_SITE`], [`LARGEST_WEIGHT_SPREAD`]).
+    pub fn check_range(&self, container: &FramedContainer) -> Result<()> {
+        let frame = &container.frame;
+        let is_far = |p: &[f64; 3]| frame.enter(*p).iter().any(|x| x.abs() > FARTHEST_SITE);
+        if let Some((i, p)) = self.positions.iter().enumerate().find(|(_, p)| is_far(p)) {
             return Err(Error::input(format!(
-                "site {i} at {:?} is out of range: sites must stand within about {FARTHEST_SITE} times the largest extent of \
+                "site {i} at {p:?} is out of range: sites must stand within about {FARTHEST_SITE} times the largest extent of \
                  the domain or box; leave it out, or give a larger box",
-                self.positions[i]
             )));
         }
         let unit2 = frame.unit() * frame.unit();
         let base = self.weights.iter().copied().fold(f64::INFINITY, f64::min);
-        let weights: Vec<f64> = self.weights.iter().map(|w| (w / unit2).clamp(f64::MIN, f64::MAX)).collect();
         if let Some(i) = self.weights.iter().position(|w| (w - base) / unit2 > LARGEST_WEIGHT_SPREAD) {
             return Err(Error::input(format!(
                 "site {i} has weight {}, the smallest weight is {base}: weights must differ by less than about \
@@ -194,7 +213,7 @@ impl PowerDiagram {
                 self.weights[i]
             )));
         }
-        Ok(Prepared { frame, lo, hi, domain, sites: SiteGrid::with_density(&positions, &weights, sites_per_voxel) })
+        Ok(())
     }
 }
 
@@ -211,9 +230,9 @@ pub fn bounding_box(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
     (lo, hi)
 }
 
-/// A diagram in the internal frame: what backends work on.
-#[derive(Debug)]
-pub struct Prepared {
+/// What cells are restricted to, in its internal frame.
+#[derive(Clone, Debug)]
+pub struct FramedContainer {
     /// The map between the caller's world and the frame.
     pub frame: Frame,
     /// Minimum corner of the initial cell (the box, or the domain's grid), in the frame.
@@ -221,11 +240,9 @@ pub struct Prepared {
     /// Maximum corner of the initial cell, in the frame.
     pub hi: [f64; 3],
     domain: Option<Domain>,
-    /// The sites, sorted.
-    pub sites: SiteGrid,
 }
 
-impl Prepared {
+impl FramedContainer {
     /// The domain, if the diagram is restricted to one.
     pub fn domain(&self) -> Option<&Domain> {
         self.domain.as_ref()
@@ -234,5 +251,21 @@ impl Prepared {
     /// The domain's grid, if the diagram is restricted to a domain.
     pub fn domain_grid(&self) -> Option<&DomainGrid> {
         self.domain.as_ref().map(Domain::grid)
+    }
+}
+
+/// A diagram in the internal frame, its sites sorted on the host.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The container of the cells.
+    pub container: FramedContainer,
+    /// The sites, sorted.
+    pub sites: SiteGrid,
+}
+
+impl Prepared {
+    /// The domain's grid, if the diagram is restricted to a domain.
+    pub fn domain_grid(&self) -> Option<&DomainGrid> {
+        self.container.domain_grid()
     }
 }

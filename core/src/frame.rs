@@ -3,7 +3,7 @@
 
 /// Coordinates of the frame smaller than this are taken as zero: 2⁻¹⁵⁰ of the box. Below it the products of the
 /// predicates could underflow; above it they cannot (five factors of at least 2⁻²⁰² each stay above 2⁻¹⁰²²).
-const SMALLEST: f64 = f64::from_bits((1023 - 150) << 52);
+pub const SMALLEST: f64 = f64::from_bits((1023 - 150) << 52);
 
 /// An affine map `x' = (x − shift) / unit`, exact for the coordinates of the box it was made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +37,11 @@ impl Frame {
         Self { shift, unit }
     }
 
+    /// The caller's coordinates of the frame's origin.
+    pub fn shift(&self) -> [f64; 3] {
+        self.shift
+    }
+
     /// The length in the caller's world of one unit of the frame: a power of two.
     pub fn unit(&self) -> f64 {
         self.unit
@@ -48,6 +53,12 @@ impl Frame {
             let y = (x[k] - self.shift[k]) / self.unit;
             if y.abs() < SMALLEST { 0.0 } else { y }
         })
+    }
+
+    /// A weight of the caller's in the frame's unit.
+    pub fn enter_weight(&self, w: f64) -> f64 {
+        // The sum makes −0 a 0: of equal weights the first counts, whatever their signs.
+        (w / (self.unit * self.unit)).clamp(f64::MIN, f64::MAX) + 0.0
     }
 
     /// The frame's coordinates to the caller's.

@@ -6,6 +6,7 @@
 
 pub mod assemble;
 pub mod backend;
+pub mod capacities;
 pub mod cell;
 pub mod diagram;
 pub mod domain;
@@ -29,5 +30,5 @@ pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo};
 pub use diagram::PowerDiagram;
 pub use domain::Domain;
 pub use error::{Error, ErrorKind, Result};
-pub use output::{Boundary, CellStatus, FacetList, Neighbor, Output, PassReport};
+pub use output::{Boundary, CellStatus, FacetList, Neighbor, Output, PassReport, Substep};
 pub use request::{Progress, Request};

@@ -27,16 +27,17 @@ impl Backend for Naive {
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         let prepared = diagram.prepare()?;
-        let mut assembler = Assembler::new(&prepared, request);
+        let mut assembler = Assembler::new(diagram, &prepared.container, request);
         let flags = cell::flags_of(request);
         let sites = prepared.sites.sites();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
-            if self.only.as_ref().is_some_and(|only| !only.contains(&prepared.sites.order()[i])) {
+            let site = prepared.sites.order()[i];
+            if self.only.as_ref().is_some_and(|only| !only.contains(&site)) {
                 continue;
             }
             let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
             let corner = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
-            let mut status = cell::begin(&mut store, corner(prepared.lo), corner(prepared.hi));
+            let mut status = cell::begin(&mut store, corner(prepared.container.lo), corner(prepared.container.hi));
             for (j, &[nx, ny, nz, nw]) in sites.iter().enumerate() {
                 if j != i && status != cell::EMPTY {
                     status = cell::clip(&mut store, bisector(v3(nx - x, ny - y, nz - z), w - nw), j as u32);
@@ -53,9 +54,9 @@ impl Backend for Naive {
             };
             let mut facets = Vec::new();
             if request.facets {
-                collect_facets(&store, &mut facets);
+                collect_facets(&store, prepared.sites.order(), &mut facets);
             }
-            assembler.add(&CellRecord { site: i as u32, status, sums }, &facets);
+            assembler.add(&CellRecord { site, status, sums }, &facets);
         }
         Ok(assembler.finish())
     }

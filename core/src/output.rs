@@ -60,8 +60,17 @@ pub struct Boundary {
     pub flux: f64,
 }
 
-/// One pass of the scheduler: the capacities it had, how many cells it tried, how many did not fit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The part of a pass that computes the cells near the surface alone (paper §1); zeros where the backend does not part its passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Substep {
+    /// Cells tried.
+    pub cells: usize,
+    /// Seconds that it took, by the clock that the backend has for its kernels.
+    pub seconds: f64,
+}
+
+/// One pass of the scheduler: the capacities it had, how many cells it tried, how many did not fit, and what it took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassReport {
     /// Most neighbours of one cell. A backend that does not bound them reports the most that a cell visited.
     pub neighbors: u32,
@@ -75,6 +84,12 @@ pub struct PassReport {
     pub cells: usize,
     /// Cells that did not fit and went to the next pass.
     pub failed: usize,
+    /// Seconds of the whole pass, by the host's clock.
+    pub seconds: f64,
+    /// Of those, seconds that a device computed; 0 where there is none but the host.
+    pub device_seconds: f64,
+    /// Its second substep.
+    pub second: Substep,
 }
 
 /// The integrals of all cells, in the caller's order, lengths in the caller's unit.

@@ -1,9 +1,10 @@
 //! The outer loop of the scheduler (paper, Alg. 1), written once: capacities grow, failed cells alone are tried again.
 
-use crate::output::PassReport;
+use crate::output::{PassReport, Substep};
+use std::time::Instant;
 
 /// Room that a pass has for one cell: half-spaces `P` and vertices `V`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Capacities {
     /// Half-spaces.
     pub planes: u32,
@@ -13,47 +14,100 @@ pub struct Capacities {
 
 impl Capacities {
     /// The next pass has half as much room again (paper §1).
-    fn grown(self) -> Self {
+    #[must_use]
+    pub fn grown(self) -> Self {
         let grow = |n: u32| n + n / 2;
         Self { planes: grow(self.planes), vertices: grow(self.vertices) }
     }
 }
 
+/// Cells that a pass is to compute: a list of sorted sites, or what stands for one where they are on a device.
+pub trait Cells {
+    /// How many they are.
+    fn count(&self) -> usize;
+}
+
+impl Cells for Vec<u32> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+}
+
 /// What one pass leaves behind.
 #[derive(Clone, Debug, Default)]
-pub struct PassOutcome {
+pub struct PassOutcome<C = Vec<u32>> {
     /// The cells that did not fit, in order.
-    pub failed: Vec<u32>,
+    pub failed: C,
     /// Most neighbours that one cell visited.
     pub neighbors: u32,
     /// Most triangles that one cell visited.
     pub triangles: u32,
+    /// What a device's kernels took, all of the pass; 0 where there is none but the host.
+    pub device_seconds: f64,
+    /// The second substep (paper §1), where the backend parts the pass: cells near the surface.
+    pub second: Substep,
 }
 
 /// Runs `pass` over `cells`, then over what failed with grown capacities, until nothing fails.
 ///
 /// # Errors
 /// What `pass` returns.
-pub fn run_passes<E>(
+pub fn run_passes<C: Cells, E>(
     first: Capacities,
-    cells: Vec<u32>,
-    mut pass: impl FnMut(Capacities, &[u32]) -> Result<PassOutcome, E>,
+    cells: C,
+    mut pass: impl FnMut(Capacities, &C) -> Result<PassOutcome<C>, E>,
 ) -> Result<Vec<PassReport>, E> {
     let mut capacities = first;
     let mut cells = cells;
     let mut reports = Vec::new();
-    while !cells.is_empty() {
+    while cells.count() > 0 {
+        let begin = Instant::now();
         let outcome = pass(capacities, &cells)?;
         reports.push(PassReport {
             neighbors: outcome.neighbors,
             planes: capacities.planes,
             vertices: capacities.vertices,
             triangles: outcome.triangles,
-            cells: cells.len(),
-            failed: outcome.failed.len(),
+            cells: cells.count(),
+            failed: outcome.failed.count(),
+            seconds: begin.elapsed().as_secs_f64(),
+            device_seconds: outcome.device_seconds,
+            second: outcome.second,
         });
         cells = outcome.failed;
         capacities = capacities.grown();
     }
     Ok(reports)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn failed_cells_alone_come_again_with_more_room() {
+        const WAIT: Duration = Duration::from_millis(2);
+        let mut tried = Vec::new();
+        let reports =
+            run_passes(Capacities { planes: 10, vertices: 16 }, vec![3, 5, 8, 9], |room, cells: &Vec<u32>| {
+                tried.push((room, cells.clone()));
+                std::thread::sleep(WAIT);
+                let failed = cells.iter().copied().filter(|&cell| cell > room.planes / 2).collect();
+                let second = Substep { cells: 1, seconds: 0.25 };
+                Ok::<_, ()>(PassOutcome {
+                    failed,
+                    neighbors: room.planes,
+                    device_seconds: 0.5,
+                    second,
+                    ..PassOutcome::default()
+                })
+            });
+        let reports = reports.unwrap();
+        let room = |planes, vertices| Capacities { planes, vertices };
+        assert_eq!(tried, [(room(10, 16), vec![3, 5, 8, 9]), (room(15, 24), vec![8, 9]), (room(22, 36), vec![8, 9])]);
+        assert_eq!(reports.iter().map(|pass| (pass.cells, pass.failed)).collect::<Vec<_>>(), [(4, 2), (2, 2), (2, 0)]);
+        assert!(reports.iter().all(|pass| pass.seconds >= WAIT.as_secs_f64() && pass.device_seconds == 0.5));
+        assert!(reports.iter().all(|pass| pass.second == Substep { cells: 1, seconds: 0.25 }));
+    }
 }

@@ -86,7 +86,7 @@ impl Search {
     ) -> Outcome {
         let [x, y, z, weight] = prepared.sites.sites()[site as usize];
         let relative = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
-        let status = cell::begin(store, relative(prepared.lo), relative(prepared.hi));
+        let status = cell::begin(store, relative(prepared.container.lo), relative(prepared.container.hi));
         let outcome = Outcome { status, uncertified: false, visited: 0 };
         if status != cell::COMPLETE {
             return outcome;

@@ -4,7 +4,7 @@
 pub const SITES_PER_VOXEL: f64 = 4.0;
 
 /// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.
-const CROWDED: usize = 64;
+pub const CROWDED: usize = 64;
 
 /// Sites in a leaf of a crowded voxel's tree.
 const LEAF: usize = 12;
@@ -36,6 +36,36 @@ pub struct ClusterNode {
     pub children: u32,
 }
 
+/// Cubic voxels over sites.
+#[derive(Clone, Copy, Debug)]
+pub struct Voxels {
+    /// Minimum corner.
+    pub lo: [f64; 3],
+    /// Width of a voxel.
+    pub width: f64,
+    /// Number along each axis.
+    pub dims: [u32; 3],
+    /// How far outside its voxel's box a site can be, by rounding, on each axis. Twice what the rounding of
+    /// [`SiteGrid::voxel_of`] can misplace it by: (x − lo)/width errs by 2u relative, at most 2u·dims in voxels, and the
+    /// products of the boxes by as much again.
+    pub pad: [f64; 3],
+}
+
+impl Voxels {
+    /// Over `sites` sites within `[lo, hi]`, with about `sites_per_voxel` in each.
+    pub fn new(lo: [f64; 3], hi: [f64; 3], sites: usize, sites_per_voxel: f64) -> Self {
+        let (width, dims) = resolution(lo, hi, sites as f64 / sites_per_voxel);
+        let pad = std::array::from_fn(|k| 8.0 * f64::EPSILON * (f64::from(dims[k]) * width + lo[k].abs()));
+        Self { lo, width, dims, pad }
+    }
+
+    /// Nodes along each axis of every level of the pyramid, from the voxels up to one node.
+    pub fn levels(&self) -> Vec<[u32; 3]> {
+        let halved = |dims: &[u32; 3]| (*dims != [1; 3]).then(|| dims.map(|n| n.div_ceil(2)));
+        std::iter::successors(Some(self.dims), halved).collect()
+    }
+}
+
 /// Sites in the internal frame, sorted by voxel.
 ///
 /// Of sites at one position only the one with the largest weight (on a tie the lowest index) is sorted in; the cells of the
@@ -45,11 +75,7 @@ pub struct SiteGrid {
     sites: Vec<[f64; 4]>,
     order: Vec<u32>,
     coincident: Vec<u32>,
-    lo: [f64; 3],
-    width: f64,
-    /// Twice what the rounding of `voxel_of` can misplace a site by: (x − lo)/width errs by 2u relative, at most 2u·dims
-    /// in voxels, and the products of the boxes by as much again.
-    pad: [f64; 3],
+    voxels: Voxels,
     offsets: Vec<u32>,
     levels: Vec<Level>,
     clusters: Vec<ClusterNode>,
@@ -65,16 +91,14 @@ impl SiteGrid {
     /// The same, with voxels of about `sites_per_voxel` sites.
     pub fn with_density(positions: &[[f64; 3]], weights: &[f64], sites_per_voxel: f64) -> Self {
         let (lo, hi) = crate::diagram::bounding_box(positions);
-        let (width, dims) = resolution(lo, hi, positions.len() as f64 / sites_per_voxel);
+        let voxels = Voxels::new(lo, hi, positions.len(), sites_per_voxel);
         let mut grid = Self {
             sites: Vec::with_capacity(positions.len()),
             order: Vec::with_capacity(positions.len()),
             coincident: Vec::new(),
-            lo,
-            width,
-            pad: std::array::from_fn(|k| 8.0 * f64::EPSILON * (f64::from(dims[k]) * width + lo[k].abs())),
+            voxels,
             offsets: Vec::new(),
-            levels: vec![Level { dims, largest_weight: Vec::new() }],
+            levels: Vec::new(),
             clusters: Vec::new(),
             roots: Vec::new(),
         };
@@ -136,13 +160,13 @@ impl SiteGrid {
 
     /// The voxel that holds position `x`, clamped into the grid.
     pub fn voxel_of(&self, x: [f64; 3]) -> [u32; 3] {
-        let dims = self.levels[0].dims;
-        std::array::from_fn(|k| (((x[k] - self.lo[k]) / self.width) as u32).min(dims[k] - 1))
+        let dims = self.voxels.dims;
+        std::array::from_fn(|k| (((x[k] - self.voxels.lo[k]) / self.voxels.width) as u32).min(dims[k] - 1))
     }
 
     /// Index of a voxel, x fastest.
     pub fn voxel_index(&self, [i, j, k]: [u32; 3]) -> usize {
-        let [nx, ny, _] = self.levels[0].dims;
+        let [nx, ny, _] = self.voxels.dims;
         ((k as usize * ny as usize) + j as usize) * nx as usize + i as usize
     }
 
@@ -154,26 +178,21 @@ impl SiteGrid {
     /// The box of a node: its minimum and maximum corner. Padded by the rounding of [`voxel_of`](Self::voxel_of), so that it
     /// holds each of the node's sites.
     pub fn node_box(&self, level: usize, node: [u32; 3]) -> ([f64; 3], [f64; 3]) {
-        let corner = |k: usize, i: u32| self.lo[k] + f64::from(i << level) * self.width;
+        let corner = |k: usize, i: u32| self.voxels.lo[k] + f64::from(i << level) * self.voxels.width;
         (
-            std::array::from_fn(|k| corner(k, node[k]) - self.pad[k]),
-            std::array::from_fn(|k| corner(k, node[k] + 1) + self.pad[k]),
+            std::array::from_fn(|k| corner(k, node[k]) - self.voxels.pad[k]),
+            std::array::from_fn(|k| corner(k, node[k] + 1) + self.voxels.pad[k]),
         )
     }
 
     /// Width of a voxel.
     pub fn voxel_width(&self) -> f64 {
-        self.width
+        self.voxels.width
     }
 
-    /// Minimum corner of the voxels.
-    pub fn corner(&self) -> [f64; 3] {
-        self.lo
-    }
-
-    /// How far outside its voxel's box a site can be, by rounding, on each axis.
-    pub fn pad(&self) -> [f64; 3] {
-        self.pad
+    /// The voxels.
+    pub fn voxels(&self) -> &Voxels {
+        &self.voxels
     }
 
     /// Where the sites of each voxel begin; one more at the end.
@@ -188,21 +207,21 @@ impl SiteGrid {
 
     /// The range of voxels along axis `k` that hold every site whose coordinate is within `reach` of `x`.
     pub fn voxels_within(&self, k: usize, x: f64, reach: f64) -> std::ops::RangeInclusive<u32> {
-        let index = |x: f64| (((x - self.lo[k]) / self.width) as u32).min(self.levels[0].dims[k] - 1);
-        index(x - reach - self.pad[k])..=index(x + reach + self.pad[k])
+        let index = |x: f64| (((x - self.voxels.lo[k]) / self.voxels.width) as u32).min(self.voxels.dims[k] - 1);
+        index(x - reach - self.voxels.pad[k])..=index(x + reach + self.voxels.pad[k])
     }
 
     /// How far `x` is from the slab of voxels `i` along axis `k`, at least.
     pub fn distance_to_voxel(&self, k: usize, i: u32, x: f64) -> f64 {
-        let lo = self.lo[k] + f64::from(i) * self.width - self.pad[k];
-        let hi = self.lo[k] + f64::from(i + 1) * self.width + self.pad[k];
+        let lo = self.voxels.lo[k] + f64::from(i) * self.voxels.width - self.voxels.pad[k];
+        let hi = self.voxels.lo[k] + f64::from(i + 1) * self.voxels.width + self.voxels.pad[k];
         (lo - x).max(x - hi).max(0.0)
     }
 
     /// Counting sort by voxel; within a voxel by position, so that coincident sites stand together.
     fn sort(&mut self, positions: &[[f64; 3]], weights: &[f64]) {
         let voxels: Vec<u32> = positions.iter().map(|&p| self.voxel_index(self.voxel_of(p)) as u32).collect();
-        let count = self.levels[0].dims.iter().map(|&n| n as usize).product::<usize>();
+        let count = self.voxels.dims.iter().map(|&n| n as usize).product::<usize>();
         let mut starts = vec![0_u32; count + 1];
         for &voxel in &voxels {
             starts[voxel as usize + 1] += 1;
@@ -247,19 +266,18 @@ impl SiteGrid {
         let largest =
             |range: std::ops::Range<usize>| self.sites[range].iter().fold(f64::NEG_INFINITY, |w, s| w.max(s[3]));
         let voxels = self.offsets.len() - 1;
-        self.levels[0].largest_weight = (0..voxels).map(|v| largest(self.sites_of_voxels(v, v))).collect();
-        while let Some(below) = self.levels.last()
-            && below.largest_weight.len() > 1
-        {
-            let dims = below.dims.map(|n| n.div_ceil(2));
-            let mut largest_weight = vec![f64::NEG_INFINITY; dims.iter().map(|&n| n as usize).product()];
-            let [nx, ny, _] = below.dims.map(|n| n as usize);
-            for (node, &w) in below.largest_weight.iter().enumerate() {
-                let (i, j, k) = (node % nx / 2, node / nx % ny / 2, node / nx / ny / 2);
-                let parent = &mut largest_weight[(k * dims[1] as usize + j) * dims[0] as usize + i];
-                *parent = parent.max(w);
+        let mut nodes: Vec<f64> = (0..voxels).map(|v| largest(self.sites_of_voxels(v, v))).collect();
+        for dims in self.voxels.levels() {
+            if let Some(below) = self.levels.last() {
+                nodes = vec![f64::NEG_INFINITY; dims.iter().map(|&n| n as usize).product()];
+                let [nx, ny, _] = below.dims.map(|n| n as usize);
+                for (node, &w) in below.largest_weight.iter().enumerate() {
+                    let (i, j, k) = (node % nx / 2, node / nx % ny / 2, node / nx / ny / 2);
+                    let parent = &mut nodes[(k * dims[1] as usize + j) * dims[0] as usize + i];
+                    *parent = parent.max(w);
+                }
             }
-            self.levels.push(Level { dims, largest_weight });
+            self.levels.push(Level { dims, largest_weight: std::mem::take(&mut nodes) });
         }
     }
 

@@ -3,6 +3,7 @@
 
 mod codegen;
 mod fixtures;
+mod paper;
 mod run;
 
 use std::env;
@@ -14,10 +15,13 @@ const USAGE: &str = "usage: cargo xtask COMMAND
 
   test [FILTER…]   all tests of the workspace, doc tests and the conformance suite of every backend included;
                    LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
-  check            formatting, clippy and documentation, warnings as errors; generated text as it should be
+  check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; generated text as it
+                   should be
   codegen          the OpenCL C of core/src/cell/; with --check only says whether it is up to date
   fixtures         makes the CGAL fixtures anew (needs g++ and libcgal-dev) and fails if any changed; with --worst holds the
-                   backends to those that are there and prints the largest errors";
+                   backends to those that are there and prints the largest errors
+  paper [OPTION…]  the paper's experiments, into BENCHMARKS.md (minutes; options are those of `laguerre paper --help`, as --sites N,
+                   --backend NAME, --device N); --from FILE puts in what `laguerre paper --markdown FILE` wrote on another machine";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -27,6 +31,7 @@ fn main() -> ExitCode {
         ["check"] => check(),
         ["fixtures"] => fixtures::run(),
         ["fixtures", "--worst"] => fixtures::worst(),
+        ["paper", ref arguments @ ..] => paper::run(arguments),
         ["codegen"] => codegen::run(false),
         ["codegen", "--check"] => codegen::run(true),
         _ => {
@@ -77,5 +82,7 @@ fn check() -> Result<(), String> {
     cargo(&clippy, &[])?;
     let doc = ["doc", "--locked", "--workspace", "--all-features", "--no-deps"];
     cargo(&doc, &[("RUSTDOCFLAGS", "-D warnings")])?;
+    // A workspace of its own, which nothing else builds; its targets proper need libFuzzer, a C++ compiler and time.
+    cargo(&["check", "--locked", "--manifest-path", "fuzz/Cargo.toml", "--no-default-features"], &[])?;
     codegen::run(true)
 }

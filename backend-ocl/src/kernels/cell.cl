@@ -68,7 +68,6 @@ OUTLINE V3 reference_point(Store *s);
 OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint *touched, CellSums *sums);
 OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone);
 OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums);
-OUTLINE void reset_from(Store *s, uint base);
 INLINE uint all_in_conflict(Store *s, uint k, Plane plane);
 OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone);
 OUTLINE TruncatedCone no_cone();
@@ -828,7 +827,7 @@ OUTLINE uint volume_is_above_bound(CellSums sums) {
 
 // Whether (1) a facet's area exceeds what rounding alone can make of nothing.
 OUTLINE uint facet_is_above_bound(FacetSum sum) {
-    if ((sum.area > (SHARE_OF_NOTHING * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding))) {
+    if ((sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding))) {
         return 1;
     }
     return 0;
@@ -956,13 +955,15 @@ INLINE real products(real a, real b, real c, real d, real e, real f) {
 // Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
 // `area·(H + I + v)/3`.
 INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum) {
-    const V3 normal = v3_cross(sub(foot, f.foot), sub(at.position, f.foot));
+    const V3 to_foot = sub(foot, f.foot);
+    const V3 to_vertex = sub(at.position, f.foot);
+    const V3 normal = v3_cross(to_foot, to_vertex);
     const real area = ((REAL(0.5) * sign) * v3_dot(normal, f.n)) / sqrt(f.square);
     const V3 middle = add(scale(REAL(1.0) / REAL(3.0), add(add(f.foot, foot), at.position)), center);
     sum->area = sum->area + area;
     sum->moment = add(sum->moment, scale(area, middle));
-    sum->rounding = sum->rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * fabs(area));
-    sum->rounding = sum->rounding + (at.radius * norm_1(sub(at.position, foot)));
+    const real lost = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
+    sum->rounding = larger(sum->rounding, lost + (at.radius * norm_1(sub(at.position, foot))));
 }
 
 // The sums of the facet of plane `index` alone.
@@ -1067,9 +1068,6 @@ OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint 
             *touched = 1;
         }
         if ((status == CUT) || (status == UNTOUCHED)) {
-            if ((flags & FACETS) != 0) {
-                reset_from(s, base);
-            }
             status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
         }
     }
@@ -1130,15 +1128,6 @@ OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums
         return COMPLETE;
     }
     return status;
-}
-
-// Sets the facets' sums of the half-spaces from `base` on to zero.
-OUTLINE void reset_from(Store *s, uint base) {
-    uint f = base;
-    while (f < store_planes(s)) {
-        store_set_facet(s, f, (FacetSum){ 0 });
-        f += 1;
-    }
 }
 
 // Whether (1) every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.

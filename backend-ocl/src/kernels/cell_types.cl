@@ -194,7 +194,7 @@ typedef struct {
     real area;
     // ∫ x dA, in the frame of the site.
     V3 moment;
-    // What rounding may have added to the area, at most.
+    // The largest that rounding may have added to one of the triangles that were added and subtracted.
     real rounding;
 } FacetSum;
 
@@ -222,9 +222,14 @@ typedef struct {
     real boundary_flux;
 } CellSums;
 
-// Roundings that one signed volume or area has gone through, at most: about ten each for the feet H and I and the
+// Roundings that one signed volume has gone through, at most: about ten each for the feet H and I and the
 // vertex, eight for the determinant, the rest for the sum of up to some hundred terms of mixed sign.
 #define ROUNDINGS ((real)(REAL(64.0)))
+
+// The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
+// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
+// quotient, halved; twice that for the sum. (What a foot is off, one triangle gains and its neighbour loses.)
+#define ROUNDINGS_OF_TRIANGLE ((real)(REAL(8.0)))
 
 // Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
 // correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
@@ -237,6 +242,11 @@ typedef struct {
 // What is negative, where winding numbers are not, is made by rounding: by more than its bound only where nearly degenerate planes meet, and
 // never by so many times.
 #define NEGATIVE_ROUNDINGS ((real)(REAL(1024.0)))
+
+// The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles
+// leave of nothing is below this, but for one in some thousand, while the sum of their bounds would swallow thin facets that the
+// other cell, cut by other cones, keeps.
+#define SHARE_OF_NO_FACET ((real)(REAL(0.0625)))
 
 // Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly; between the two it
 // is refined once. The squares of the vertices' bounds.

@@ -9,9 +9,6 @@
 #define SHELL_RADIUS 4u
 #define SHELLS 729u
 
-// A voxel with more sites than this has a tree (site_grid.rs).
-#define CROWDED 64u
-
 // Sites in a voxel from which on the sharp test costs less than what it saves.
 #define WORTH_SHARP_TEST 8u
 
@@ -372,12 +369,6 @@ OUTLINE uint search_rest(Store *s, Search *search) {
     return COMPLETE;
 }
 
-INLINE uint voxel_along(Store *s, uint axis, real x) {
-    const real q = (x - s->world.params->grid_lo[axis]) / s->world.params->grid_width;
-    const uint last = s->world.params->grid_dims[axis] - 1u;
-    return (q >= (real)last) ? last : ((q > REAL(0.0)) ? (uint)q : 0u);
-}
-
 // Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
 INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shells, uint site) {
     __global const Params *params = s->world.params;
@@ -395,9 +386,9 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     for (uint axis = 0; axis < 3u; axis++) {
         search->node[axis] = 0;
     }
-    search->center[0] = voxel_along(s, 0, own.x);
-    search->center[1] = voxel_along(s, 1, own.y);
-    search->center[2] = voxel_along(s, 2, own.z);
+    search->center[0] = voxel_along(params, 0, own.x);
+    search->center[1] = voxel_along(params, 1, own.y);
+    search->center[2] = voxel_along(params, 2, own.z);
     s->site = search->position;
     s->weight = own.w;
     s->exact = 0;

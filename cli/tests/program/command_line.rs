@@ -8,7 +8,14 @@ use crate::support::{PROGRAM, UNIT_BOX, failed, fails, inputs, json, runs};
 fn help_and_version_are_no_errors() {
     let folder = tempfile::tempdir().unwrap();
     assert!(runs(folder.path(), &["--version"]).starts_with("laguerre 0."));
-    for command in [&["--help"][..], &["integrate", "--help"], &["sample", "--help"], &["demo", "--help"]] {
+    for command in [
+        &["--help"][..],
+        &["integrate", "--help"],
+        &["sample", "--help"],
+        &["demo", "--help"],
+        &["tune", "--help"],
+        &["bench", "--help"],
+    ] {
         assert!(runs(folder.path(), command).contains("Usage: laguerre"));
     }
 }
@@ -101,6 +108,7 @@ fn the_json_object_has_its_fields_in_their_order() {
         "T",
         "cells",
         "failed",
+        "seconds",
     ];
     let mut from = 0;
     for field in fields {

@@ -3,7 +3,10 @@
 mod bad_meshes;
 mod bad_sites;
 mod command_line;
+#[cfg(feature = "ocl")]
+mod devices;
 mod formats;
+mod measures;
 mod outputs;
 mod results;
 mod support;

@@ -16,21 +16,25 @@ pub fn volume(backend: &dyn Backend, case: &Case) -> Verdict {
     sanity::hold(backend, case, of_volumes)
 }
 
-/// Σ area · outward normal over facets and boundary is 0.
+/// Σ area · outward normal over facets and boundary is 0. The normals are those of the sites as the library has them in its
+/// frame: of sites next to each other and outside of the container they may be turned by any angle ([`Bounds::turn`]).
 pub fn of_areas(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     let boundary = output.boundary.as_deref().unwrap_or_default();
     for (i, row) in bounds.rows().iter().enumerate() {
         let mut sum = DVec3::from(boundary[i].vector_area);
-        let mut area = boundary[i].area;
+        let (mut area, mut turned) = (boundary[i].area, 0.0);
         for facet in row {
+            // The difference of two unit vectors is at most 2.
+            turned += facet.area * bounds.turn(i, facet.neighbor).min(2.0);
             sum += facet.area * (scene.site(facet.neighbor) - scene.site(i)).normalize();
             area += facet.area;
         }
         let off = sum.length();
-        if off <= CLOSURE * area + bounds.least_facet_rounding(i) {
+        let promise = CLOSURE * area + turned;
+        if off <= promise + bounds.least_facet_rounding(i) {
             continue;
         }
-        let bound = CLOSURE * area + bounds.facet_rounding(i);
+        let bound = promise + bounds.facet_rounding(i);
         ensure!(off <= bound, "site {i}: Σ area·normal is {sum}, bound {bound:e}");
     }
     Ok(())
@@ -40,15 +44,16 @@ pub fn of_areas(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
 pub fn of_volumes(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     let boundary = output.boundary.as_deref().unwrap_or_default();
     for (i, row) in bounds.rows().iter().enumerate() {
-        let mut sum = boundary[i].flux;
+        let (mut sum, mut moved) = (boundary[i].flux, 0.0);
         for facet in row {
             let j = facet.neighbor;
             let distance = scene.site(i).distance(scene.site(j));
-            let height = 0.5 * (distance + (scene.weight(i) - scene.weight(j)) / distance);
-            sum += height * facet.area;
+            let shift = (scene.weight(i) - scene.weight(j)) / distance;
+            sum += 0.5 * (distance + shift) * facet.area;
+            moved += bounds.turn(i, j) * 0.5 * (distance + shift.abs()) * facet.area;
         }
         let (closed, volume) = (sum / 3.0, output.volume[i]);
-        let (off, promise) = ((closed - volume).abs(), CLOSURE * volume.abs());
+        let (off, promise) = ((closed - volume).abs(), CLOSURE * volume.abs() + moved / 3.0);
         if off <= promise + bounds.least_facet_rounding(i) * bounds.reach(i) {
             continue;
         }

@@ -45,7 +45,7 @@ pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
     return COMPLETE;
 }
 
-fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {
+pub(super) fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {
     s.set_plane(f, Plane { n: n, d: d });
     s.set_tag(f, TAG_BOX);
     s.set_link(f, 0);
@@ -167,7 +167,7 @@ pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
 }
 
 /// Decides every uncertain mark against plane `k` by the exact sign.
-fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
+pub(super) fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
     let mut v: u32 = 0;
     while v < s.vertices() {
         if s.mark(v) == MARK_UNCERTAIN {
@@ -187,12 +187,12 @@ fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
 }
 
 #[inline(always)]
-fn toggle_link<S: CellStore>(s: &mut S, f: u32, change: u32) {
+pub(super) fn toggle_link<S: CellStore>(s: &mut S, f: u32, change: u32) {
     let link: u32 = s.link(f) ^ change;
     s.set_link(f, link);
 }
 
-fn clear_links<S: CellStore>(s: &mut S) {
+pub(super) fn clear_links<S: CellStore>(s: &mut S) {
     let mut f: u32 = 0;
     while f < s.planes() {
         s.set_link(f, 0);
@@ -201,7 +201,7 @@ fn clear_links<S: CellStore>(s: &mut S) {
 }
 
 /// Finds a directed edge a→b of a marked vertex whose reverse belongs to no marked vertex.
-fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut Triplet) {
+pub(super) fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut Triplet) {
     let mut v: u32 = s.next_conflict(0, end);
     while v < end {
         let t: Triplet = s.triplet(v);
@@ -226,7 +226,7 @@ fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut Triplet) {
 
 /// Whether the edge a→b of a marked vertex lies on the boundary of the hole: both planes do, and no marked vertex has b→a.
 #[inline(always)]
-fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32) -> u32 {
+pub(super) fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32) -> u32 {
     if (s.link(a) == 0) || (s.link(b) == 0) {
         return 0;
     }

@@ -1,7 +1,7 @@
 //! Truncated cones over triangles, and the prisms behind them (paper §4, with exact signs).
 
 use super::clip::clip;
-use super::integrate::{CellSums, FACETS, FacetSum, add_boundary, integrate, integrate_facet};
+use super::integrate::{CellSums, FacetSum, add_boundary, integrate, integrate_facet};
 use super::plane::{Plane, cone_side, triangle_plane, wall_over_edge};
 use super::status::{
     COMPLETE, CUT, EMPTY, SEEN_CONFLICT, SEEN_KEEP, SIGN_UNKNOWN, TAG_CONE, TAG_TRIANGLE, UNCERTAIN, UNTOUCHED,
@@ -11,15 +11,15 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, larger, norm_1, scale, 
 
 /// A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
 #[derive(Clone, Copy)]
-struct TruncatedCone {
+pub(super) struct TruncatedCone {
     /// Sign of the triangle as seen from the apex: +1 where it turns its back, so that what lies behind is outside.
-    sign: Real,
+    pub(super) sign: Real,
     /// ‖·‖₁ of the way from the site to the farthest corner: what the planes' rounding is relative to.
-    reach: Real,
-    end: Plane,
-    side_0: Plane,
-    side_1: Plane,
-    side_2: Plane,
+    pub(super) reach: Real,
+    pub(super) end: Plane,
+    pub(super) side_0: Plane,
+    pub(super) side_1: Plane,
+    pub(super) side_2: Plane,
 }
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
@@ -57,9 +57,6 @@ pub(crate) fn add_cone<S: CellStore>(
             *touched = 1;
         }
         if (status == CUT) || (status == UNTOUCHED) {
-            if (flags & FACETS) != 0 {
-                reset_from(s, base);
-            }
             status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
         }
     }
@@ -72,7 +69,7 @@ pub(crate) fn add_cone<S: CellStore>(
 }
 
 /// Clips by the three sides; `COMPLETE` where something is left.
-fn clip_by_sides<S: CellStore>(s: &mut S, cone: TruncatedCone) -> u32 {
+pub(super) fn clip_by_sides<S: CellStore>(s: &mut S, cone: TruncatedCone) -> u32 {
     let mut status: u32 = clip(s, cone.side_0, TAG_CONE);
     if (status == CUT) || (status == UNTOUCHED) {
         status = clip(s, cone.side_1, TAG_CONE);
@@ -125,18 +122,9 @@ pub(crate) fn add_surface<S: CellStore>(s: &mut S, t: u32, apex: Voxel, center: 
     return status;
 }
 
-/// Sets the facets' sums of the half-spaces from `base` on to zero.
-fn reset_from<S: CellStore>(s: &mut S, base: u32) {
-    let mut f: u32 = base;
-    while f < s.planes() {
-        s.set_facet(f, FacetSum::default());
-        f += 1;
-    }
-}
-
 /// Whether (1) every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
 #[inline(always)]
-fn all_in_conflict<S: CellStore>(s: &mut S, k: u32, plane: Plane) -> u32 {
+pub(super) fn all_in_conflict<S: CellStore>(s: &mut S, k: u32, plane: Plane) -> u32 {
     s.set_plane(k, plane);
     if s.mark_conflicts(k) == SEEN_CONFLICT {
         return 1;
@@ -145,7 +133,7 @@ fn all_in_conflict<S: CellStore>(s: &mut S, k: u32, plane: Plane) -> u32 {
 }
 
 /// The truncated cone over triangle `t` from corner `apex`, in the frame of the site.
-fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedCone) -> u32 {
+pub(super) fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedCone) -> u32 {
     let triangle: Triangle = s.triangle(t);
     let a: V3 = s.domain_point(triangle.a);
     let b: V3 = s.domain_point(triangle.b);
@@ -173,7 +161,7 @@ fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedC
 }
 
 /// No cone yet.
-fn no_cone() -> TruncatedCone {
+pub(super) fn no_cone() -> TruncatedCone {
     return TruncatedCone {
         sign: 0.0,
         reach: 0.0,
@@ -186,7 +174,7 @@ fn no_cone() -> TruncatedCone {
 
 /// The prism over triangle `t`, in the frame of the site, on the side that the cone from `apex` keeps: where the surface touches
 /// the cell, both then decide alike.
-fn make_prism<S: CellStore>(s: &mut S, t: u32, apex: Voxel, prism: &mut TruncatedCone) -> u32 {
+pub(super) fn make_prism<S: CellStore>(s: &mut S, t: u32, apex: Voxel, prism: &mut TruncatedCone) -> u32 {
     let triangle: Triangle = s.triangle(t);
     let a: V3 = s.domain_point(triangle.a);
     let b: V3 = s.domain_point(triangle.b);
@@ -215,7 +203,7 @@ fn make_prism<S: CellStore>(s: &mut S, t: u32, apex: Voxel, prism: &mut Truncate
 /// The side over the edge from vertex `i` at `p` to vertex `j` at `q`, computed with the ends in index order so that both
 /// triangles at the edge get the very same plane.
 #[inline(always)]
-fn side_over_edge(i: u32, j: u32, p: V3, q: V3, o: V3, o_in: V3, sign: Real) -> Plane {
+pub(super) fn side_over_edge(i: u32, j: u32, p: V3, q: V3, o: V3, o_in: V3, sign: Real) -> Plane {
     if i < j {
         return cone_side(o_in, sub(p, o), sub(q, p), sign);
     }
@@ -226,7 +214,7 @@ fn side_over_edge(i: u32, j: u32, p: V3, q: V3, o: V3, o_in: V3, sign: Real) -> 
 const CONE_SIGN_ERROR: Real = (7.0 + (56.0 * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF;
 
 /// The exact sign of `det(a − o, b − o, c − o)`, given the rounded differences.
-fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: V3, c: V3) -> i32 {
+pub(super) fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: V3, c: V3) -> i32 {
     let det: Real = dot(a, cross(b, c));
     let abs_b: V3 = magnitudes(b);
     let abs_c: V3 = magnitudes(c);
@@ -249,6 +237,6 @@ fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: V3, c: V3) 
 }
 
 #[inline(always)]
-fn magnitudes(a: V3) -> V3 {
+pub(super) fn magnitudes(a: V3) -> V3 {
     return v3(a.x.abs(), a.y.abs(), a.z.abs());
 }

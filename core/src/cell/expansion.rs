@@ -10,9 +10,9 @@ use super::wide::{Wide, product_exact, sum_exact, wide_quotient};
 /// 192 numbers, and each adds at most one term.
 #[repr(C)]
 #[derive(Clone, Copy)]
-struct Expansion {
-    terms: [Real; 192],
-    count: u32,
+pub(super) struct Expansion {
+    pub(super) terms: [Real; 192],
+    pub(super) count: u32,
 }
 
 /// Inputs smaller than this (but for zero) are left to integers: below it the last bit of a product of four, 4·(52 + 200) bits
@@ -61,7 +61,7 @@ pub(crate) fn expansion_position(a: Plane, b: Plane, c: Plane, position: &mut V3
 
 /// Whether (1) a coefficient is smaller than `EXPANSION_SMALLEST` and not zero.
 #[inline(always)]
-fn is_tiny(plane: Plane) -> u32 {
+pub(super) fn is_tiny(plane: Plane) -> u32 {
     if ((is_tiny_number(plane.n.x) + is_tiny_number(plane.n.y)) + (is_tiny_number(plane.n.z) + is_tiny_number(plane.d)))
         != 0
     {
@@ -71,7 +71,7 @@ fn is_tiny(plane: Plane) -> u32 {
 }
 
 #[inline(always)]
-fn is_tiny_number(x: Real) -> u32 {
+pub(super) fn is_tiny_number(x: Real) -> u32 {
     if (x.abs() < EXPANSION_SMALLEST) && (x != 0.0) {
         return 1;
     }
@@ -79,7 +79,17 @@ fn is_tiny_number(x: Real) -> u32 {
 }
 
 /// Adds `(x_0 y_1 − x_1 y_0)·(z_2 w_3 − z_3 w_2)`.
-fn add_minors(sum: &mut Expansion, x0: Real, y0: Real, x1: Real, y1: Real, z2: Real, w2: Real, z3: Real, w3: Real) {
+pub(super) fn add_minors(
+    sum: &mut Expansion,
+    x0: Real,
+    y0: Real,
+    x1: Real,
+    y1: Real,
+    z2: Real,
+    w2: Real,
+    z3: Real,
+    w3: Real,
+) {
     let p: Wide = product_exact(x0, y1);
     let q: Wide = product_exact(-x1, y0);
     let r: Wide = product_exact(z2, w3);
@@ -91,7 +101,7 @@ fn add_minors(sum: &mut Expansion, x0: Real, y0: Real, x1: Real, y1: Real, z2: R
 }
 
 /// Adds `p·q`.
-fn add_four(sum: &mut Expansion, p: Wide, q: Wide) {
+pub(super) fn add_four(sum: &mut Expansion, p: Wide, q: Wide) {
     add_product(sum, p.lo, q.lo);
     add_product(sum, p.lo, q.hi);
     add_product(sum, p.hi, q.lo);
@@ -100,7 +110,7 @@ fn add_four(sum: &mut Expansion, p: Wide, q: Wide) {
 
 /// Adds `x·y`.
 #[inline(always)]
-fn add_product(sum: &mut Expansion, x: Real, y: Real) {
+pub(super) fn add_product(sum: &mut Expansion, x: Real, y: Real) {
     if (x == 0.0) || (y == 0.0) {
         return;
     }
@@ -110,7 +120,7 @@ fn add_product(sum: &mut Expansion, x: Real, y: Real) {
 }
 
 /// Adds one number: it passes through the terms from the smallest on and leaves each sum's rounding error behind.
-fn add_number(sum: &mut Expansion, x: Real) {
+pub(super) fn add_number(sum: &mut Expansion, x: Real) {
     let mut carried: Real = x;
     let mut kept: u32 = 0;
     let mut i: u32 = 0;
@@ -131,7 +141,7 @@ fn add_number(sum: &mut Expansion, x: Real) {
 }
 
 /// The value rounded to double-double; the sign of its `hi` is the sign of the sum.
-fn value_of(sum: &mut Expansion) -> Wide {
+pub(super) fn value_of(sum: &mut Expansion) -> Wide {
     if sum.count == 0 {
         return Wide { hi: 0.0, lo: 0.0 };
     }
@@ -146,7 +156,7 @@ fn value_of(sum: &mut Expansion) -> Wide {
 }
 
 /// `det(a, b, c)`, exactly before it is rounded to double-double.
-fn determinant(a: V3, b: V3, c: V3) -> Wide {
+pub(super) fn determinant(a: V3, b: V3, c: V3) -> Wide {
     let mut sum: Expansion = Expansion { terms: [0.0; 192], count: 0 };
     add_triple(&mut sum, a.x, b.y, c.z);
     add_triple(&mut sum, -a.x, b.z, c.y);
@@ -158,7 +168,7 @@ fn determinant(a: V3, b: V3, c: V3) -> Wide {
 }
 
 /// Adds `x·y·z`.
-fn add_triple(sum: &mut Expansion, x: Real, y: Real, z: Real) {
+pub(super) fn add_triple(sum: &mut Expansion, x: Real, y: Real, z: Real) {
     let p: Wide = product_exact(x, y);
     add_product(sum, p.lo, z);
     add_product(sum, p.hi, z);

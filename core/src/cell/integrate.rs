@@ -21,7 +21,7 @@ pub struct FacetSum {
     pub area: Real,
     /// ∫ x dA, in the frame of the site.
     pub moment: V3,
-    /// What rounding may have added to the area, at most.
+    /// The largest that rounding may have added to one of the triangles that were added and subtracted.
     pub rounding: Real,
 }
 
@@ -51,9 +51,14 @@ pub struct CellSums {
     pub boundary_flux: Real,
 }
 
-/// Roundings that one signed volume or area has gone through, at most: about ten each for the feet H and I and the
+/// Roundings that one signed volume has gone through, at most: about ten each for the feet H and I and the
 /// vertex, eight for the determinant, the rest for the sum of up to some hundred terms of mixed sign.
 const ROUNDINGS: Real = 64.0;
+
+/// The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
+/// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
+/// quotient, halved; twice that for the sum. (What a foot is off, one triangle gains and its neighbour loses.)
+const ROUNDINGS_OF_TRIANGLE: Real = 8.0;
 
 /// Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
 /// correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
@@ -80,9 +85,14 @@ pub fn volume_is_above_bound(sums: CellSums) -> u32 {
     return 0;
 }
 
+/// The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles
+/// leave of nothing is below this, but for one in some thousand, while the sum of their bounds would swallow thin facets that the
+/// other cell, cut by other cones, keeps.
+const SHARE_OF_NO_FACET: Real = 0.0625;
+
 /// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
 pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
-    if (sum.area > (SHARE_OF_NOTHING * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding)) {
+    if (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding)) {
         return 1;
     }
     return 0;
@@ -95,13 +105,13 @@ const WORTH_REFINING_FOOT: Real = 3.814697265625e-6;
 
 /// One plane as the integrals see it: moved to the reference point, with its foot.
 #[derive(Clone, Copy)]
-struct Side {
-    index: u32,
-    n: V3,
-    d: Real,
-    square: Real,
+pub(super) struct Side {
+    pub(super) index: u32,
+    pub(super) n: V3,
+    pub(super) d: Real,
+    pub(super) square: Real,
     /// H = −d n/|n|².
-    foot: V3,
+    pub(super) foot: V3,
 }
 
 /// Adds `weight` times the integrals of the present polytope to `sums`, and to the facets' sums.
@@ -168,7 +178,7 @@ pub(crate) fn integrate<S: CellStore>(
 
 /// Plane `f` as seen from `center`.
 #[inline(always)]
-fn side<S: CellStore>(s: &S, f: u32, center: V3) -> Side {
+pub(super) fn side<S: CellStore>(s: &S, f: u32, center: V3) -> Side {
     let plane: Plane = s.plane(f);
     let square: Real = dot(plane.n, plane.n);
     let d: Real = plane.d + dot(plane.n, center);
@@ -177,18 +187,18 @@ fn side<S: CellStore>(s: &S, f: u32, center: V3) -> Side {
 
 /// A vertex as the integrals see it.
 #[derive(Clone, Copy)]
-struct Corner {
+pub(super) struct Corner {
     /// Relative to the reference point.
-    position: V3,
+    pub(super) position: V3,
     /// ‖·‖₁ of its way from the site, and the reach of its planes.
-    distance: Real,
+    pub(super) distance: Real,
     /// Its error radius.
-    radius: Real,
+    pub(super) radius: Real,
 }
 
 /// Adds the two tetrahedra of one vertex and its edge (f, g).
 #[inline(always)]
-fn add_edge<S: CellStore>(
+pub(super) fn add_edge<S: CellStore>(
     s: &mut S,
     f: Side,
     g: Side,
@@ -220,7 +230,7 @@ fn add_edge<S: CellStore>(
 /// The foot of the perpendicular from the reference point to the line of planes f and g:
 /// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`.
 #[inline(always)]
-fn foot_on_edge<S: CellStore>(s: &mut S, f: Side, g: Side, center: V3, foot: &mut V3) -> u32 {
+pub(super) fn foot_on_edge<S: CellStore>(s: &mut S, f: Side, g: Side, center: V3, foot: &mut V3) -> u32 {
     let direction: V3 = cross(f.n, g.n);
     let square: Real = dot(direction, direction);
     let whole: Real = f.square * g.square;
@@ -241,7 +251,7 @@ fn foot_on_edge<S: CellStore>(s: &mut S, f: Side, g: Side, center: V3, foot: &mu
 /// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
 /// `U(hhᵀ+iiᵀ+vvᵀ+ssᵀ)/20`, `s = h+i+v`.
 #[inline(always)]
-fn add_tetrahedron(volume: Real, h: V3, i: V3, v: V3, flags: u32, part: &mut CellSums) {
+pub(super) fn add_tetrahedron(volume: Real, h: V3, i: V3, v: V3, flags: u32, part: &mut CellSums) {
     let sum: V3 = add(add(h, i), v);
     part.volume = part.volume + volume;
     part.rounding = part.rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * volume.abs());
@@ -263,26 +273,28 @@ fn add_tetrahedron(volume: Real, h: V3, i: V3, v: V3, flags: u32, part: &mut Cel
 }
 
 #[inline(always)]
-fn squares(a: Real, b: Real, c: Real) -> Real {
+pub(super) fn squares(a: Real, b: Real, c: Real) -> Real {
     return ((a * a) + (b * b)) + (c * c);
 }
 
 #[inline(always)]
-fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> Real {
+pub(super) fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> Real {
     return ((a * b) + (c * d)) + (e * f);
 }
 
 /// Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
 /// `area·(H + I + v)/3`.
 #[inline(always)]
-fn add_triangle(f: Side, foot: V3, at: Corner, sign: Real, center: V3, sum: &mut FacetSum) {
-    let normal: V3 = cross(sub(foot, f.foot), sub(at.position, f.foot));
+pub(super) fn add_triangle(f: Side, foot: V3, at: Corner, sign: Real, center: V3, sum: &mut FacetSum) {
+    let to_foot: V3 = sub(foot, f.foot);
+    let to_vertex: V3 = sub(at.position, f.foot);
+    let normal: V3 = cross(to_foot, to_vertex);
     let area: Real = ((0.5 * sign) * dot(normal, f.n)) / f.square.sqrt();
     let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), at.position)), center);
     sum.area = sum.area + area;
     sum.moment = add(sum.moment, scale(area, middle));
-    sum.rounding = sum.rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * area.abs());
-    sum.rounding = sum.rounding + (at.radius * norm_1(sub(at.position, foot)));
+    let lost: Real = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
+    sum.rounding = larger(sum.rounding, lost + (at.radius * norm_1(sub(at.position, foot))));
 }
 
 /// The sums of the facet of plane `index` alone.

@@ -27,6 +27,8 @@ mod clip;
 mod cone;
 mod expansion;
 mod integrate;
+#[cfg(feature = "test-util")]
+pub mod parity;
 mod plane;
 mod restrict;
 mod security;

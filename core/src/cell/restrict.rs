@@ -87,7 +87,7 @@ const ROUNDINGS_OF_NEEDLE: Real = 64.0;
 /// `COMPLETE` where something is left of the cell, else `EMPTY`.
 ///
 /// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
-fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
+pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
     if volume_is_above_bound(*sums) == 0 {
         return EMPTY;
     }
@@ -127,7 +127,13 @@ pub fn lies_outside<S: CellStore>(s: &S) -> u32 {
 }
 
 /// The integrals of the whole cell, times `weight`.
-fn integrate_whole<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32, sums: &mut CellSums) -> u32 {
+pub(super) fn integrate_whole<S: CellStore>(
+    s: &mut S,
+    weight: Real,
+    center: V3,
+    flags: u32,
+    sums: &mut CellSums,
+) -> u32 {
     if weight == 0.0 {
         return EMPTY;
     }
@@ -142,7 +148,7 @@ fn integrate_whole<S: CellStore>(s: &mut S, weight: Real, center: V3, flags: u32
 }
 
 /// The faces of the initial box are the boundary where there is no domain.
-fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
+pub(super) fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
     let mut f: u32 = 0;
     while f < s.planes() {
         if s.tag(f) == TAG_BOX {
@@ -153,7 +159,7 @@ fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
 }
 
 /// The bounding box of the vertices; returns their largest error radius.
-fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> Real {
+pub(super) fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> Real {
     *low = s.position(0);
     *high = *low;
     let mut radius: Real = s.radius(0);
@@ -169,7 +175,7 @@ fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> Real {
 }
 
 /// The voxels that the bounding box of the cell meets, rounded outward.
-fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
+pub(super) fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
     let mut low: V3 = v3(0.0, 0.0, 0.0);
     let mut high: V3 = v3(0.0, 0.0, 0.0);
     let radius: Real = box_of_cell(s, &mut low, &mut high);
@@ -183,7 +189,7 @@ fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
 /// where a piece ends at its triangle.
-fn add_cones<S: CellStore>(
+pub(super) fn add_cones<S: CellStore>(
     s: &mut S,
     lo: Voxel,
     hi: Voxel,
@@ -229,7 +235,7 @@ fn add_cones<S: CellStore>(
 
 /// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
 #[inline(always)]
-fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> u32 {
+pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> u32 {
     let mut i: u32 = lowest.i;
     let mut j: u32 = lowest.j;
     let mut k: u32 = lowest.k;

@@ -54,7 +54,7 @@ pub fn box_cannot_cut<S: CellStore>(s: &S, lo: V3, hi: V3, dw: Real) -> u32 {
 
 /// How far `x` lies outside `[lo, hi]`.
 #[inline(always)]
-fn outside_of(x: Real, lo: Real, hi: Real) -> Real {
+pub(super) fn outside_of(x: Real, lo: Real, hi: Real) -> Real {
     if x < lo {
         return lo - x;
     }

@@ -9,6 +9,7 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, norm_1};
 use super::vertex::Triplet;
 use crate::domain_grid::DomainGrid;
 use crate::exact;
+use std::cell::Cell;
 
 /// A triangle of the domain: the indices of its vertices, outward oriented.
 #[repr(C)]
@@ -262,7 +263,8 @@ pub trait CellStore {
     }
 }
 
-/// The plain store: growing arrays of structs, no capacities but `u32`. Slow and obvious; for tests and for the oracle.
+/// The plain store: growing arrays of structs, no capacities but `u32`. Slow and obvious; for tests, for the oracle, and to count
+/// what a cell needs.
 #[derive(Clone, Debug, Default)]
 pub struct PlainStore<'a> {
     planes: Vec<(Plane, u32, u32, FacetSum)>,
@@ -272,6 +274,11 @@ pub struct PlainStore<'a> {
     saved: Vec<PlainVertex>,
     domain: Option<&'a DomainGrid>,
     site: V3,
+    room: Option<(u32, u32)>,
+    most_planes: u32,
+    most_vertices: u32,
+    triangles: Cell<u32>,
+    last_triangle: Cell<Option<u32>>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -287,6 +294,27 @@ impl<'a> PlainStore<'a> {
     pub fn new(site: [f64; 3], domain: Option<&'a DomainGrid>) -> Self {
         let [x, y, z] = site;
         Self { domain, site: V3 { x, y, z }, ..Self::default() }
+    }
+
+    /// The same store with room for so many half-spaces and vertices only.
+    #[must_use]
+    pub fn with_room(self, planes: u32, vertices: u32) -> Self {
+        Self { room: Some((planes, vertices)), ..self }
+    }
+
+    /// The most half-spaces that the cell has had at once, with the one being added and without those that no vertex lies on.
+    pub fn most_planes(&self) -> u32 {
+        self.most_planes
+    }
+
+    /// The most vertices that the cell has had at once.
+    pub fn most_vertices(&self) -> u32 {
+        self.most_vertices
+    }
+
+    /// Triangles that the cell has been cut by so far, or found not to be cut by. Each is tried once, with nothing between its parts.
+    pub fn triangles_tried(&self) -> u32 {
+        self.triangles.get()
     }
 
     fn plane_slot(&mut self, f: u32) -> &mut (Plane, u32, u32, FacetSum) {
@@ -308,10 +336,10 @@ impl<'a> PlainStore<'a> {
 
 impl CellStore for PlainStore<'_> {
     fn cap_p(&self) -> u32 {
-        u32::MAX >> 4
+        self.room.map_or(u32::MAX >> 4, |room| room.0)
     }
     fn cap_v(&self) -> u32 {
-        u32::MAX >> 4
+        self.room.map_or(u32::MAX >> 4, |room| room.1)
     }
     fn planes(&self) -> u32 {
         self.plane_count as u32
@@ -324,11 +352,16 @@ impl CellStore for PlainStore<'_> {
     }
     fn set_vertices(&mut self, count: u32) {
         self.vertex_count = count as usize;
+        self.most_vertices = self.most_vertices.max(count);
     }
     fn plane(&self, f: u32) -> Plane {
         self.planes[f as usize].0
     }
     fn set_plane(&mut self, f: u32, plane: Plane) {
+        if f == self.planes() {
+            // The cell is simple: of v vertices and v/2 + 2 faces.
+            self.most_planes = self.most_planes.max(self.vertices() / 2 + 2 + 1);
+        }
         self.plane_slot(f).0 = plane;
     }
     fn tag(&self, f: u32) -> u32 {
@@ -385,5 +418,14 @@ impl CellStore for PlainStore<'_> {
     }
     fn site(&self) -> V3 {
         self.site
+    }
+    fn triangle(&self, t: u32) -> Triangle {
+        if self.last_triangle.replace(Some(t)) != Some(t) {
+            self.triangles.set(self.triangles.get() + 1);
+        }
+        self.domain.map_or(Triangle::default(), |grid| {
+            let [a, b, c] = grid.triangles()[t as usize];
+            Triangle { a, b, c }
+        })
     }
 }

@@ -98,6 +98,6 @@ pub(crate) fn residual(plane: Plane, x: V3) -> Real {
 
 /// `r_a·bc + r_b·ca + r_c·ab`.
 #[inline(always)]
-fn combine(ra: Real, rb: Real, rc: Real, bc: V3, ca: V3, ab: V3) -> V3 {
+pub(super) fn combine(ra: Real, rb: Real, rc: Real, bc: V3, ca: V3, ab: V3) -> V3 {
     return add(add(scale(ra, bc), scale(rb, ca)), scale(rc, ab));
 }

@@ -50,7 +50,7 @@ pub(crate) fn sign_of_conflict<S: CellStore>(s: &mut S, v: u32, k: u32) -> i32 {
 }
 
 /// The sign of `det [n|d](a, b, c, e)` by double-double arithmetic, or `SIGN_UNKNOWN`.
-fn wide_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
+pub(super) fn wide_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
     // Laplace expansion along the first two columns: x, y against z, d.
     let mut sum: Wide = Wide { hi: 0.0, lo: 0.0 };
     let mut size: Real = 0.0;
@@ -71,7 +71,7 @@ fn wide_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
 
 /// Adds `sign·(x_0 y_1 − x_1 y_0)·(z_2 w_3 − z_3 w_2)` to `sum`, and the magnitude of its parts to `size`.
 #[inline(always)]
-fn add_term(
+pub(super) fn add_term(
     sum: &mut Wide,
     size: &mut Real,
     x0: Real,
@@ -96,7 +96,7 @@ fn add_term(
 
 /// `x_0 y_1 − x_1 y_0`.
 #[inline(always)]
-fn minor(x0: Real, y0: Real, x1: Real, y1: Real) -> Wide {
+pub(super) fn minor(x0: Real, y0: Real, x1: Real, y1: Real) -> Wide {
     let p: Wide = product_exact(x0, y1);
     let q: Wide = product_exact(x1, y0);
     let negated: Wide = Wide { hi: -q.hi, lo: -q.lo };
@@ -128,7 +128,7 @@ pub(crate) fn wide_add(a: Wide, b: Wide) -> Wide {
 
 /// `a·b`.
 #[inline(always)]
-fn multiply(a: Wide, b: Wide) -> Wide {
+pub(super) fn multiply(a: Wide, b: Wide) -> Wide {
     let p: Wide = product_exact(a.hi, b.hi);
     let rest: Real = p.lo + ((a.hi * b.lo) + (a.lo * b.hi));
     return sum_exact(p.hi, rest);

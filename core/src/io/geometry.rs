@@ -35,7 +35,7 @@ pub fn cell_meshes(diagram: &PowerDiagram, output: &Output, wanted: impl Fn(usiz
         let Some([x, y, z, w]) = site.filter(|_| output.status[i] != CellStatus::Empty && wanted(i)) else { continue };
         let mut store = PlainStore::new([x, y, z], None);
         let corner = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
-        let mut status = cell::begin(&mut store, corner(prepared.lo), corner(prepared.hi));
+        let mut status = cell::begin(&mut store, corner(prepared.container.lo), corner(prepared.container.hi));
         for neighbor in &facets.neighbor[facets.offsets[i]..facets.offsets[i + 1]] {
             let Some([nx, ny, nz, nw]) = sorted_of.get(neighbor.site as usize).copied().flatten() else { continue };
             if status != cell::EMPTY {
@@ -47,7 +47,7 @@ pub fn cell_meshes(diagram: &PowerDiagram, output: &Output, wanted: impl Fn(usiz
             cell::COMPLETE | cell::CUT | cell::UNTOUCHED => {
                 let place = |v: u32| {
                     let p = store.position(v);
-                    prepared.frame.leave([x + p.x, y + p.y, z + p.z])
+                    prepared.container.frame.leave([x + p.x, y + p.y, z + p.z])
                 };
                 let points = (0..store.vertices()).map(place).collect();
                 meshes.push(CellMesh { site: i as u32, points, faces: faces(&store) });

@@ -404,14 +404,7 @@ impl<'a> Emitter<'a> {
     }
 
     fn type_name(&self, ty: &Type) -> Result<String, String> {
-        let Type::Path(path) = ty else { return self.unit.error(ty.span(), "such type") };
-        let Some(name) = path.path.get_ident() else { return self.unit.error(ty.span(), "such type") };
-        Ok(match name.to_string().as_str() {
-            "Real" => "real".to_owned(),
-            "u32" => "uint".to_owned(),
-            "i32" => "int".to_owned(),
-            name => name.to_owned(),
-        })
+        type_name(self.unit, ty)
     }
 
     /// A declaration of `name`.
@@ -433,6 +426,19 @@ fn without_cast(expr: &Expr) -> &Expr {
     if let Expr::Cast(cast) = expr { &cast.expr } else { expr }
 }
 
-fn renamed(name: &str) -> String {
+/// A type in C.
+pub(super) fn type_name(unit: &Unit, ty: &Type) -> Result<String, String> {
+    let Type::Path(path) = ty else { return unit.error(ty.span(), "such type") };
+    let Some(name) = path.path.get_ident() else { return unit.error(ty.span(), "such type") };
+    Ok(match name.to_string().as_str() {
+        "Real" => "real".to_owned(),
+        "u32" => "uint".to_owned(),
+        "i32" => "int".to_owned(),
+        name => name.to_owned(),
+    })
+}
+
+/// A function's name in C.
+pub(super) fn renamed(name: &str) -> String {
     RENAMED.iter().find(|(from, _)| *from == name).map_or(name, |(_, to)| to).to_owned()
 }

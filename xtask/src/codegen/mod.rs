@@ -4,6 +4,7 @@
 //! and refuses, with file and line, what the dialect does not have.
 
 mod emit;
+mod parity;
 mod source;
 
 use std::fs;
@@ -25,15 +26,19 @@ const FILES: [&str; 12] = [
     "restrict",
 ];
 
-/// Where what is generated from them goes: constants and structs, which the store is made of, and functions, which use it.
-const OUTPUTS: [&str; 2] = ["backend-ocl/src/kernels/cell_types.cl", "backend-ocl/src/kernels/cell.cl"];
+/// Generated files: constants and structs, which the store is made of; functions, which use it; and what holds the functions of a device
+/// against the host's, on both.
+const TYPES: &str = "backend-ocl/src/kernels/cell_types.cl";
+const FUNCTIONS: &str = "backend-ocl/src/kernels/cell.cl";
+const PARITY: &str = "backend-ocl/src/kernels/parity.cl";
+const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
 
 const HEADER: &str = "// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.\n";
 
-/// Generates the OpenCL C, or with `check` only compares it with what is committed.
+/// Generates the files, or with `check` only compares them with what is committed.
 pub(crate) fn run(check: bool) -> Result<(), String> {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-    for (name, generated) in OUTPUTS.into_iter().zip(generate(root)?) {
+    for (name, generated) in generate(root)? {
         let path = root.join(name);
         if !check {
             fs::write(&path, generated).map_err(|error| format!("cannot write {name}: {error}"))?;
@@ -49,14 +54,17 @@ pub(crate) fn run(check: bool) -> Result<(), String> {
     Ok(())
 }
 
-fn generate(root: &Path) -> Result<[String; 2], String> {
+fn generate(root: &Path) -> Result<[(&'static str, String); 4], String> {
     let mut units = Vec::new();
     for name in FILES {
         let path: PathBuf = ["core", "src", "cell", &format!("{name}.rs")].iter().collect();
         let text = fs::read_to_string(root.join(&path)).map_err(|error| format!("cannot read {path:?}: {error}"))?;
         units.push(source::Unit::parse(&format!("core/src/cell/{name}.rs"), &text)?);
     }
-    Ok(translate(&units)?.map(|text| format!("{HEADER}{text}")))
+    let [types, functions] = translate(&units)?;
+    let parity::Parity { kernels, table } = parity::parity(&units)?;
+    let files = [(TYPES, types), (FUNCTIONS, functions), (PARITY, kernels), (PARITY_TABLE, table)];
+    Ok(files.map(|(name, text)| (name, format!("{HEADER}{text}"))))
 }
 
 /// The C of some files: constants and structs; prototypes and functions.

@@ -1,5 +1,6 @@
 //! The mapping, construct by construct.
 
+use super::parity::parity;
 use super::source::Unit;
 use super::translate;
 
@@ -99,4 +100,26 @@ fn what_the_dialect_lacks_is_refused_with_its_line() {
     ] {
         assert_eq!(c_of(rust).err().as_deref(), Some(said));
     }
+}
+
+#[test]
+fn a_function_that_can_be_called_gets_a_kernel_and_its_twin() {
+    let text = "pub struct Sum { pub terms: [Real; 2], pub count: u32 }\npub struct Hidden { x: Real }\n
+                pub(super) fn f<S: CellStore>(s: &mut S, tag: u32, sum: &mut Sum) -> u32 { return 0; }\n
+                pub fn g(x: Hidden) {}\nfn h() {}";
+    let made = parity(&[Unit::parse("core/src/cell/text.rs", text).unwrap()]).unwrap();
+    for line in [
+        "for (uint i = 0; i < 2u; i++) value.terms[i] = take_real(in);",
+        "__kernel void parity_f(PARITY_ARGUMENTS) {",
+        "PARITY_STORE;",
+        "const uint tag = take_uint(&in);",
+        "Sum sum = take_Sum(&in);",
+        "const uint result = f(s, tag, &sum);",
+        "give_uint(&out, result);\n    give_Sum(&out, sum);\n    parity_dump(&out, s);",
+    ] {
+        assert!(made.kernels.contains(line), "no `{line}` in\n{}", made.kernels);
+    }
+    assert!(made.table.contains("host!(s, (tag: u32 = TAG_CONE, sum: Sum) text::f(&mut s, tag, &mut sum), [sum]),"));
+    assert!(made.table.contains("words!(Sum { terms, count });"));
+    assert!(!made.kernels.contains("parity_g") && !made.kernels.contains("parity_h"));
 }

@@ -1,0 +1,199 @@
+//! The sites on the device: sorted there, or, where a voxel is crowded, on the host.
+
+use crate::buffer::Room;
+use crate::launch::enqueue;
+use crate::params::{self, Cluster, Range, Shared};
+use crate::program::GridKernels;
+use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
+use laguerre_core::site_grid::Voxels;
+use laguerre_core::{PowerDiagram, Result};
+use opencl3::command_queue::CommandQueue;
+use opencl3::context::Context;
+
+/// Sites per voxel: the smaller the voxels, the more nearly sites come nearest first, and the more voxels are looked at (measured: see
+/// BENCHMARKS.md).
+pub(crate) const SITES_PER_VOXEL: f64 = 2.0;
+
+/// `GRID_GROUP` of `grid.cl`, and the elements that one of its groups scans.
+pub(crate) const GROUP: usize = 256;
+const SCANNED: usize = 8 * GROUP;
+
+/// The sites, as the caller gave them and as the search needs them.
+pub(crate) struct Sites {
+    positions: Room<[f64; 3]>,
+    given_weights: Room<f64>,
+    placed: Room<[f64; 4]>,
+    ranges: Room<Range>,
+    place: Room<[u32; 2]>,
+    starts: Room<u32>,
+    slots: Room<u32>,
+    crowded: Room<u32>,
+    /// Sums of blocks, of blocks of blocks, and so on.
+    sums: Vec<Room<u32>>,
+    pub(crate) sites: Room<[f64; 4]>,
+    /// The caller's index of each sorted site.
+    pub(crate) order: Room<u32>,
+    pub(crate) offsets: Room<u32>,
+    pub(crate) weights: Room<f64>,
+    pub(crate) clusters: Room<Cluster>,
+    pub(crate) roots: Room<u32>,
+    on_host: OnHost,
+}
+
+/// What is read back, kept from call to call.
+#[derive(Default)]
+struct OnHost {
+    ranges: Vec<Range>,
+    number: Vec<u32>,
+}
+
+impl Sites {
+    pub(crate) const fn new() -> Self {
+        Self {
+            positions: Room::new("sites"),
+            given_weights: Room::new("weights"),
+            placed: Room::new("sites"),
+            ranges: Room::new("the range of the sites"),
+            place: Room::new("the site grid"),
+            starts: Room::new("the site grid"),
+            slots: Room::new("the site grid"),
+            crowded: Room::new("the site grid"),
+            sums: Vec::new(),
+            sites: Room::new("sorted sites"),
+            order: Room::new("sorted sites"),
+            offsets: Room::new("the site grid"),
+            weights: Room::new("the pyramid"),
+            clusters: Room::new("the trees of crowded voxels"),
+            roots: Room::new("the trees of crowded voxels"),
+            on_host: OnHost { ranges: Vec::new(), number: Vec::new() },
+        }
+    }
+
+    /// Brings the caller's sites to the device.
+    pub(crate) fn upload(&mut self, context: &Context, queue: &CommandQueue, diagram: &PowerDiagram) -> Result<()> {
+        self.positions.fill(context, queue, diagram.positions())?;
+        self.given_weights.fill(context, queue, diagram.weights())
+    }
+
+    /// Sorts the sites that were brought. Returns how many have a cell, or `None` where a voxel is crowded; then
+    /// [`take`](Self::take) what the host sorts.
+    pub(crate) fn sort(
+        &mut self,
+        context: &Context,
+        queue: &CommandQueue,
+        kernels: &GridKernels,
+        diagram: &PowerDiagram,
+        container: &FramedContainer,
+        shared: &mut Shared,
+    ) -> Result<Option<usize>> {
+        let n = diagram.positions().len();
+        let count = n as u32;
+        shared.send(context, queue)?;
+        self.placed.grow(context, n)?;
+        self.ranges.grow(context, n.div_ceil(GROUP))?;
+        let has_weights = u32::from(!diagram.weights().is_empty());
+        enqueue!(queue, &kernels.enter_sites, n, GROUP;
+            shared.room.get()?, self.positions.get()?, self.given_weights.get()?, &has_weights, &count, self.placed.get()?,
+            self.ranges.get()?);
+        self.ranges.read(queue, n.div_ceil(GROUP), &mut self.on_host.ranges)?;
+        let range = self.on_host.ranges.iter().fold(Range::default(), |all, part| all.joined(part));
+        let farthest = range.lo.iter().chain(&range.hi).fold(0.0_f64, |far, x| far.max(x.abs()));
+        if farthest > FARTHEST_SITE || range.largest_weight - range.smallest_weight > LARGEST_WEIGHT_SPREAD {
+            diagram.check_range(container)?;
+        }
+        let voxels = Voxels::new(range.lo, range.hi, n, SITES_PER_VOXEL);
+        let nodes = shared.params.sort_into(&voxels, &range, false);
+        shared.send(context, queue)?;
+        let boxes = voxels.dims.iter().map(|&n| n as usize).product::<usize>();
+        let box_count = boxes as u32;
+
+        self.starts.fill_with(context, queue, 0, boxes + 1)?;
+        self.crowded.fill_with(context, queue, 0, 1)?;
+        self.place.grow(context, n)?;
+        self.slots.grow(context, n)?;
+        self.offsets.fill_with(context, queue, 0, boxes + 1)?;
+        self.sites.grow(context, n)?;
+        self.order.grow(context, n)?;
+        self.weights.grow(context, nodes)?;
+        self.clusters.grow(context, 1)?;
+        self.roots.grow(context, 1)?;
+        enqueue!(queue, &kernels.count_sites, n, GROUP;
+            shared.room.get()?, self.placed.get()?, &count, self.place.get()?, self.starts.get()?, self.crowded.get()?);
+        self.crowded.read(queue, 1, &mut self.on_host.number)?;
+        if self.on_host.number[0] != 0 {
+            return Ok(None);
+        }
+        scan(context, queue, kernels, &self.starts, boxes + 1, &mut self.sums, 0)?;
+        enqueue!(queue, &kernels.place_sites, n, GROUP;
+            &count, self.place.get()?, self.starts.get()?, self.slots.get()?);
+        enqueue!(queue, &kernels.sort_voxels, boxes, GROUP;
+            self.placed.get()?, &box_count, self.starts.get()?, self.slots.get()?, self.offsets.get()?);
+        scan(context, queue, kernels, &self.offsets, boxes + 1, &mut self.sums, 0)?;
+        enqueue!(queue, &kernels.gather_sites, boxes, GROUP;
+            self.placed.get()?, &box_count, self.starts.get()?, self.slots.get()?, self.offsets.get()?, self.sites.get()?,
+            self.order.get()?, self.weights.get()?);
+        let levels = voxels.levels();
+        for (level, pair) in levels.windows(2).enumerate() {
+            let ([bx, by, bz], [nx, ny, nz]) = (pair[0], pair[1]);
+            enqueue!(queue, &kernels.raise_level, (nx * ny * nz) as usize, GROUP;
+                self.weights.get()?, &shared.params.level_begin[level + 1], &nx, &ny, &nz, &shared.params.level_begin[level], &bx, &by,
+                &bz);
+        }
+        self.offsets.read_from(queue, boxes, 1, &mut self.on_host.number)?;
+        Ok(Some(self.on_host.number[0] as usize))
+    }
+
+    /// Takes sites that the host sorted; returns how many have a cell.
+    pub(crate) fn take(
+        &mut self,
+        context: &Context,
+        queue: &CommandQueue,
+        prepared: &Prepared,
+        shared: &mut Shared,
+    ) -> Result<usize> {
+        let grid = &prepared.sites;
+        let mut range = Range::default();
+        for &[_, _, _, w] in grid.sites() {
+            range.smallest_weight = range.smallest_weight.min(w);
+            range.largest_weight = range.largest_weight.max(w);
+        }
+        shared.params.sort_into(grid.voxels(), &range, grid.has_clusters());
+        shared.send(context, queue)?;
+        self.sites.fill(context, queue, grid.sites())?;
+        self.order.fill(context, queue, grid.order())?;
+        self.offsets.fill(context, queue, grid.offsets())?;
+        let weights: Vec<f64> = grid.levels().iter().flat_map(|level| level.largest_weight.iter().copied()).collect();
+        self.weights.fill(context, queue, &weights)?;
+        self.clusters.fill(context, queue, &params::clusters(prepared))?;
+        self.roots.fill(context, queue, grid.roots())?;
+        Ok(grid.len())
+    }
+}
+
+/// Replaces each of the first `count` numbers by the sum of those before it.
+fn scan(
+    context: &Context,
+    queue: &CommandQueue,
+    kernels: &GridKernels,
+    data: &Room<u32>,
+    count: usize,
+    sums: &mut Vec<Room<u32>>,
+    depth: usize,
+) -> Result<()> {
+    let blocks = count.div_ceil(SCANNED);
+    if sums.len() == depth {
+        sums.push(Room::new("sums of the site grid"));
+    }
+    sums[depth].grow(context, blocks)?;
+    let number = count as u32;
+    enqueue!(queue, &kernels.scan_blocks, blocks * GROUP, GROUP; data.get()?, &number, sums[depth].get()?);
+    if blocks > 1 {
+        // Out of the list while the deeper sums are made, to be borrowed beside them.
+        let own = std::mem::replace(&mut sums[depth], Room::new("sums of the site grid"));
+        let scanned = scan(context, queue, kernels, &own, blocks, sums, depth + 1);
+        sums[depth] = own;
+        scanned?;
+        enqueue!(queue, &kernels.add_blocks, count, GROUP; data.get()?, &number, sums[depth].get()?);
+    }
+    Ok(())
+}

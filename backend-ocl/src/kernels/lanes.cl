@@ -1,0 +1,461 @@
+// A cell computed by LANES work-items together: the vertices are shared out among them when a half-space is tried, the new
+// vertices when it cuts, the candidates when the next one is looked for, the tetrahedra when the cell is integrated. It gives the same
+// cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells at
+// the surface, and those that need more room, more sites than the table of offsets holds, or exact arithmetic that is the host's, are left
+// to that kernel.
+
+// The table of offsets (`search.cl`).
+#define SHELL_RADIUS 4u
+#define SHELLS 729u
+#define SHELL_SLACK 1e-5f
+
+// No key of a candidate.
+#define USED 0xFFFFFFFFu
+
+// How a cell ends that is left to the other kernel.
+#define LEFT 32u
+
+// Cuts between two looks at whether the cell already lies outside the domain.
+#define BETWEEN_LOOKS 12u
+
+INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
+
+// The side of vertex v of half-space k: MARK_KEEP, MARK_CONFLICT, or MARK_UNCERTAIN where the host has to decide.
+OUTLINE uint mark_of_open(Store *s, uint v, uint k) {
+    const Plane plane = s->cell->plane[k];
+    V3 position;
+    real radius;
+    if (find_vertex(s, unpacked(s->cell->triplet[v]), &position, &radius) == COMPLETE) {
+        const real value = (((plane.n.x * position.x) + (plane.n.y * position.y)) + (plane.n.z * position.z)) + plane.d;
+        const real bound = (norm_1(plane.n) * radius) + ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane.d));
+        if (value > bound) {
+            return MARK_KEEP;
+        }
+        if (value < -bound) {
+            return MARK_CONFLICT;
+        }
+    }
+    s->view = WHOLE;
+    const int sign = sign_of_conflict(s, v, k);
+    return (sign == SIGN_UNKNOWN) ? MARK_UNCERTAIN : ((sign < 0) ? MARK_CONFLICT : MARK_KEEP);
+}
+
+// Whether edge a→b is one of triplet t.
+INLINE uint has_edge(uint t, uint a, uint b) {
+    const Triplet own = unpacked(t);
+    return (((own.a == a) && (own.b == b)) || ((own.b == a) && (own.c == b))) || ((own.c == a) && (own.a == b));
+}
+
+// Clips by half-space k = `planes`, which is already in its place: `CUT`, `UNTOUCHED`, `EMPTY`, or `LEFT`.
+INLINE uint clip_together(Store *s) {
+    __local Cell *cell = s->cell;
+    const uint k = s->planes;
+    const uint end = s->vertices;
+    const Plane plane = cell->plane[k];
+    const float nx = (float)plane.n.x;
+    const float ny = (float)plane.n.y;
+    const float nz = (float)plane.n.z;
+    const float d = (float)plane.d;
+    const float size = convert_float_rtp((fabs(plane.n.x) + fabs(plane.n.y)) + fabs(plane.n.z));
+    const float slack = convert_float_rtp((ROUGH * fabs(plane.d)) + ROUGH_UNDERFLOW);
+    // 1. Mark, as `store.cl` does.
+    uint bits[2] = { 0u, 0u };
+    for (uint word = 0; (word * LANES) < end; word++) {
+        const uint v = (word * LANES) + s->lane;
+        uint mark = MARK_KEEP;
+        if (v < end) {
+            const float4 p = cell->rough[v];
+            const float value = (((nx * p.x) + (ny * p.y)) + (nz * p.z)) + d;
+            const float bound = (size * p.w) + slack;
+            mark = (value < -bound) ? MARK_CONFLICT : ((value > bound) ? MARK_KEEP : MARK_UNCERTAIN);
+        }
+        if (lanes_with(s, mark == MARK_UNCERTAIN) != 0u) {
+            if (mark == MARK_UNCERTAIN) {
+                mark = mark_of_open(s, v, k);
+            }
+            if (lanes_with(s, mark == MARK_UNCERTAIN) != 0u) {
+                return LEFT;
+            }
+        }
+        bits[word] = lanes_with(s, mark == MARK_CONFLICT);
+    }
+    const uint marked = popcount(bits[0]) + popcount(bits[1]);
+    if (marked == 0u) {
+        return UNTOUCHED;
+    }
+    if (marked == end) {
+        return EMPTY;
+    }
+    // 2. The marked vertices in a row.
+    const uint below = (1u << s->lane) - 1u;
+    for (uint word = 0; (word * LANES) < end; word++) {
+        if (((bits[word] >> s->lane) & 1u) != 0u) {
+            const uint v = (word * LANES) + s->lane;
+            const uint rank = popcount(bits[word] & below) + ((word != 0u) ? popcount(bits[0]) : 0u);
+            cell->marked[rank] = v;
+            cell->hole[rank] = cell->triplet[v];
+        }
+    }
+    lanes_wait();
+    // 3. Each directed edge a→b of a marked vertex whose reverse belongs to none gives the new vertex (a, b, k): first into the places of
+    // the marked vertices, then at the end.
+    uint born = 0;
+    for (uint first = 0; first < (3u * marked); first += LANES) {
+        const uint item = first + s->lane;
+        uint is_boundary = 0;
+        uint a = 0;
+        uint b = 0;
+        if (item < (3u * marked)) {
+            const Triplet t = unpacked(cell->hole[item / 3u]);
+            const uint turn = item % 3u;
+            a = (turn == 0u) ? t.a : ((turn == 1u) ? t.b : t.c);
+            b = (turn == 0u) ? t.b : ((turn == 1u) ? t.c : t.a);
+            is_boundary = 1;
+            for (uint other = 0; other < marked; other++) {
+                is_boundary &= has_edge(cell->hole[other], b, a) ^ 1u;
+            }
+        }
+        const uint all = lanes_with(s, is_boundary);
+        const uint rank = born + popcount(all & below);
+        const uint slot = (rank < marked) ? cell->marked[rank] : ((end + rank) - marked);
+        uint status = COMPLETE;
+        if ((is_boundary != 0u) && (slot < LANES_V)) {
+            const Triplet t = (Triplet){ .a = a, .b = b, .c = k };
+            V3 position;
+            real radius;
+            status = find_vertex(s, t, &position, &radius);
+            s->view = WHOLE;
+            store_set_triplet(s, slot, t);
+            store_set_position(s, slot, position, radius);
+        }
+        born += popcount(all);
+        if (lanes_with(s, (status != COMPLETE) || ((is_boundary != 0u) && (slot >= LANES_V))) != 0u) {
+            return LEFT;
+        }
+    }
+    // 4. Fill the places left over from the end.
+    const uint count = (end - marked) + born;
+    lanes_wait();
+    if (born < marked) {
+        uint moved = born;
+        for (uint word = 0; (word * LANES) < end; word++) {
+            const uint v = (word * LANES) + s->lane;
+            const uint at_end = (v >= count) && (v < end) && (((bits[word] >> s->lane) & 1u) == 0u);
+            const uint all = lanes_with(s, at_end);
+            if (at_end != 0u) {
+                const uint to = cell->marked[moved + popcount(all & below)];
+                cell->triplet[to] = cell->triplet[v];
+                cell->rough[to] = cell->rough[v];
+            }
+            moved += popcount(all);
+        }
+        lanes_wait();
+    }
+    s->vertices = count;
+    s->planes = k + 1u;
+    return CUT;
+}
+
+// The corners of the box of the vertices into the cell, and the view of it.
+INLINE void turn_to_box(Store *s) {
+    __local Cell *cell = s->cell;
+    V3 low = (V3){ .x = INFINITY, .y = INFINITY, .z = INFINITY };
+    V3 high = (V3){ .x = -INFINITY, .y = -INFINITY, .z = -INFINITY };
+    real radius = REAL(0.0);
+    s->view = SHARE;
+    if (store_vertices(s) != 0u) {
+        radius = box_of_cell(s, &low, &high);
+    }
+    low = lanes_most_of(s, scale(-REAL(1.0), low));
+    high = lanes_most_of(s, high);
+    radius = lanes_folded(s, radius, 0u);
+    lanes_wait();
+    if (s->lane == 0u) {
+        cell->corner[0] = -low.x;
+        cell->corner[1] = -low.y;
+        cell->corner[2] = -low.z;
+        cell->corner[3] = high.x;
+        cell->corner[4] = high.y;
+        cell->corner[5] = high.z;
+        cell->corner[6] = radius;
+    }
+    lanes_wait();
+    s->view = BOX_CORNERS;
+}
+
+// Whether the cell is known to lie outside the domain.
+INLINE uint is_outside(Store *s) {
+    if (s->world.params->has_domain == 0u) {
+        return 0;
+    }
+    turn_to_box(s);
+    const uint outside = lies_outside(s);
+    s->view = WHOLE;
+    return outside;
+}
+
+// Room for what single precision rounds off in a few operations.
+#define ROUGH_SAFE 1.000002f
+
+// Below this the squares of single precision could underflow.
+#define ROUGH_SQUARE 1e-30f
+
+// An upper bound of the distance from the site to the farthest vertex (`farthest_vertex`, in single precision).
+INLINE float farthest_of(Store *s) {
+    float square = ROUGH_SQUARE;
+    float radius = 0.0f;
+    for (uint v = s->lane; v < s->vertices; v += LANES) {
+        const float4 p = s->cell->rough[v];
+        square = fmax(square, ((p.x * p.x) + (p.y * p.y)) + (p.z * p.z));
+        radius = fmax(radius, p.w);
+    }
+    return (sqrt(lanes_largest(s, square)) + (2.0f * lanes_largest(s, radius))) * ROUGH_SAFE;
+}
+
+// Squared distance from which on no site of a weight that is larger by at most `extra` can cut (`security_reach`).
+INLINE float reach_square(float farthest, real extra) {
+    if (extra == REAL(0.0)) {
+        return (4.0f * farthest) * (farthest * ROUGH_SAFE);
+    }
+    const real reach = security_reach((real)farthest, extra);
+    return convert_float_rtp(reach * reach);
+}
+
+// The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid. `entry` is the next to
+// be looked at; 0 where nothing is left.
+INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, uint *entry) {
+    __global const Params *params = s->world.params;
+    const uint below = (1u << s->lane) - 1u;
+    uint found = 0;
+    while ((found <= (LANES / 2u)) && (*entry < SHELLS)) {
+        const uint own = *entry + s->lane;
+        const uchar4 shell = shells[min(own, SHELLS - 1u)];
+        const int ox = (int)shell.x - (int)SHELL_RADIUS;
+        const int oy = (int)shell.y - (int)SHELL_RADIUS;
+        const int oz = (int)shell.z - (int)SHELL_RADIUS;
+        const float gx = fmax(fmax((float)ox - f.x, f.x - (float)(ox + 1)), 0.0f);
+        const float gy = fmax(fmax((float)oy - f.y, f.y - (float)(oy + 1)), 0.0f);
+        const float gz = fmax(fmax((float)oz - f.z, f.z - (float)(oz + 1)), 0.0f);
+        // Below zero is beyond the end, too.
+        const uint i = center[0] + (uint)ox;
+        const uint j = center[1] + (uint)oy;
+        const uint k = center[2] + (uint)oz;
+        const uint is_near = (own < SHELLS) && ((((gx * gx) + (gy * gy)) + (gz * gz)) < limit) && (i < params->grid_dims[0])
+            && (j < params->grid_dims[1]) && (k < params->grid_dims[2]);
+        const uint all = lanes_with(s, is_near);
+        const uint rank = found + popcount(all & below);
+        if ((is_near != 0u) && (rank < LANES)) {
+            s->cell->marked[rank] = i + (params->grid_dims[0] * (j + (params->grid_dims[1] * k)));
+        }
+        const uint more = found + popcount(all);
+        if (more > LANES) {
+            // The first that has no place is the next to be looked at.
+            const uint first_out = lanes_with(s, (is_near != 0u) && (rank == LANES));
+            *entry += lowest_bit(first_out);
+            found = LANES;
+            break;
+        }
+        found = more;
+        // All later voxels are at least as far away as this lane's.
+        const uint over = lanes_with(s, (own >= SHELLS) || ((float)shell.w >= limit));
+        *entry += LANES;
+        if (over != 0u) {
+            if (lanes_with(s, (own < SHELLS) && ((float)shell.w >= limit)) != 0u) {
+                *entry = SHELLS + 1u;
+            } else {
+                *entry = SHELLS;
+            }
+            break;
+        }
+    }
+    lanes_wait();
+    return found;
+}
+
+// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, or `LEFT`.
+INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited) {
+    __local Cell *cell = s->cell;
+    __global const Params *params = s->world.params;
+    const V3 p = s->site;
+    uint center[3];
+    center[0] = voxel_along(params, 0, p.x);
+    center[1] = voxel_along(params, 1, p.y);
+    center[2] = voxel_along(params, 2, p.z);
+    const real per_width = REAL(1.0) / params->grid_width;
+    const float3 f = (float3)((float)(((p.x - params->grid_lo[0]) * per_width) - (real)center[0]),
+                              (float)(((p.y - params->grid_lo[1]) * per_width) - (real)center[1]),
+                              (float)(((p.z - params->grid_lo[2]) * per_width) - (real)center[2]));
+    const real extra = params->largest_weight - s->weight;
+    const uint equal = params->equal_weights;
+    const uint below = (1u << s->lane) - 1u;
+    const float per_width_up = convert_float_rtp(per_width);
+    float farthest = farthest_of(s);
+    float reach = reach_square(farthest, extra);
+    uint cuts = 0;
+    uint entry = 0;
+    for (;;) {
+        // 1. A voxel for each lane, and where its sites stand in the row of all.
+        const float in_voxels = (sqrt(reach) * (per_width_up * ROUGH_SAFE)) + SHELL_SLACK;
+        const uint found = gather_voxels(s, shells, center, f, (in_voxels * in_voxels) * 1.00001f, &entry);
+        uint begin = 0;
+        uint count = 0;
+        if (s->lane < found) {
+            const uint voxel = cell->marked[s->lane];
+            begin = s->world.voxels[voxel];
+            count = s->world.voxels[voxel + 1u] - begin;
+        }
+        uint total = 0;
+        uint place = 0;
+        for (uint bit = 0; bit < 7u; bit++) {
+            const uint all = lanes_with(s, (count >> bit) & 1u);
+            place += popcount(all & below) << bit;
+            total += popcount(all) << bit;
+        }
+        // 2. Two sites for each lane at a time.
+        for (uint window = 0; window < total; window += 2u * LANES) {
+            lanes_wait();
+            for (uint c = 0; c < count; c++) {
+                const uint at = (place + c) - window;
+                if (at < (2u * LANES)) {
+                    cell->marked[at] = begin + c;
+                }
+            }
+            lanes_wait();
+            uint site[2];
+            uint key[2];
+            V3 way[2];
+            real heavy[2];
+            for (uint c = 0; c < 2u; c++) {
+                const uint at = (c * LANES) + s->lane;
+                key[c] = USED;
+                site[c] = own;
+                if ((window + at) < total) {
+                    site[c] = cell->marked[at];
+                    const real4 other = s->world.sites[site[c]];
+                    way[c] = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
+                    heavy[c] = other.w;
+                    const float square = convert_float_rtz(square_of(way[c]));
+                    if ((site[c] != own) && (square < reach)
+                        && ((equal != 0u) || (square < reach_square(farthest, other.w - s->weight)))) {
+                        key[c] = as_uint(square);
+                    }
+                }
+            }
+            // 3. The nearest of them, again and again, until none is in reach.
+            for (;;) {
+                const uint mine = min(key[0], key[1]);
+                const uint nearest = ~lanes_most(s, ~mine);
+                if (nearest >= as_uint(reach)) {
+                    break;
+                }
+                const uint from = lowest_bit(lanes_with(s, mine == nearest));
+                if (s->planes == LANES_P) {
+                    return LEFT;
+                }
+                lanes_wait();
+                if (s->lane == from) {
+                    const uint c = (key[0] == nearest) ? 0u : 1u;
+                    key[c] = USED;
+                    cell->plane[s->planes] = bisector(way[c], s->weight - heavy[c]);
+                    cell->source[s->planes] = site[c];
+                }
+                lanes_wait();
+                *visited += 1u;
+                const uint status = clip_together(s);
+                if (status == CUT) {
+                    farthest = farthest_of(s);
+                    reach = reach_square(farthest, extra);
+                    cuts++;
+                    if (((cuts % BETWEEN_LOOKS) == 0u) && (is_outside(s) != 0u)) {
+                        return EMPTY;
+                    }
+                } else if (status != UNTOUCHED) {
+                    return status;
+                }
+            }
+        }
+        if (entry >= SHELLS) {
+            // Beyond the table: all voxels in reach were in it, or the table ended.
+            return (entry > SHELLS) ? COMPLETE : LEFT;
+        }
+    }
+}
+
+// The integrals of a complete cell: `COMPLETE`, `EMPTY`, or `LEFT`.
+INLINE uint integrate_together(Store *s, uint flags, V3 *center, real *winding, CellSums *sums) {
+    __local Cell *cell = s->cell;
+    // All vertices in double precision: they take the place of the rough ones.
+    lanes_wait();
+    s->is_fine = 1;
+    s->view = SHARE;
+    uint status = COMPLETE;
+    for (uint v = 0; v < store_vertices(s); v++) {
+        status |= place_vertex(s, v);
+    }
+    if (lanes_with(s, status != COMPLETE) != 0u) {
+        return LEFT;
+    }
+    lanes_wait();
+    *winding = REAL(1.0);
+    if (s->world.params->has_domain != 0u) {
+        turn_to_box(s);
+        Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
+        Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
+        voxels_of_cell(s, &lo, &hi);
+        if (store_surface_voxels(s, lo, hi) != 0u) {
+            return LEFT;
+        }
+        *winding = (real)store_winding(s, lo);
+        if (*winding == REAL(0.0)) {
+            return EMPTY;
+        }
+    }
+    // The common point of the tetrahedra: the site where it is inside, else the middle of the vertices' box.
+    uint outside = 0;
+    for (uint f = s->lane; f < s->planes; f += LANES) {
+        outside |= cell->plane[f].d < REAL(0.0);
+    }
+    *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    if (lanes_with(s, outside) != 0u) {
+        turn_to_box(s);
+        *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
+    }
+    s->view = SHARE;
+    *sums = (CellSums){ 0 };
+    status = integrate(s, *winding, *center, REAL(0.0), flags & ~FACETS, sums);
+    if (lanes_with(s, status != COMPLETE) != 0u) {
+        return LEFT;
+    }
+    sums->volume = lanes_sum(s, sums->volume);
+    sums->first = lanes_sum_of(s, sums->first);
+    sums->rounding = lanes_sum(s, sums->rounding);
+    sums->largest_rounding = sums->rounding;
+    if ((flags & SECOND_MOMENTS) != 0u) {
+        sums->second_diagonal = lanes_sum_of(s, sums->second_diagonal);
+        sums->second_mixed = lanes_sum_of(s, sums->second_mixed);
+    }
+    if (!(sums->volume > sums->rounding)) {
+        // Only then does `settle` look at the box.
+        turn_to_box(s);
+    }
+    status = settle(s, sums);
+    s->view = WHOLE;
+    return status;
+}
+
+// The vertices of half-space f, as the view: each lane may have another.
+INLINE void turn_to_facet(Store *s, uint f) {
+    s->corners = 0;
+    s->view = WHOLE;
+    for (uint v = 0; v < s->vertices; v++) {
+        const Triplet t = unpacked(s->cell->triplet[v]);
+        if (((t.a == f) || (t.b == f)) || (t.c == f)) {
+            if (s->corners == MOST_CORNERS) {
+                return;
+            }
+            s->corner[s->corners] = (uchar)v;
+            s->corners++;
+        }
+    }
+    s->view = FACET_CORNERS;
+}

@@ -1,0 +1,124 @@
+// The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with a group of LANES work-items for each cell. What is left to that kernel
+// is listed as `boundary`.
+__kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void cells_together(
+    __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
+    __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
+    __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
+    __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
+    __global const uint *surface_table, __global const uint *order, __global const uint *list, uint has_list, uint first,
+    uint stride, uint count, uint interior_only, __global uint *outcome, __global real *sums, __global FacetRecord *facets,
+    __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
+    __global uint *undecided
+) {
+    __local Cell cell;
+    const uint turn = first + ((uint)get_group_id(0) * stride);
+    const uint site = (has_list != 0u) ? list[turn] : turn;
+    Store store;
+    Store *s = &store;
+    s->world = (World){
+        .params = params, .sites = sites, .voxels = voxels, .weights = weights, .clusters = clusters, .roots = roots,
+        .domain_vertices = domain_vertices, .triangles = triangles, .lowest_voxels = lowest_voxels,
+        .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table
+    };
+    const real4 own = sites[site];
+    s->cell = &cell;
+    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
+    s->weight = own.w;
+    s->lane = (uint)get_local_id(0);
+    s->view = WHOLE;
+    s->is_fine = 0;
+    s->exact = 0;
+    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
+    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
+    // The lanes write the same.
+    uint status = begin(s, lo, hi);
+    lanes_wait();
+    uint visited = 0;
+    if (status == COMPLETE) {
+        status = complete_together(s, shells, site, &visited);
+    }
+    CellSums part = (CellSums){ 0 };
+    V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real winding = REAL(1.0);
+    if (status == COMPLETE) {
+        status = integrate_together(s, params->flags, &center, &winding, &part);
+    }
+    const uint i = order[site];
+#if WITH_FACETS
+    if (status == COMPLETE) {
+        FacetSum facet[LANES_P / LANES];
+        uint kept[LANES_P / LANES];
+        uint trouble = 0;
+        uint n = 0;
+        for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+            const uint f = (turn * LANES) + s->lane;
+            uint is_facet = 0;
+            if (f < s->planes) {
+                turn_to_facet(s, f);
+                trouble |= integrate_facet(s, f, center, facet + turn) != COMPLETE;
+                facet[turn].area *= winding;
+                facet[turn].moment = scale(winding, facet[turn].moment);
+                if ((cell.source[f] == TAG_BOX) && (params->has_domain == 0u)) {
+                    add_boundary(facet[turn], cell.plane[f], REAL(1.0), &part);
+                }
+                is_facet = (cell.source[f] < TAG_BOX) && (facet_is_above_bound(facet[turn]) != 0u);
+            }
+            s->view = WHOLE;
+            kept[turn] = lanes_with(s, is_facet);
+            n += popcount(kept[turn]);
+        }
+        if (lanes_with(s, trouble) != 0u) {
+            status = LEFT;
+        } else {
+            part.boundary_area = lanes_sum(s, part.boundary_area);
+            part.boundary_moment = lanes_sum_of(s, part.boundary_moment);
+            part.boundary_vector = lanes_sum_of(s, part.boundary_vector);
+            part.boundary_flux = lanes_sum(s, part.boundary_flux);
+            uint begin = 0;
+            if (s->lane == 0u) {
+                begin = atomic_add(counters + OF_FACETS, n);
+            }
+            begin = lane_value(s, begin, 0);
+            if ((begin + n) > params->facet_room) {
+                status = FACETS_FULL;
+            } else {
+                uint next = begin;
+                for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+                    if (((kept[turn] >> s->lane) & 1u) != 0u) {
+                        __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
+                        record->area = facet[turn].area;
+                        record->moment[0] = facet[turn].moment.x;
+                        record->moment[1] = facet[turn].moment.y;
+                        record->moment[2] = facet[turn].moment.z;
+                        record->neighbor = order[cell.source[(turn * LANES) + s->lane]];
+                        record->unused = 0u;
+                    }
+                    next += popcount(kept[turn]);
+                }
+                if (s->lane == 0u) {
+                    rows[i] = (ulong2)(params->facet_base + begin, n);
+                }
+            }
+        }
+    }
+#endif
+    const uint exact = lanes_with(s, s->exact);
+    if (s->lane != 0u) {
+        return;
+    }
+    if (visited > counters[VISITED]) {
+        atomic_max(counters + VISITED, visited);
+    }
+    if (status == FACETS_FULL) {
+        full[atomic_inc(counters + OF_FULL)] = site;
+        return;
+    }
+    if ((status != COMPLETE) && (status != EMPTY)) {
+        boundary[atomic_inc(counters + OF_BOUNDARY)] = site;
+        return;
+    }
+    outcome[i] = status | ((exact != 0u) << 8);
+    if (status == COMPLETE) {
+        write_sums(sums, params->flags, i, &part);
+    }
+}

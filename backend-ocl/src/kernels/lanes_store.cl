@@ -1,0 +1,241 @@
+// Where a cell lives that LANES work-items compute together: in their local memory. Each of them has a `Store` of its own, which
+// shows it either the whole cell, or its own share of the vertices, or the two corners of the cell's box, or the vertices of one
+// facet: the generated functions do the same work on each.
+
+#define LANES 32u
+
+// Room of a cell; what needs more is left to the kernel that computes a cell with one work-item.
+#define LANES_P 64u
+#define LANES_V 64u
+
+#define WHOLE 0u
+#define SHARE 1u
+#define BOX_CORNERS 2u
+#define FACET_CORNERS 3u
+
+// Corners of a facet that its view has room for; a facet with more is seen in the whole.
+#define MOST_CORNERS 24u
+
+typedef struct {
+    Plane plane[LANES_P];
+    // Site beyond each half-space, or a tag.
+    uint source[LANES_P];
+    uint triplet[LANES_V];
+    // While the cell is clipped: positions in single precision and their error radii. Afterwards positions and radii in double precision.
+    union {
+        float4 rough[LANES_V];
+        real4 fine[LANES_V];
+    };
+    // Marked vertices, and their triplets.
+    uint marked[LANES_V];
+    uint hole[LANES_V];
+    // Box of the vertices: minimum corner, maximum corner, largest error radius.
+    real corner[7];
+    real part[LANES];
+    uint scratch[2];
+} Cell;
+
+typedef struct {
+    World world;
+    __local Cell *cell;
+    V3 site;
+    real weight;
+    uint lane;
+    uint planes;
+    uint vertices;
+    uint view;
+    uint is_fine;
+    uint exact;
+    uint corners;
+    uchar corner[MOST_CORNERS];
+} Store;
+
+// The lanes wait for each other, and see what they wrote. A group is one warp of NVIDIA's; elsewhere barriers do.
+#ifdef __NV_CL_C_VERSION
+INLINE void lanes_wait() { asm volatile("bar.warp.sync 0xffffffff;" ::: "memory"); }
+#else
+INLINE void lanes_wait() { barrier(CLK_LOCAL_MEM_FENCE); }
+#endif
+
+// The lanes for which `bit` is not 0.
+INLINE uint lanes_with(Store *s, uint bit) {
+#ifdef __NV_CL_C_VERSION
+    uint all;
+    asm volatile("{ .reg .pred p; setp.ne.u32 p, %1, 0; vote.sync.ballot.b32 %0, p, 0xffffffff; }" : "=r"(all) : "r"(bit));
+    return all;
+#else
+    lanes_wait();
+    if (s->lane == 0u) {
+        s->cell->scratch[0] = 0;
+    }
+    lanes_wait();
+    if (bit != 0u) {
+        atomic_or(s->cell->scratch, 1u << s->lane);
+    }
+    lanes_wait();
+    return s->cell->scratch[0];
+#endif
+}
+
+// The largest of the lanes' numbers.
+INLINE uint lanes_most(Store *s, uint x) {
+#ifdef __NV_CL_C_VERSION
+    uint most;
+    asm volatile("redux.sync.max.u32 %0, %1, 0xffffffff;" : "=r"(most) : "r"(x));
+    return most;
+#else
+    lanes_wait();
+    if (s->lane == 0u) {
+        s->cell->scratch[1] = 0;
+    }
+    lanes_wait();
+    atomic_max(s->cell->scratch + 1, x);
+    lanes_wait();
+    return s->cell->scratch[1];
+#endif
+}
+
+// The largest of numbers that are not negative: their bits are in the same order.
+INLINE float lanes_largest(Store *s, float x) { return as_float(lanes_most(s, as_uint(x))); }
+
+// What lane `from` has.
+INLINE uint lane_value(Store *s, uint x, uint from) {
+#ifdef __NV_CL_C_VERSION
+    uint value;
+    asm volatile("shfl.sync.idx.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(value) : "r"(x), "r"(from));
+    return value;
+#else
+    lanes_wait();
+    if (s->lane == from) {
+        s->cell->scratch[0] = x;
+    }
+    lanes_wait();
+    return s->cell->scratch[0];
+#endif
+}
+
+// The sum, or the largest, of the lanes' numbers: by halves, in one order.
+INLINE real lanes_folded(Store *s, real x, uint is_sum) {
+#ifdef __NV_CL_C_VERSION
+    for (uint step = LANES / 2u; step > 0u; step >>= 1) {
+        const uint2 own = as_uint2(x);
+        uint2 other;
+        asm volatile("shfl.sync.bfly.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(other.x) : "r"(own.x), "r"(step));
+        asm volatile("shfl.sync.bfly.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(other.y) : "r"(own.y), "r"(step));
+        x = (is_sum != 0u) ? (x + as_double(other)) : fmax(x, as_double(other));
+    }
+    return x;
+#else
+    __local real *part = s->cell->part;
+    lanes_wait();
+    part[s->lane] = x;
+    for (uint step = LANES / 2u; step > 0u; step >>= 1) {
+        lanes_wait();
+        if (s->lane < step) {
+            const real other = part[s->lane + step];
+            part[s->lane] = (is_sum != 0u) ? (part[s->lane] + other) : fmax(part[s->lane], other);
+        }
+    }
+    lanes_wait();
+    return part[0];
+#endif
+}
+INLINE real lanes_sum(Store *s, real x) { return lanes_folded(s, x, 1u); }
+INLINE V3 lanes_sum_of(Store *s, V3 x) {
+    return (V3){ .x = lanes_sum(s, x.x), .y = lanes_sum(s, x.y), .z = lanes_sum(s, x.z) };
+}
+INLINE V3 lanes_most_of(Store *s, V3 x) {
+    return (V3){ .x = lanes_folded(s, x.x, 0u), .y = lanes_folded(s, x.y, 0u), .z = lanes_folded(s, x.z, 0u) };
+}
+
+INLINE uint lowest_bit(uint bits) { return 31u - clz(bits & -bits); }
+
+// Of vertex v of the view its place in the cell.
+INLINE uint place_of(Store *s, uint v) {
+    if (s->view == FACET_CORNERS) {
+        return s->corner[v];
+    }
+    return (s->view == SHARE) ? ((v * LANES) + s->lane) : v;
+}
+
+INLINE uint store_cap_p(Store *s) { return LANES_P; }
+INLINE uint store_cap_v(Store *s) { return LANES_V; }
+INLINE uint store_planes(Store *s) { return s->planes; }
+INLINE void store_set_planes(Store *s, uint count) { s->planes = count; }
+INLINE uint store_vertices(Store *s) {
+    if (s->view == BOX_CORNERS) {
+        return 2;
+    }
+    if (s->view == FACET_CORNERS) {
+        return s->corners;
+    }
+    return (s->view == SHARE) ? (((s->vertices + LANES) - 1u - s->lane) / LANES) : s->vertices;
+}
+INLINE void store_set_vertices(Store *s, uint count) { s->vertices = count; }
+INLINE Plane store_plane(Store *s, uint f) { return s->cell->plane[f]; }
+INLINE void store_set_plane(Store *s, uint f, Plane plane) { s->cell->plane[f] = plane; }
+INLINE uint store_tag(Store *s, uint f) { return s->cell->source[f]; }
+INLINE void store_set_tag(Store *s, uint f, uint tag) { s->cell->source[f] = tag; }
+INLINE Triplet unpacked(uint t) { return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = t >> 20 }; }
+INLINE uint packed(Triplet t) { return t.a | (t.b << 10) | (t.c << 20); }
+INLINE Triplet store_triplet(Store *s, uint v) { return unpacked(s->cell->triplet[place_of(s, v)]); }
+INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->cell->triplet[place_of(s, v)] = packed(t); }
+
+// What single precision adds to an error radius, as in `store.cl`.
+#define ROUGH ((real)1.0 / (real)(1 << 24) * REAL(10.0))
+#define ROUGH_UNDERFLOW 1e-33
+
+INLINE V3 store_position(Store *s, uint v) {
+    if (s->view == BOX_CORNERS) {
+        __local const real *corner = s->cell->corner + (3u * v);
+        return (V3){ .x = corner[0], .y = corner[1], .z = corner[2] };
+    }
+    const uint place = place_of(s, v);
+    if (s->is_fine) {
+        const real4 p = s->cell->fine[place];
+        return (V3){ .x = p.x, .y = p.y, .z = p.z };
+    }
+    const float4 p = s->cell->rough[place];
+    return (V3){ .x = p.x, .y = p.y, .z = p.z };
+}
+INLINE real store_radius(Store *s, uint v) {
+    if (s->view == BOX_CORNERS) {
+        return s->cell->corner[6];
+    }
+    const uint place = place_of(s, v);
+    return s->is_fine ? s->cell->fine[place].w : (real)s->cell->rough[place].w;
+}
+INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
+    const uint place = place_of(s, v);
+    if (s->is_fine) {
+        s->cell->fine[place] = (real4)(position.x, position.y, position.z, radius);
+        return;
+    }
+    const real largest = fmax(fmax(fabs(position.x), fabs(position.y)), fabs(position.z));
+    const float w = convert_float_rtp((radius + (ROUGH * largest)) + ROUGH_UNDERFLOW);
+    s->cell->rough[place] = (float4)((float)position.x, (float)position.y, (float)position.z, w);
+}
+
+// For the host's way of asking; here `reach_of_cell` does.
+INLINE V3 store_farthest(Store *s) { return (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }; }
+
+INLINE void store_note_exact(Store *s) { s->exact = 1; }
+INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; }
+INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
+INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }
+INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
+INLINE V3 store_site(Store *s) { return s->site; }
+
+// What clipping by one work-item, cones and sums of all facets at once need: not here.
+INLINE uint store_link(Store *s, uint f) { return 0; }
+INLINE void store_set_link(Store *s, uint f, uint link) {}
+INLINE void store_move_plane(Store *s, uint from, uint to) {}
+INLINE void store_move_vertex(Store *s, uint from, uint to) {}
+INLINE uint store_mark(Store *s, uint v) { return MARK_KEEP; }
+INLINE void store_set_mark(Store *s, uint v, uint mark) {}
+INLINE void store_save(Store *s) {}
+INLINE void store_restore(Store *s) {}
+INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ 0 }; }
+INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
+INLINE uint store_next_conflict(Store *s, uint from, uint end) { return end; }
+INLINE uint store_mark_conflicts(Store *s, uint k) { return 0; }

@@ -1,0 +1,77 @@
+// What the host tells the kernels, and what those that sort sites and those that use them share.
+
+// Scalars of an evaluation. The host's struct `Params` (params.rs) is laid out alike; `probe` checks it.
+typedef struct {
+    // Initial cell: the box, or the domain's grid.
+    real box_lo[3];
+    real box_hi[3];
+    // Site grid: minimum corner, width of the voxels, what rounding can misplace a site by, largest weight of all.
+    real grid_lo[3];
+    real grid_width;
+    real grid_pad[3];
+    real largest_weight;
+    // Domain grid: minimum corner and width of the voxels.
+    real domain_lo[3];
+    real domain_width;
+    // 1 + ε of the paper's security radius, or 0 for a proof.
+    real enlarged;
+    // `Frame`: x' = (x − shift) / unit, and what is taken as zero.
+    real frame_shift[3];
+    real frame_unit;
+    real frame_smallest;
+    // Where the records of this batch will stand among all.
+    ulong facet_base;
+    uint grid_dims[3];
+    uint top_level;
+    uint level_begin[32];
+    uint domain_dims[3];
+    uint has_domain;
+    uint has_clusters;
+    // What to compute: the flags of `integrate_cell`.
+    uint flags;
+    // 1: all weights are the same.
+    uint equal_weights;
+    // Room for facet records.
+    uint facet_room;
+} Params;
+
+// A node of the tree inside a crowded voxel (`ClusterNode`).
+typedef struct {
+    real lo[3];
+    real hi[3];
+    real largest_weight;
+    uint begin;
+    uint end;
+    uint children;
+    uint unused;
+} Cluster;
+
+// A voxel with more sites than this has a tree (site_grid.rs).
+#define CROWDED 64u
+
+// The voxel along an axis that holds x, clamped into the grid (`SiteGrid::voxel_of`).
+INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
+    const real q = (x - params->grid_lo[axis]) / params->grid_width;
+    const uint last = params->grid_dims[axis] - 1u;
+    return (q >= (real)last) ? last : ((q > REAL(0.0)) ? (uint)q : 0u);
+}
+
+// Sites and domain, in global memory.
+typedef struct {
+    __global const Params *params;
+    // Sorted sites: x, y, z, weight.
+    __global const real4 *sites;
+    // Where the sites of each voxel begin; one more at the end.
+    __global const uint *voxels;
+    // Largest weight of each node, level after level.
+    __global const real *weights;
+    __global const Cluster *clusters;
+    __global const uint *roots;
+    __global const real *domain_vertices;
+    __global const uint *triangles;
+    __global const uint *lowest_voxels;
+    __global const uint *list_offsets;
+    __global const uint *list_entries;
+    __global const int *windings;
+    __global const uint *surface_table;
+} World;

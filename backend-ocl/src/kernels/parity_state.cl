@@ -1,0 +1,121 @@
+// What the generated kernels of parity.cl stand on: words in and out, and the cell that functions of the store are called on. The host's
+// twin is core/src/cell/parity.rs. Built with -D NEIGHBORS, the sites that cut the cell.
+
+typedef __global const ulong *Input;
+typedef __global ulong *Output;
+
+INLINE uint take_uint(Input *in) { return (uint)*(*in)++; }
+INLINE int take_int(Input *in) { return (int)take_uint(in); }
+INLINE real take_real(Input *in) { return as_double(*(*in)++); }
+
+INLINE void give_uint(Output *out, uint value) { *(*out)++ = value; }
+INLINE void give_int(Output *out, int value) { give_uint(out, (uint)value); }
+// Which bits a NaN has is nobody's promise.
+INLINE void give_real(Output *out, real value) { *(*out)++ = isnan(value) ? 0x7ff8000000000000ul : as_ulong(value); }
+
+OUTLINE void give_V3(Output *out, V3 value);
+OUTLINE void give_Plane(Output *out, Plane value);
+OUTLINE void give_Triplet(Output *out, Triplet value);
+OUTLINE void give_FacetSum(Output *out, FacetSum value);
+
+// The words of each of `count` calls stand in a row. `table` begins with where its parts do.
+#define PARITY_ARGUMENTS \
+    __global const Params *params, __global const real *domain_vertices, __global const uint *table, \
+    __global const ulong *inputs, uint input_width, __global ulong *outputs, uint output_width, uint count
+
+#define PARITY_CALL \
+    const size_t number = get_global_id(0); \
+    if (number >= count) { \
+        return; \
+    } \
+    Input in = inputs + (number * input_width); \
+    Output out = outputs + (number * output_width)
+
+// The store, and first of all results whether the cell could be made.
+#define PARITY_STORE \
+    Store store; \
+    Store *s = &store; \
+    s->world = (World){ \
+        .params = params, .domain_vertices = domain_vertices, .triangles = table + table[0], .lowest_voxels = table + table[1], \
+        .list_offsets = table + table[2], .list_entries = table + table[3], \
+        .windings = (__global const int *)(table + table[4]), .surface_table = table + table[5] \
+    }; \
+    const uint made = parity_store(s, &in); \
+    give_uint(&out, made); \
+    if (made != COMPLETE) { \
+        return; \
+    }
+
+// Fills what `parity_store` and the store read, from numbers of the host: the fields by name, however they are laid out.
+__kernel void parity_prepare(__global Params *params, __global const real *numbers) {
+    for (uint axis = 0; axis < 3u; axis++) {
+        params->box_lo[axis] = numbers[axis];
+        params->box_hi[axis] = numbers[3u + axis];
+        params->domain_lo[axis] = numbers[axis];
+        params->domain_dims[axis] = (uint)numbers[7u + axis];
+    }
+    params->domain_width = numbers[6];
+    params->has_domain = 1u;
+}
+
+// A cell in the middle of its life, made as `cells` makes it: clipped in single precision by the bisectors with some sites, then all its
+// vertices computed in double precision, and marked by the bisector with one more site.
+OUTLINE uint parity_store(Store *s, Input *in) {
+    __global const real4 *sites = (__global const real4 *)*in;
+    *in += 4u * (1u + NEIGHBORS);
+    const real4 own = sites[0];
+    s->world.sites = sites;
+    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
+    s->weight = own.w;
+    s->exact = 0;
+    s->is_fine = 0;
+    s->specials = 0;
+    s->last_index = 0xFFFFFFFFu;
+    __global const Params *params = s->world.params;
+    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
+    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
+    uint status = begin(s, lo, hi);
+    Plane plane = (Plane){ 0 };
+    for (uint i = 1; i <= NEIGHBORS; i++) {
+        const real4 other = sites[i];
+        const V3 d = (V3){ .x = other.x - own.x, .y = other.y - own.y, .z = other.z - own.z };
+        plane = bisector(d, own.w - other.w);
+        if (i < NEIGHBORS) {
+            status = clip(s, plane, i);
+            if (status > UNTOUCHED) {
+                return status;
+            }
+        }
+    }
+    status = refine(s);
+    if (status != COMPLETE) {
+        return status;
+    }
+    for (uint f = 0; f < CAP_P; f++) {
+        const real x = (real)f;
+        store_set_facet(s, f, (FacetSum){ .area = x, .moment = (V3){ .x = x, .y = x, .z = x }, .rounding = x });
+    }
+    store_set_plane(s, s->planes, plane);
+    store_mark_conflicts(s, s->planes);
+    store_save(s);
+    return COMPLETE;
+}
+
+// The cell afterwards, in words whose number does not depend on it. Marks are scratch, and left out.
+OUTLINE void parity_dump(Output *out, Store *s) {
+    give_uint(out, s->planes);
+    give_uint(out, s->vertices);
+    for (uint f = 0; f < CAP_P; f++) {
+        const uint is_there = f < s->planes;
+        give_Plane(out, is_there ? store_plane(s, f) : (Plane){ 0 });
+        give_uint(out, is_there ? store_tag(s, f) : 0u);
+        give_uint(out, is_there ? store_link(s, f) : 0u);
+        give_FacetSum(out, is_there ? store_facet(s, f) : (FacetSum){ 0 });
+    }
+    for (uint v = 0; v < CAP_V; v++) {
+        const uint is_there = v < s->vertices;
+        give_Triplet(out, is_there ? store_triplet(s, v) : (Triplet){ 0 });
+        give_V3(out, is_there ? store_position(s, v) : (V3){ 0 });
+        give_real(out, is_there ? store_radius(s, v) : REAL(0.0));
+    }
+}

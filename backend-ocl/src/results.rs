@@ -1,0 +1,77 @@
+//! What comes back from a device, kept from call to call.
+
+use laguerre_core::CellStatus;
+use laguerre_core::assemble::{Assembler, FacetRecord};
+use laguerre_core::cell::{self, CellSums, v3};
+
+/// Numbers that `evaluate.cl` writes for each cell (`FEW_SUMS`, `ALL_SUMS`).
+pub(crate) const FEW_SUMS: usize = 4;
+pub(crate) const ALL_SUMS: usize = 18;
+
+/// The outcome of a cell that this device did not compute: a coincident site's, or another device's.
+pub(crate) const NOT_COMPUTED: u32 = u32::MAX;
+
+/// How the cells ended, their sums, and where their facets stand: all in the caller's order.
+#[derive(Default)]
+pub(crate) struct Results {
+    pub(crate) outcomes: Vec<u32>,
+    /// `width` numbers for each cell.
+    pub(crate) sums: Vec<f64>,
+    pub(crate) width: usize,
+    pub(crate) rows: Vec<[u64; 2]>,
+    /// Records of all batches, one after the other, up to `facet_count`.
+    pub(crate) facets: Vec<FacetRecord>,
+    pub(crate) facet_count: usize,
+}
+
+impl Results {
+    /// Hands over all cells, without their facets.
+    pub(crate) fn assemble(&self, assembler: &mut Assembler<'_>) {
+        assembler.add_all(|i| Some((status_of(self.outcomes[i])?, self.sums_of(i))));
+    }
+
+    /// The facets of the cell of site `i`; none where this device did not compute it.
+    pub(crate) fn facets_of(&self, i: usize) -> &[FacetRecord] {
+        match (status_of(self.outcomes[i]), self.rows.get(i)) {
+            (Some(CellStatus::Complete | CellStatus::Uncertified), Some(&[begin, count])) => {
+                &self.facets[begin as usize..][..count as usize]
+            }
+            _ => &[],
+        }
+    }
+
+    /// Cells that double precision did not suffice for.
+    pub(crate) fn exact_cells(&self) -> usize {
+        self.outcomes.iter().filter(|&&outcome| outcome != NOT_COMPUTED && outcome >> 8 & 1 != 0).count()
+    }
+
+    fn sums_of(&self, i: usize) -> CellSums {
+        let numbers = &self.sums[i * self.width..][..self.width];
+        let vector = |at: usize| v3(numbers[at], numbers[at + 1], numbers[at + 2]);
+        let few = CellSums { volume: numbers[0], first: vector(1), ..CellSums::default() };
+        if self.width == FEW_SUMS {
+            return few;
+        }
+        CellSums {
+            second_diagonal: vector(4),
+            second_mixed: vector(7),
+            boundary_area: numbers[10],
+            boundary_moment: vector(11),
+            boundary_vector: vector(14),
+            boundary_flux: numbers[17],
+            ..few
+        }
+    }
+}
+
+/// How a cell ended; `None` where it was not computed.
+fn status_of(outcome: u32) -> Option<CellStatus> {
+    if outcome == NOT_COMPUTED {
+        return None;
+    }
+    Some(match outcome & 0xff {
+        cell::EMPTY => CellStatus::Empty,
+        _ if outcome >> 9 & 1 != 0 => CellStatus::Uncertified,
+        _ => CellStatus::Complete,
+    })
+}

@@ -1,0 +1,119 @@
+//! What cells need, and how fast they are: `tune`, `bench`, and the paper's experiments.
+
+use std::fs;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::support::{PROGRAM, UNIT_BOX, failed, fails, inputs, json, runs};
+
+/// The cells of a histogram: `[[value, cells], …]`.
+fn cells(histogram: &Value) -> u64 {
+    histogram.as_array().unwrap().iter().map(|bin| bin[1].as_u64().unwrap()).sum()
+}
+
+#[test]
+fn tune_counts_every_cell_and_proposes_what_suffices() {
+    let folder = inputs();
+    for sites in ["white.xyz", "strong.xyz"] {
+        let report = json(&runs(folder.path(), &["tune", sites, "--domain", "cube.off", "--json"]));
+        assert_eq!(report["sites"], 2000);
+        for letter in ["K", "P", "V", "T"] {
+            let histogram = &report["histograms"][letter];
+            assert_eq!(cells(histogram), 2000, "{letter}");
+            let (proposed, most) = (&report["proposed"][letter], &report["most"][letter]);
+            let bins = histogram.as_array().unwrap();
+            assert_eq!(&bins[bins.len() - 1][0], most);
+            let enough: Vec<Value> = bins.iter().filter(|bin| bin[0].as_u64() <= proposed.as_u64()).cloned().collect();
+            assert!(cells(&Value::Array(enough.clone())) >= 1900, "{letter}: {proposed}");
+            assert!(cells(&Value::Array(enough[..enough.len() - 1].to_vec())) < 1900, "{letter}: {proposed}");
+        }
+    }
+}
+
+#[test]
+fn a_lattice_needs_the_same_everywhere_inside() {
+    let folder = inputs();
+    runs(folder.path(), &["sample", "lattice", "1000", "-o", "lattice.xyz"]);
+    let report = json(&runs(folder.path(), &["tune", "lattice.xyz", "--box", UNIT_BOX, "--share", "100", "--json"]));
+    assert_eq!(report["proposed"], report["most"]);
+    // The 26 voxels around each of the 8³ that are not on the box's faces; a lattice has no triangles.
+    let histogram = report["histograms"]["K"].as_array().unwrap();
+    assert_eq!(histogram.iter().find(|bin| bin[0] == 26), Some(&serde_json::json!([26, 512])), "{histogram:?}");
+    assert_eq!(report["histograms"]["T"], serde_json::json!([[0, 1000]]));
+}
+
+#[test]
+fn tune_draws_what_it_prints() {
+    let folder = inputs();
+    let text = runs(folder.path(), &["tune", "white.xyz", "--domain", "cube.off", "-o", "counts.svg"]);
+    assert!(text.lines().last().unwrap().starts_with("proposed   K "), "{text}");
+    let picture = fs::read_to_string(folder.path().join("counts.svg")).unwrap();
+    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
+    for caption in ["K: sites visited", "P: half-spaces at once", "V: vertices at once", "T: triangles tried"] {
+        assert!(picture.contains(caption), "{caption}");
+    }
+    let wrong = |args: &[&str]| fails(folder.path(), 2, args);
+    assert!(wrong(&["tune", "white.xyz", "-o", "a.png"]).contains("known here: .svg"));
+    assert!(wrong(&["tune", "white.xyz", "--share", "0"]).contains("above 0 and up to 100"));
+}
+
+#[test]
+fn bench_has_a_row_for_each_combination() {
+    let folder = inputs();
+    let args = ["bench", "--backends", "cpu", "--sites", "100,300", "--distributions", "white,lattice"];
+    let args = [&args[..], &["--domains", "box,torus,cube.off", "--repetitions", "2"]].concat();
+    let report = json(&runs(folder.path(), &[&args[..], &["--json"]].concat()));
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2 * 2 * 3);
+    for row in rows {
+        let seconds = |name: &str| row["seconds"][name].as_f64().unwrap();
+        assert!(0.0 < seconds("min") && seconds("min") <= seconds("median") && seconds("median") <= seconds("max"));
+        let rate = row["sites"].as_f64().unwrap() / seconds("median");
+        assert!((row["sites_per_second"].as_f64().unwrap() / rate - 1.0).abs() < 1e-12, "{row}");
+        assert_eq!((&row["backend"], &row["seconds"]["device"]), (&"cpu".into(), &Value::Null));
+    }
+    // The same for people: a row has its words.
+    let text = runs(folder.path(), &args);
+    let rows = text.lines().filter(|line| line.starts_with("cpu "));
+    assert!(rows.clone().all(|row| row.contains(" [") && (row.contains("white") || row.contains("lattice"))), "{text}");
+    assert_eq!(rows.count(), 12, "{text}");
+}
+
+#[test]
+fn bench_says_what_it_does_not_know() {
+    let folder = inputs();
+    let line = fails(folder.path(), 2, &["bench", "--domains", "box,hare"]);
+    assert!(line.contains("--domains hare: not one of box, bunny, trefoil"), "{line}");
+    assert!(fails(folder.path(), 2, &["bench", "--domains", "none.off"]).contains("none.off: cannot open"));
+    assert!(fails(folder.path(), 2, &["bench", "--sites", "0"]).contains('0'));
+    let args = ["bench", "--backends", "ocl", "--sites", "100"];
+    let mut command = Command::new(PROGRAM);
+    command.current_dir(folder.path()).args(args).env("OCL_ICD_VENDORS", "/nowhere");
+    failed(&command.output().unwrap(), 3, &args);
+}
+
+#[test]
+fn the_papers_experiments_are_text_between_markers() {
+    let folder = inputs();
+    let args = ["paper", "--sites", "300", "--backend", "cpu", "--repetitions", "1", "--steps", "3"];
+    runs(folder.path(), &[&args[..], &["--markdown", "paper.md", "--picture", "counts.svg"]].concat());
+    assert!(folder.path().join("counts.svg").exists());
+    let text = fs::read_to_string(folder.path().join("paper.md")).unwrap();
+    assert!(text.starts_with("<!-- paper cpu: begin -->\n") && text.ends_with("<!-- paper cpu: end -->\n"), "{text}");
+    let rows = |title: &str| -> Vec<Vec<String>> {
+        let (_, part) = text.split_once(title).unwrap_or_else(|| panic!("no {title} in {text}"));
+        let part = part.split("\n**").next().unwrap();
+        let rows = part.lines().filter(|line| line.starts_with('|')).skip(2);
+        rows.map(|row| row.replace("\\|", "").split('|').map(|cell| cell.trim().to_owned()).collect()).collect()
+    };
+    assert_eq!(rows("**Fig. 9**").len(), 4 * 2);
+    assert_eq!(rows("**Fig. 10**").len(), 3 * 7);
+    assert_eq!(rows("**Fig. 11**").len(), 3);
+    // The laws of the sums over all cells; single cells as the suite holds them.
+    let figures: Vec<f64> = rows("**§6.3").iter().map(|row| row[3].parse().unwrap()).collect();
+    assert_eq!(figures.len(), 6);
+    assert!(figures[0] <= 1e-14 && figures[1] <= 1e-14, "{figures:?}");
+    assert!(figures.iter().all(|&figure| figure < 1e-11), "{figures:?}");
+    assert!(text.contains("0 of "), "{text}");
+}

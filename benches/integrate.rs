@@ -53,7 +53,9 @@ fn backends() -> Vec<(String, Box<dyn Backend>)> {
     let all = cpu(None);
     let mut backends =
         vec![(format!("cpu-{}-threads", all.info().threads), all), ("cpu-1-thread".to_owned(), cpu(Some(1)))];
-    if let Ok(ocl) = laguerre::open(Selection::Ocl { devices: laguerre::DeviceChoice::First }) {
+    if let Ok(ocl) =
+        laguerre::open(Selection::Ocl { devices: laguerre::DeviceChoice::First, precision: laguerre::Precision::F64 })
+    {
         backends.push(("ocl".to_owned(), ocl));
     }
     backends

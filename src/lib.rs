@@ -34,6 +34,8 @@ pub enum Selection {
     Ocl {
         /// Which devices.
         devices: DeviceChoice,
+        /// What they compute with.
+        precision: Precision,
     },
 }
 
@@ -44,9 +46,9 @@ pub enum Selection {
 pub fn open(selection: Selection) -> Result<Box<dyn Backend>> {
     match selection {
         Selection::Auto if cfg!(feature = "cpu") || !cfg!(feature = "ocl") => open_cpu(None),
-        Selection::Auto => open_ocl(DeviceChoice::First),
+        Selection::Auto => open_ocl(DeviceChoice::First, Precision::F64),
         Selection::Cpu { threads } => open_cpu(threads),
-        Selection::Ocl { devices } => open_ocl(devices),
+        Selection::Ocl { devices, precision } => open_ocl(devices, precision),
     }
 }
 
@@ -61,12 +63,24 @@ fn open_cpu(_threads: Option<usize>) -> Result<Box<dyn Backend>> {
 }
 
 #[cfg(feature = "ocl")]
-fn open_ocl(devices: DeviceChoice) -> Result<Box<dyn Backend>> {
-    Ok(Box::new(laguerre_ocl::Ocl::new(&devices)?))
+fn open_ocl(devices: DeviceChoice, precision: Precision) -> Result<Box<dyn Backend>> {
+    Ok(match precision {
+        Precision::F64 => Box::new(laguerre_ocl::Ocl::new(&devices)?),
+        Precision::F32 => Box::new(laguerre_ocl::Single::new(&devices)?),
+    })
+}
+
+/// The OpenCL backend with cells computed by the kernel for work-items that share a cell, where the first device would not choose it.
+///
+/// # Errors
+/// `Unavailable` where there is no device, or it does so anyway.
+#[cfg(all(feature = "ocl", feature = "test-util"))]
+pub fn open_sharing_cells() -> Result<Box<dyn Backend>> {
+    Ok(Box::new(laguerre_ocl::Ocl::sharing_cells(&DeviceChoice::First)?))
 }
 
 #[cfg(not(feature = "ocl"))]
-fn open_ocl(_devices: DeviceChoice) -> Result<Box<dyn Backend>> {
+fn open_ocl(_devices: DeviceChoice, _precision: Precision) -> Result<Box<dyn Backend>> {
     Err(Error::new(
         ErrorKind::Unavailable,
         "backend ocl is not part of this build: build with the feature `ocl`, or use --backend cpu",

@@ -34,6 +34,7 @@ struct ChunkResult {
     undecided: Option<u32>,
     exact_cells: usize,
     visited: u32,
+    triangles: u32,
 }
 
 /// One thread's storage.
@@ -92,6 +93,7 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
             }
             outcome.failed.extend(result.failed);
             outcome.neighbors = outcome.neighbors.max(result.visited);
+            outcome.triangles = outcome.triangles.max(result.triangles);
             exact_cells += result.exact_cells;
         }
         Ok(outcome)
@@ -151,6 +153,8 @@ fn run_cell(
         cell::COMPLETE => cell::integrate_cell(store, cell::flags_of(request), 0, &mut sums),
         other => other,
     };
+    result.visited = result.visited.max(outcome.visited);
+    result.triangles = result.triangles.max(store.triangles_tried());
     let status = match status {
         cell::COMPLETE if outcome.uncertified => CellStatus::Uncertified,
         cell::COMPLETE => CellStatus::Complete,
@@ -164,7 +168,6 @@ fn run_cell(
             return;
         }
     };
-    result.visited = result.visited.max(outcome.visited);
     result.exact_cells += usize::from(store.exact);
     let order = prepared.sites.order();
     result.cells.push(CellRecord { site: order[site as usize], status, sums });
@@ -183,4 +186,26 @@ fn device_name() -> String {
     let fields: HashMap<&str, &str> =
         info.lines().filter_map(|line| line.split_once(':')).map(|(k, v)| (k.trim(), v.trim())).collect();
     fields.get("model name").map_or_else(|| std::env::consts::ARCH.to_string(), ToString::to_string)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use laguerre_core::capacities::{count_cells, sufficient};
+    use laguerre_core::shapes::icosphere;
+
+    #[test]
+    fn passes_report_what_cells_visit_and_try() {
+        let point = |i: usize| [0.819_172, 0.671_043, 0.549_7].map(|step| 2.0 * (i as f64 * step).fract() - 1.0);
+        let positions: Vec<[f64; 3]> = (0..2000).map(point).collect();
+        let diagram = PowerDiagram::new(&positions, &[]).unwrap().restricted_to(&icosphere(2).domain());
+        for request in [Request::moments(), Request::moments().with_facets()] {
+            let prepared = diagram.prepare().unwrap();
+            let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
+            let most = sufficient(&count_cells(&prepared, &request, &all), 1.0);
+            let pass = Cpu::new(Some(2)).unwrap().evaluate(&diagram, &request).unwrap().passes[0];
+            assert!(most.triangles > 0 && most.planes <= pass.planes, "{most:?}");
+            assert_eq!((pass.neighbors, pass.triangles), (most.neighbors, most.triangles));
+        }
+    }
 }

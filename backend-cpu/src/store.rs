@@ -2,10 +2,11 @@
 
 use laguerre_core::cell::{
     CellStore, FacetSum, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Plane, Real, SEEN_CONFLICT, SEEN_KEEP,
-    SEEN_UNCERTAIN, Triplet, UNIT_ROUNDOFF, V3, v3,
+    SEEN_UNCERTAIN, Triangle, Triplet, UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::passes::Capacities;
+use std::cell::Cell;
 use wide::f64x4;
 
 /// Vertices tested at once.
@@ -59,6 +60,9 @@ pub(crate) struct CpuStore<'a> {
     site: V3,
     /// Whether exact arithmetic was needed for the present cell.
     pub(crate) exact: bool,
+    /// Triangles that the present cell has tried, and the last of them: each is tried once, with no other in between.
+    triangles: Cell<u32>,
+    last_triangle: Cell<Option<u32>>,
 }
 
 impl<'a> CpuStore<'a> {
@@ -79,6 +83,8 @@ impl<'a> CpuStore<'a> {
             domain,
             site: v3(0.0, 0.0, 0.0),
             exact: false,
+            triangles: Cell::new(0),
+            last_triangle: Cell::new(None),
         }
     }
 
@@ -86,6 +92,13 @@ impl<'a> CpuStore<'a> {
     pub(crate) fn turn_to(&mut self, site: V3) {
         self.site = site;
         self.exact = false;
+        self.triangles.set(0);
+        self.last_triangle.set(None);
+    }
+
+    /// Triangles that the present cell has tried.
+    pub(crate) fn triangles_tried(&self) -> u32 {
+        self.triangles.get()
     }
 }
 
@@ -204,6 +217,16 @@ impl CellStore for CpuStore<'_> {
     #[inline(always)]
     fn site(&self) -> V3 {
         self.site
+    }
+    #[inline(always)]
+    fn triangle(&self, t: u32) -> Triangle {
+        if self.last_triangle.replace(Some(t)) != Some(t) {
+            self.triangles.set(self.triangles.get() + 1);
+        }
+        self.domain.map_or(Triangle::default(), |grid| {
+            let [a, b, c] = grid.triangles()[t as usize];
+            Triangle { a, b, c }
+        })
     }
 
     #[inline(always)]

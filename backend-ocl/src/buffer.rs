@@ -63,6 +63,11 @@ impl<T: Copy> Room<T> {
         Ok(())
     }
 
+    /// Whether there is room for anything yet.
+    pub(crate) fn is_made(&self) -> bool {
+        self.buffer.is_some()
+    }
+
     /// The buffer, as a kernel's argument.
     pub(crate) fn get(&self) -> Result<&Buffer<T>> {
         self.buffer.as_deref().ok_or_else(|| Error::new(ErrorKind::Device, format!("no memory for {}", self.what)))

@@ -20,6 +20,9 @@ use opencl3::types::cl_device_id;
 use std::ops::Range;
 use std::time::Instant;
 
+/// Work-items of NVIDIA's that run in step and talk through their registers.
+const WARP: usize = 32;
+
 /// Room of the first pass, where a sample does not ask for more: half-spaces and vertices of nearly every cell of random sites, with
 /// its four cone planes.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
@@ -46,15 +49,16 @@ const FULL: usize = 2;
 const UNDECIDED: usize = 3;
 const VISITED: usize = 4;
 const FACETS: usize = 5;
-const COUNTERS: usize = 6;
+const TRIED: usize = 6;
+const COUNTERS: usize = 7;
 
 /// A device that is open.
 pub(crate) struct Device {
     id: cl_device_id,
     /// For messages.
     pub(crate) name: String,
-    /// Whether groups of work-items compute cells together, where they can.
-    together: bool,
+    /// How many work-items compute a cell together, where they can.
+    together: Option<usize>,
     /// Bytes of its memory.
     memory_size: u64,
     context: Handle<Context>,
@@ -70,6 +74,8 @@ pub(crate) struct Device {
     results: Results,
     /// The domain whose grid is on the device.
     domain: Option<Domain>,
+    /// Cells of this call at most.
+    most_cells: usize,
     /// What the first pass of the next call begins with, and for how many sites that was found.
     first: Option<(usize, Capacities)>,
 }
@@ -142,7 +148,7 @@ impl Device {
         Ok(Self {
             id,
             name: found.info.name.clone(),
-            together: found.info.is_gpu,
+            together: found.is_nvidia().then_some(WARP),
             memory_size: found.info.memory,
             context,
             queue,
@@ -155,8 +161,15 @@ impl Device {
             seconds: 0.0,
             results: Results::default(),
             domain: None,
+            most_cells: 0,
             first: None,
         })
+    }
+
+    /// Lets one work-item compute a cell as several would; whether that is not how the device does it anyway.
+    #[cfg(feature = "test-util")]
+    pub(crate) fn share_cells(&mut self) -> bool {
+        self.together.replace(1).is_none()
     }
 
     /// Brings the sites, and the domain if it is another one, to the device.
@@ -170,7 +183,12 @@ impl Device {
         let Self { context, queue, memory, .. } = self;
         self.sites.upload(context, queue, diagram)?;
         let domain = container.domain();
-        if domain.is_some_and(|new| self.domain.as_ref().is_some_and(|old| old.is_same(new))) {
+        let is_there = match (domain, &self.domain) {
+            (Some(new), Some(old)) => old.is_same(new),
+            (None, None) => memory.windings.is_made(),
+            _ => false,
+        };
+        if is_there {
             return Ok(());
         }
         self.domain = None;
@@ -203,19 +221,28 @@ impl Device {
         sites.take(context, queue, prepared, shared)
     }
 
-    /// Computes the cells of a range of the sorted sites (paper, Alg. 1). `sites` is the number of the caller's.
-    pub(crate) fn compute(&mut self, request: &Request, sites: usize, share: Range<usize>) -> Result<Computed<'_>> {
-        self.clear(request, sites, share.len())?;
+    /// Computes the cells of a range of the sorted sites (paper, Alg. 1), one of `of` ranges. `sites` is the number of the caller's.
+    pub(crate) fn compute(
+        &mut self,
+        request: &Request,
+        sites: usize,
+        share: Range<usize>,
+        of: usize,
+    ) -> Result<Computed<'_>> {
+        // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
+        self.most_cells = sites.div_ceil(of);
+        self.clear(request, sites, self.most_cells)?;
         // Together no proof is cut short, and no tree is searched.
-        let together = self.together && self.shared.params.has_clusters == 0 && request.epsilon.is_none();
-        let first = if together { FIRST } else { self.first_capacities(request, share.clone())? };
+        let whole = self.shared.params.has_clusters == 0 && request.epsilon.is_none();
+        let together = self.together.filter(|_| whole);
+        let first = if together.is_some() { FIRST } else { self.first_capacities(request, share.clone())? };
         let mut for_host = Vec::new();
         let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
             if room.planes > MOST_PLANES {
                 for_host.extend(self.callers(todo)?);
                 return Ok(PassOutcome::default());
             }
-            self.pass(request, room, todo, room == first, together && room == first)
+            self.pass(request, room, todo, room == first, together.filter(|_| room == first))
         })?;
         let undecided = self.counters[UNDECIDED] as usize;
         if undecided > 0 {
@@ -291,10 +318,10 @@ impl Device {
         room: Capacities,
         cells: &Todo,
         is_first: bool,
-        together: bool,
+        together: Option<usize>,
     ) -> Result<PassOutcome<Todo>> {
         let mut now = cells.clone();
-        let mut way = if together { Way::Together } else { Way::Alone(room) };
+        let mut way = together.map_or(Way::Alone(room), Way::Together);
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
         let begin = self.seconds;
@@ -323,8 +350,8 @@ impl Device {
         let failed = Todo::Listed(self.counters[FAILED] as usize);
         std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
         self.counters[FAILED] = 0;
-        let neighbors = self.counters[VISITED];
-        Ok(PassOutcome { failed, neighbors, triangles: 0, device_seconds: self.seconds - begin, second })
+        let [neighbors, triangles] = [VISITED, TRIED].map(|most| std::mem::take(&mut self.counters[most]));
+        Ok(PassOutcome { failed, neighbors, triangles, device_seconds: self.seconds - begin, second })
     }
 
     /// Runs over the given cells, batch by batch.
@@ -368,7 +395,7 @@ impl Device {
         }
         let bytes = FACETS_PER_CELL * size_of::<FacetRecord>();
         let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
-        let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(1));
+        let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
         loop {
             let room = (batch * FACETS_PER_CELL).max(MOST_PLANES as usize);
             let facets = &mut self.memory.facets;

@@ -6,13 +6,14 @@ use crate::grid::SITES_PER_VOXEL;
 use crate::platform::choose;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::{
-    Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Output, PassReport, PowerDiagram, Request, Result,
+    Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Output, PassReport, PowerDiagram, Precision, Request, Result,
 };
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 /// The OpenCL backend.
 pub struct Ocl {
+    backend: &'static str,
     name: String,
     devices: Mutex<Vec<Device>>,
 }
@@ -23,37 +24,54 @@ impl Ocl {
     /// # Errors
     /// `Unavailable` where there is no OpenCL, no device, or not the one asked for; `Device` where it fails.
     pub fn new(choice: &DeviceChoice) -> Result<Self> {
-        let chosen = choose(choice)?;
+        let chosen = choose(choice, Precision::F64)?;
         let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
         let name = names.join(", ");
         let open = |found| Device::open(found).map_err(|error| on_device(error, &found.info.name));
         let devices = chosen.iter().map(open).collect::<Result<Vec<_>>>()?;
-        Ok(Self { name, devices: Mutex::new(devices) })
+        Ok(Self { backend: "ocl", name, devices: Mutex::new(devices) })
+    }
+
+    /// Opens devices that compute cells by the kernel for work-items that share a cell, each alone: for tests of that kernel where no
+    /// device would choose it.
+    ///
+    /// # Errors
+    /// As [`Ocl::new`]; `Unavailable` where a device chooses that kernel anyway.
+    #[cfg(feature = "test-util")]
+    pub fn sharing_cells(choice: &DeviceChoice) -> Result<Self> {
+        let mut opened = Self { backend: "ocl-sharing", ..Self::new(choice)? };
+        let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
+        match devices.iter_mut().all(Device::share_cells) {
+            true => Ok(opened),
+            false => Err(Error::new(ErrorKind::Unavailable, "this is how the device computes cells anyway")),
+        }
     }
 }
 
 impl Backend for Ocl {
     fn info(&self) -> BackendInfo {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        BackendInfo { backend: "ocl", device: self.name.clone(), precision: "f64", threads }
+        BackendInfo { backend: self.backend, device: self.name.clone(), precision: Precision::F64.word(), threads }
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         let container = diagram.framed_container()?;
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
+        let name: fn(&Device) -> &String = |device| &device.name;
         // Every device sorts all sites for itself: its cells are cut by others' sites.
-        let sorted = on_all(&mut devices, &|_, device| {
+        let sorted = on_all(&mut devices, name, &|_, device| {
             device.load(diagram, &container, request)?;
             device.sort(diagram, &container)
         })?;
         let mut count = sorted.iter().flatten().copied().max();
         if sorted.contains(&None) {
             let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
-            count = on_all(&mut devices, &|_, device| device.take(&prepared))?.first().copied();
+            count = on_all(&mut devices, name, &|_, device| device.take(&prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
-        let computed =
-            on_all(&mut devices, &|i, device| device.compute(request, diagram.positions().len(), shares[i].clone()))?;
+        let computed = on_all(&mut devices, name, &|i, device| {
+            device.compute(request, diagram.positions().len(), shares[i].clone(), shares.len())
+        })?;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
 
         let mut assembler = Assembler::new(diagram, &container, request);
@@ -78,13 +96,13 @@ impl Backend for Ocl {
 }
 
 /// Splits the sorted sites over the devices, along the grid's order.
-fn shares(count: usize, devices: usize) -> Vec<Range<usize>> {
+pub(crate) fn shares(count: usize, devices: usize) -> Vec<Range<usize>> {
     let end = |i: usize| count * i / devices;
     (0..devices).map(|i| end(i)..end(i + 1)).collect()
 }
 
 /// Adds the passes of one device to those of the others.
-fn join_passes(all: &mut Vec<PassReport>, own: &[PassReport]) {
+pub(crate) fn join_passes(all: &mut Vec<PassReport>, own: &[PassReport]) {
     all.resize(all.len().max(own.len()), PassReport::default());
     for (sum, pass) in all.iter_mut().zip(own) {
         sum.neighbors = sum.neighbors.max(pass.neighbors);
@@ -101,17 +119,18 @@ fn join_passes(all: &mut Vec<PassReport>, own: &[PassReport]) {
 }
 
 /// Says of which device an error is, where it is one's.
-fn on_device(error: Error, name: &str) -> Error {
+pub(crate) fn on_device(error: Error, name: &str) -> Error {
     if error.kind() == ErrorKind::Device { error.at(name) } else { error }
 }
 
 /// Does something with every device, each on a thread of its own; the results in order.
-fn on_all<'a, T: Send>(
-    devices: &'a mut [Device],
-    work: &(dyn Fn(usize, &'a mut Device) -> Result<T> + Sync),
+pub(crate) fn on_all<'a, D: Send, T: Send>(
+    devices: &'a mut [D],
+    name: fn(&D) -> &String,
+    work: &(dyn Fn(usize, &'a mut D) -> Result<T> + Sync),
 ) -> Result<Vec<T>> {
-    let work = |i, device: &'a mut Device| {
-        let name = device.name.clone();
+    let work = |i, device: &'a mut D| {
+        let name = name(device).clone();
         work(i, device).map_err(|error| on_device(error, &name))
     };
     if let [device] = devices {

@@ -18,6 +18,9 @@ pub(crate) const SITES_PER_VOXEL: f64 = 2.0;
 pub(crate) const GROUP: usize = 256;
 const SCANNED: usize = 8 * GROUP;
 
+/// Levels of the pyramid at most (`level_begin` of `params.cl`).
+const MOST_LEVELS: usize = 32;
+
 /// The sites, as the caller gave them and as the search needs them.
 pub(crate) struct Sites {
     positions: Room<[f64; 3]>,
@@ -106,6 +109,7 @@ impl Sites {
         shared.send(context, queue)?;
         let boxes = voxels.dims.iter().map(|&n| n as usize).product::<usize>();
         let box_count = boxes as u32;
+        self.reserve(context, n, boxes, nodes)?;
 
         self.starts.fill_with(context, queue, 0, boxes + 1)?;
         self.crowded.fill_with(context, queue, 0, 1)?;
@@ -114,7 +118,6 @@ impl Sites {
         self.offsets.fill_with(context, queue, 0, boxes + 1)?;
         self.sites.grow(context, n)?;
         self.order.grow(context, n)?;
-        self.weights.grow(context, nodes)?;
         self.clusters.grow(context, 1)?;
         self.roots.grow(context, 1)?;
         enqueue!(queue, &kernels.count_sites, n, GROUP;
@@ -123,12 +126,12 @@ impl Sites {
         if self.on_host.number[0] != 0 {
             return Ok(None);
         }
-        scan(context, queue, kernels, &self.starts, boxes + 1, &mut self.sums, 0)?;
+        scan(queue, kernels, &self.starts, boxes + 1, &mut self.sums)?;
         enqueue!(queue, &kernels.place_sites, n, GROUP;
             &count, self.place.get()?, self.starts.get()?, self.slots.get()?);
         enqueue!(queue, &kernels.sort_voxels, boxes, GROUP;
             self.placed.get()?, &box_count, self.starts.get()?, self.slots.get()?, self.offsets.get()?);
-        scan(context, queue, kernels, &self.offsets, boxes + 1, &mut self.sums, 0)?;
+        scan(queue, kernels, &self.offsets, boxes + 1, &mut self.sums)?;
         enqueue!(queue, &kernels.gather_sites, boxes, GROUP;
             self.placed.get()?, &box_count, self.starts.get()?, self.slots.get()?, self.offsets.get()?, self.sites.get()?,
             self.order.get()?, self.weights.get()?);
@@ -141,6 +144,28 @@ impl Sites {
         }
         self.offsets.read_from(queue, boxes, 1, &mut self.on_host.number)?;
         Ok(Some(self.on_host.number[0] as usize))
+    }
+
+    /// Makes room for any grid of `n` sites, so that nothing is allocated where they move and its shape is another one; and for this
+    /// one of `boxes` voxels and `nodes` of the pyramid.
+    fn reserve(&mut self, context: &Context, n: usize, boxes: usize, nodes: usize) -> Result<()> {
+        let boxes = boxes.max((n as f64 / SITES_PER_VOXEL) as usize);
+        self.starts.grow(context, boxes + 1)?;
+        self.offsets.grow(context, boxes + 1)?;
+        // A row of voxels has the most: half as many in each level, rounded up.
+        self.weights.grow(context, nodes.max(2 * boxes + MOST_LEVELS))?;
+        let mut count = boxes + 1;
+        for depth in 0.. {
+            if self.sums.len() == depth {
+                self.sums.push(Room::new("sums of the site grid"));
+            }
+            count = count.div_ceil(SCANNED);
+            self.sums[depth].grow(context, count)?;
+            if count == 1 {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Takes sites that the host sorted; returns how many have a cell.
@@ -170,30 +195,22 @@ impl Sites {
     }
 }
 
-/// Replaces each of the first `count` numbers by the sum of those before it.
+/// Replaces each of the first `count` numbers by the sum of those before it; `sums` have room for those of blocks, of blocks of blocks,
+/// and so on.
 fn scan(
-    context: &Context,
     queue: &CommandQueue,
     kernels: &GridKernels,
     data: &Room<u32>,
     count: usize,
-    sums: &mut Vec<Room<u32>>,
-    depth: usize,
+    sums: &mut [Room<u32>],
 ) -> Result<()> {
     let blocks = count.div_ceil(SCANNED);
-    if sums.len() == depth {
-        sums.push(Room::new("sums of the site grid"));
-    }
-    sums[depth].grow(context, blocks)?;
     let number = count as u32;
-    enqueue!(queue, &kernels.scan_blocks, blocks * GROUP, GROUP; data.get()?, &number, sums[depth].get()?);
+    let Some((own, deeper)) = sums.split_first_mut() else { return Ok(()) };
+    enqueue!(queue, &kernels.scan_blocks, blocks * GROUP, GROUP; data.get()?, &number, own.get()?);
     if blocks > 1 {
-        // Out of the list while the deeper sums are made, to be borrowed beside them.
-        let own = std::mem::replace(&mut sums[depth], Room::new("sums of the site grid"));
-        let scanned = scan(context, queue, kernels, &own, blocks, sums, depth + 1);
-        sums[depth] = own;
-        scanned?;
-        enqueue!(queue, &kernels.add_blocks, count, GROUP; data.get()?, &number, sums[depth].get()?);
+        scan(queue, kernels, own, blocks, deeper)?;
+        enqueue!(queue, &kernels.add_blocks, count, GROUP; data.get()?, &number, own.get()?);
     }
     Ok(())
 }

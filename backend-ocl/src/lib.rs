@@ -16,6 +16,8 @@ mod platform;
 mod program;
 mod results;
 mod shells;
+mod single;
 
 pub use evaluate::Ocl;
 pub use platform::devices;
+pub use single::Single;

@@ -6,7 +6,7 @@ use crate::launch::{Kernel, enqueue};
 use crate::platform::{self, choose};
 use crate::program::compile;
 use laguerre_core::cell::parity::{Calls, NEIGHBORS, PLANES, VERTICES, World};
-use laguerre_core::{DeviceChoice, Error, ErrorKind, Result};
+use laguerre_core::{DeviceChoice, Error, ErrorKind, Precision, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::program::Program;
@@ -14,10 +14,11 @@ use opencl3::program::Program;
 /// The generated functions, as a device gets them.
 pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
 
-const SOURCES: [&str; 9] = [
+const SOURCES: [&str; 10] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
     include_str!("kernels/world.cl"),
     FUNCTIONS,
@@ -49,7 +50,7 @@ impl Parity {
     /// # Errors
     /// `Unavailable` where there is no OpenCL or no device; `Device` where it fails.
     pub fn open(choice: &DeviceChoice, world: &World, functions: &str) -> Result<Self> {
-        let chosen = choose(choice)?;
+        let chosen = choose(choice, Precision::F64)?;
         let found = chosen.first().ok_or_else(|| Error::new(ErrorKind::Unavailable, "no device was chosen"))?;
         let (context, queue) = platform::open(found)?;
         let options = format!("-D CAP_P={PLANES} -D CAP_V={VERTICES} -D WITH_FACETS=1 -D NEIGHBORS={NEIGHBORS}");

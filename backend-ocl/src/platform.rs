@@ -2,7 +2,7 @@
 
 use crate::grid::GROUP;
 use crate::handle::Handle;
-use laguerre_core::{DeviceChoice, DeviceInfo, Error, ErrorKind, Result};
+use laguerre_core::{DeviceChoice, DeviceInfo, Error, ErrorKind, Precision, Result};
 use opencl3::command_queue::{CommandQueue, create_command_queue};
 use opencl3::context::Context;
 use opencl3::context::context::create_context;
@@ -18,6 +18,21 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub(crate) struct Found {
     pub(crate) info: DeviceInfo,
     pub(crate) id: DeviceId,
+}
+
+/// Why a device can compute in single precision alone.
+const NO_DOUBLES: &str = "it has no double precision: give --precision f32";
+
+impl Found {
+    /// Why it cannot compute with the given numbers, if so.
+    fn unusable(&self, precision: Precision) -> Option<&str> {
+        self.info.unusable.as_deref().filter(|&why| precision == Precision::F64 || why != NO_DOUBLES)
+    }
+
+    /// Whether it is a GPU behind NVIDIA's own driver, whose assembler is known.
+    pub(crate) fn is_nvidia(&self) -> bool {
+        self.info.is_gpu && self.info.platform == "NVIDIA CUDA"
+    }
 }
 
 /// A device's handle: valid as long as the program runs, on any thread.
@@ -113,15 +128,15 @@ fn examine(device: &Device, info: &mut DeviceInfo) -> std::result::Result<Option
     if !device.endian_little()? {
         return why("it is big-endian");
     }
-    // A device without doubles says 0, or does not know the question.
-    match device.double_fp_config() {
-        Ok(0) | Err(ClError(CL_INVALID_VALUE)) => return why("it has no double precision"),
-        answer => answer?,
-    };
     let largest = device.max_work_group_size()?;
     if largest < GROUP {
         return why(&format!("its work-groups are of at most {largest} work-items, and {GROUP} are needed"));
     }
+    // A device without doubles says 0, or does not know the question.
+    match device.double_fp_config() {
+        Ok(0) | Err(ClError(CL_INVALID_VALUE)) => return why(NO_DOUBLES),
+        answer => answer?,
+    };
     Ok(None)
 }
 
@@ -151,10 +166,10 @@ pub(crate) fn open(found: &Found) -> Result<(Handle<Context>, Handle<CommandQueu
 ///
 /// # Errors
 /// `Unavailable` where there is none, or one asked for cannot be used.
-pub(crate) fn choose(choice: &DeviceChoice) -> Result<Vec<Found>> {
+pub(crate) fn choose(choice: &DeviceChoice, precision: Precision) -> Result<Vec<Found>> {
     let found = find()?;
     let unavailable = |message: String| Err(Error::new(ErrorKind::Unavailable, message));
-    let usable: Vec<&Found> = found.iter().filter(|device| device.info.unusable.is_none()).collect();
+    let usable: Vec<&Found> = found.iter().filter(|device| device.unusable(precision).is_none()).collect();
     match choice {
         DeviceChoice::Numbers(numbers) => {
             let mut chosen = Vec::new();
@@ -162,7 +177,7 @@ pub(crate) fn choose(choice: &DeviceChoice) -> Result<Vec<Found>> {
                 let Some(device) = found.get(number) else {
                     return unavailable(format!("device {number}: there are only {}, counted from 0", found.len()));
                 };
-                if let Some(why) = &device.info.unusable {
+                if let Some(why) = device.unusable(precision) {
                     return unavailable(format!("device {number} ({}) cannot be used: {why}", device.info.name));
                 }
                 chosen.push(device.clone());

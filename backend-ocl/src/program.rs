@@ -13,10 +13,11 @@ use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
 
-const EVALUATE: [&str; 9] = [
+const EVALUATE: [&str; 10] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/cell.cl"),
@@ -25,10 +26,11 @@ const EVALUATE: [&str; 9] = [
     include_str!("kernels/evaluate.cl"),
 ];
 
-const TOGETHER: [&str; 9] = [
+const TOGETHER: [&str; 10] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/ties.cl"),
     include_str!("kernels/lanes_store.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/cell.cl"),
@@ -48,15 +50,15 @@ pub(crate) const MOST_PLANES: u32 = 216;
 pub(crate) enum Way {
     /// One work-item, with so much room.
     Alone(Capacities),
-    /// A group of [`LANES`] work-items.
-    Together,
+    /// A group of so many work-items: `LANES` of `lanes_store.cl`.
+    Together(usize),
 }
-
-/// `LANES` of `lanes_store.cl`.
-pub(crate) const LANES: usize = 32;
 
 /// Work-items of a group where each computes a cell alone. They share nothing; a multiple of what any GPU runs in step.
 const GROUP: usize = 64;
+
+/// Cells of a group where several work-items compute one together.
+const CELLS: usize = 4;
 
 /// One build, and its kernels.
 pub(crate) struct Kernels {
@@ -126,13 +128,18 @@ fn build(context: &Context, device: cl_device_id, way: Way, facets: bool) -> Res
             let options = format!("-D CAP_P={planes} -D CAP_V={vertices} {facets}");
             (compile(context, device, &EVALUATE.concat(), &options)?, "cells")
         }
-        Way::Together => (compile(context, device, &TOGETHER.concat(), &facets)?, "cells_together"),
+        Way::Together(lanes) => {
+            // With more registers each, too few cells would be computed at a time (measured; an option of NVIDIA's alone).
+            let registers = if lanes > 1 { "-cl-nv-maxrregcount=128" } else { "" };
+            let options = format!("-D LANES={lanes}u -D CELLS={CELLS} {facets} {registers}");
+            (compile(context, device, &TOGETHER.concat(), &options)?, "cells_together")
+        }
     };
     let cells = Kernel::new(&program, name)?;
     let largest = cells.largest_group(device)?;
     let (group, per_cell) = match way {
         Way::Alone(_) => (GROUP.min(largest), 1),
-        Way::Together => (LANES, LANES),
+        Way::Together(lanes) => (lanes * CELLS, lanes),
     };
     Ok(Kernels { cells, group, per_cell, probe: Kernel::new(&program, "probe")?, probed: false })
 }

@@ -3,8 +3,8 @@
 /// Voxels along each axis to each side (`SHELL_RADIUS`).
 const RADIUS: i32 = 4;
 
-/// Offsets plus `RADIUS`, and the squared distance in voxels between the nearest points of the two voxels; sorted by it, then by the
-/// distance of their centers.
+/// Offsets plus `RADIUS`, and a lower bound of the squared distance in voxels between the nearest points of this voxel and the first, and
+/// of any later one and the first, in the table or not; sorted by that distance, then by the distance of their centers.
 pub(crate) fn table() -> Vec<[u8; 4]> {
     let span = -RADIUS..=RADIUS;
     let mut offsets: Vec<[i32; 3]> =
@@ -14,7 +14,8 @@ pub(crate) fn table() -> Vec<[u8; 4]> {
     offsets.sort_by_key(|o| (apart(o), centers(o)));
     let entry = |o: &[i32; 3]| {
         let [x, y, z] = o.map(|i| (i + RADIUS) as u8);
-        [x, y, z, apart(o) as u8]
+        // Beyond the table there are voxels nearer than its corners: none may be left out for one of these being too far.
+        [x, y, z, apart(o).min(RADIUS.pow(2)) as u8]
     };
     offsets.iter().map(entry).collect()
 }
@@ -29,5 +30,7 @@ mod tests {
         // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
         assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
         assert!(table.is_sorted_by_key(|e| e[3]));
+        // The nearest voxel that is not in the table is 5 away along an axis, and 4 lie between.
+        assert!(table.iter().all(|e| e[3] <= 16));
     }
 }

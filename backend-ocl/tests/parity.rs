@@ -141,7 +141,8 @@ fn in_c(name: &str) -> &str {
 /// The functions of a generated text: names and bodies.
 fn bodies(text: &str) -> BTreeMap<&str, &str> {
     let mut bodies = BTreeMap::new();
-    for part in text.split("\nINLINE ").flat_map(|part| part.split("\nOUTLINE ")).skip(1) {
+    let parts = text.split("\nINLINE ").flat_map(|part| part.split("\nOUTLINE ")).flat_map(|part| part.split("\nHOT "));
+    for part in parts.skip(1) {
         let Some((head, body)) = part.split_once(" {\n") else { continue };
         let name = head.split('(').next().and_then(|words| words.split(' ').next_back());
         let body = body.split("\n}\n").next();

@@ -363,7 +363,7 @@ pub(crate) struct BackendArgs {
     #[arg(long, value_name = "N|all", value_parser = parse_devices)]
     pub(crate) device: Option<DeviceChoice>,
 
-    /// Number type
+    /// Number type of the devices
     #[arg(long, value_name = "TYPE", default_value = "f64")]
     pub(crate) precision: Precision,
 
@@ -386,7 +386,7 @@ pub(crate) enum BackendChoice {
 pub(crate) enum Precision {
     /// 64-bit floats
     F64,
-    /// 32-bit floats (for backends that have them)
+    /// 32-bit floats, on OpenCL devices: volumes and barycenters alone
     F32,
 }
 

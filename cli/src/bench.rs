@@ -1,6 +1,6 @@
 //! `laguerre bench`: backend × distribution × number of sites × domain, on this machine.
 
-use laguerre::{Backend, Domain, Error, ErrorKind, PowerDiagram, Request, Result, Selection};
+use laguerre::{Backend, Domain, Error, ErrorKind, PowerDiagram, Precision, Request, Result, Selection};
 use serde::Serialize;
 
 use crate::args::{BenchArgs, BenchBackend, Corners, Distribution};
@@ -125,7 +125,9 @@ fn backends(args: &BenchArgs) -> Result<Vec<Box<dyn Backend>>> {
     for &name in asked {
         let selection = match name {
             BenchBackend::Cpu => Selection::Cpu { threads: args.threads },
-            BenchBackend::Ocl => Selection::Ocl { devices: args.device.clone().unwrap_or_default() },
+            BenchBackend::Ocl => {
+                Selection::Ocl { devices: args.device.clone().unwrap_or_default(), precision: Precision::F64 }
+            }
         };
         match laguerre::open(selection) {
             Ok(backend) => opened.push(backend),

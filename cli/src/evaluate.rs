@@ -12,10 +12,17 @@ use crate::args::{BackendArgs, BackendChoice, Precision};
 
 /// Opens the backend of the command line. The only place that does.
 pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
+    let precision = match args.precision {
+        Precision::F64 => laguerre::Precision::F64,
+        Precision::F32 => laguerre::Precision::F32,
+    };
     let selection = match (args.backend, &args.device) {
-        // A device is a matter of OpenCL alone, threads are one of the CPU.
-        (BackendChoice::Ocl, choice) => Selection::Ocl { devices: choice.clone().unwrap_or_default() },
-        (BackendChoice::Auto, Some(choice)) => Selection::Ocl { devices: choice.clone() },
+        // A device is a matter of OpenCL alone, threads are one of the CPU, which has 64 bits only.
+        (BackendChoice::Ocl, choice) => Selection::Ocl { devices: choice.clone().unwrap_or_default(), precision },
+        (BackendChoice::Auto, Some(choice)) => Selection::Ocl { devices: choice.clone(), precision },
+        (BackendChoice::Auto, None) if args.threads.is_none() && args.precision == Precision::F32 => {
+            Selection::Ocl { devices: laguerre::DeviceChoice::First, precision }
+        }
         (BackendChoice::Cpu, Some(_)) => {
             return Err(Error::input("--device: backend cpu has none; give --backend ocl"));
         }

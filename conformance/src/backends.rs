@@ -20,7 +20,13 @@ pub fn open(name: &str, threads: Option<usize>) -> Option<Result<Box<dyn Backend
         #[cfg(feature = "cpu")]
         "cpu" => Some(laguerre::open(laguerre::Selection::Cpu { threads })),
         #[cfg(feature = "ocl")]
-        "ocl" => Some(laguerre::open(laguerre::Selection::Ocl { devices: laguerre::DeviceChoice::First })),
+        "ocl" => Some(laguerre::open(laguerre::Selection::Ocl {
+            devices: laguerre::DeviceChoice::First,
+            precision: laguerre::Precision::F64,
+        })),
+        // The other of the OpenCL backend's two kernels.
+        #[cfg(feature = "ocl")]
+        "ocl-sharing" => Some(laguerre::open_sharing_cells()),
         _ => None,
     }
 }
@@ -32,4 +38,4 @@ pub fn required() -> Vec<String> {
 }
 
 /// The names that this suite knows.
-const NAMES: [&str; 2] = ["cpu", "ocl"];
+const NAMES: [&str; 3] = ["cpu", "ocl", "ocl-sharing"];

@@ -27,6 +27,27 @@ pub enum DeviceChoice {
     All,
 }
 
+/// The numbers that devices compute with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 64 bits.
+    #[default]
+    F64,
+    /// 32 bits: volumes and barycenters alone, each volume within 2⁻¹⁰ of itself by its own bound. No cell is lost: what that leaves
+    /// open, the host computes with 64.
+    F32,
+}
+
+impl Precision {
+    /// `f64` or `f32`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::F64 => "f64",
+            Self::F32 => "f32",
+        }
+    }
+}
+
 /// A device, and why it cannot be used if so.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeviceInfo {

@@ -2,15 +2,13 @@
 //! with.
 
 use crate::cell::{self, CellStore, CellSums, PlainStore};
-use crate::diagram::{Container, Prepared};
-use crate::passes::Capacities;
+use crate::diagram::Prepared;
 use crate::request::Request;
 use crate::search::Search;
-use crate::{PowerDiagram, Result};
 use rayon::prelude::*;
 
-/// The share of the cells that the first pass is to have room for (paper §6.1).
-pub const FIRST_PASS_SHARE: f64 = 0.95;
+/// The share of the cells that capacities are proposed for (paper §6.1).
+pub const PROPOSED_SHARE: f64 = 0.95;
 
 /// Half-spaces of the box that a cell begins as.
 const BOX_PLANES: u32 = 6;
@@ -52,67 +50,6 @@ pub fn sufficient(counts: &[CellCounts], share: f64) -> CellCounts {
     }
 }
 
-/// Room for [`FIRST_PASS_SHARE`] of the cells, from a sample of them: a few milliseconds, and one look at every position. The same
-/// diagram has the same.
-///
-/// # Errors
-/// As [`PowerDiagram::prepare`].
-pub fn first_capacities(diagram: &PowerDiagram, request: &Request) -> Result<Capacities> {
-    let found = sufficient(&count_sample(diagram, request)?, FIRST_PASS_SHARE);
-    Ok(Capacities { planes: found.planes, vertices: found.vertices })
-}
-
-/// Sites up to which a diagram is its own sample.
-const FEW: usize = 16_384;
-/// Cells of a sample.
-const SAMPLE: usize = 256;
-/// Windows of a sample of a larger diagram, and the sites wanted and kept in each: those that may cut the cells in its middle.
-const WINDOWS: usize = 8;
-const SITES_IN_WINDOW: usize = 1_500;
-const MOST_IN_WINDOW: usize = 6_000;
-/// Sites that are worth a task of their own.
-const SITES_AT_ONCE: usize = 16_384;
-/// Sites that the width of a window is estimated from, and the fewest of them that it holds.
-const ESTIMATE: usize = 32_768;
-const FEWEST_OF_ESTIMATE: usize = 8;
-
-/// The counts of a sample of the cells. Of a large diagram not even the grid is made: whole windows of sites stand for it, about sites
-/// taken at random, and the cells in their middle are counted. What a heavy site far away does to them is missed.
-pub fn count_sample(diagram: &PowerDiagram, request: &Request) -> Result<Vec<CellCounts>> {
-    let positions = diagram.positions();
-    if positions.len() <= FEW {
-        let prepared = diagram.prepare()?;
-        let sites: Vec<u32> = spread(prepared.sites.len(), SAMPLE).map(|i| i as u32).collect();
-        return Ok(count_cells(&prepared, request, &sites));
-    }
-    let windows = windows(positions);
-    let mut wanted = Vec::new();
-    let mut kept = Vec::new();
-    for mut inside in sites_in(positions, &windows) {
-        inside.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        wanted.extend(inside.iter().take(SAMPLE / WINDOWS).map(|&(_, site)| site));
-        kept.extend(inside.iter().take(MOST_IN_WINDOW).map(|&(_, site)| site));
-    }
-    for sites in [&mut wanted, &mut kept] {
-        sites.sort_unstable();
-        sites.dedup();
-    }
-    let part: Vec<[f64; 3]> = kept.iter().map(|&i| positions[i as usize]).collect();
-    let weights: Vec<f64> = kept.iter().filter_map(|&i| diagram.weights().get(i as usize).copied()).collect();
-    let part = PowerDiagram::new(&part, &weights)?;
-    let part = match diagram.container()? {
-        Container::Domain(domain) => part.restricted_to(&domain),
-        Container::Box(lo, hi) => part.in_box(lo, hi)?,
-    };
-    let prepared = part.prepare()?;
-    let is_wanted = |&sorted: &u32| {
-        let site = kept[prepared.sites.order()[sorted as usize] as usize];
-        wanted.binary_search(&site).is_ok()
-    };
-    let sites: Vec<u32> = (0..prepared.sites.len() as u32).filter(is_wanted).collect();
-    Ok(count_cells(&prepared, request, &sites))
-}
-
 /// What the cell of sorted site `site` needs.
 fn count_cell(search: &mut Search, prepared: &Prepared, request: &Request, site: u32) -> CellCounts {
     let [x, y, z, _] = prepared.sites.sites()[site as usize];
@@ -133,60 +70,10 @@ fn count_cell(search: &mut Search, prepared: &Prepared, request: &Request, site:
     }
 }
 
-/// `count` of the numbers below `n` (all, if they are not more), spread so evenly that no period of theirs shows: multiples of the golden
-/// ratio.
-fn spread(n: usize, count: usize) -> impl Iterator<Item = usize> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let all = n <= count;
-    (0..n.min(count)).map(move |i| if all { i } else { ((i as f64 * GOLDEN).fract() * n as f64) as usize })
-}
-
-/// A cube: its centre, and half its width.
-type Window = ([f64; 3], f64);
-
-/// Windows about sites, each of about `SITES_IN_WINDOW` sites.
-fn windows(positions: &[[f64; 3]]) -> Vec<Window> {
-    let n = positions.len();
-    let few: Vec<[f64; 3]> = spread(n, ESTIMATE).map(|i| positions[i]).collect();
-    let rank = (few.len() * SITES_IN_WINDOW / n).max(FEWEST_OF_ESTIMATE);
-    let around = |center: [f64; 3]| {
-        let mut distances: Vec<f64> = few.iter().map(|&p| distance(p, center)).collect();
-        (center, *distances.select_nth_unstable_by(rank, f64::total_cmp).1)
-    };
-    // The centres are spread over the few, so that they are not the first of them.
-    spread(few.len(), WINDOWS).map(|i| around(few[i])).collect()
-}
-
-/// For each window the sites within, with their distance from its centre.
-fn sites_in(positions: &[[f64; 3]], windows: &[Window]) -> Vec<Vec<(f64, u32)>> {
-    // Most sites are in no window, and for nearly all of those one coordinate tells.
-    let near = |p: [f64; 3], &(center, half): &Window| (p[0] - center[0]).abs() <= half && distance(p, center) <= half;
-    let found: Vec<(usize, f64, u32)> = positions
-        .par_chunks(SITES_AT_ONCE)
-        .enumerate()
-        .flat_map_iter(|(chunk, positions)| {
-            let mut found = Vec::new();
-            for (i, &p) in positions.iter().enumerate() {
-                for (w, window) in windows.iter().enumerate().filter(|(_, window)| near(p, window)) {
-                    found.push((w, distance(p, window.0), (chunk * SITES_AT_ONCE + i) as u32));
-                }
-            }
-            found
-        })
-        .collect();
-    let mut sites = vec![Vec::new(); windows.len()];
-    found.into_iter().for_each(|(w, distance, site)| sites[w].push((distance, site)));
-    sites
-}
-
-/// The largest difference of two points' coordinates.
-fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
-    (0..3).map(|k| (p[k] - q[k]).abs()).fold(0.0, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::PowerDiagram;
     use crate::shapes::icosphere;
 
     /// Points that fill the cube [−1, 1]³ with no pattern: the fractions of multiples of irrational numbers.
@@ -243,18 +130,5 @@ mod tests {
         assert_eq!(sufficient(&cells, 0.5).triangles, 0);
         assert_eq!((sufficient(&cells, 0.0).planes, sufficient(&cells, 1.0).planes), (1, 100));
         assert_eq!(sufficient(&[], 0.95), CellCounts::default());
-    }
-
-    #[test]
-    fn a_sample_of_windows_stands_for_the_whole() {
-        let diagram = PowerDiagram::new(&points(40_000), &[]).unwrap().restricted_to(&icosphere(2).domain());
-        let request = Request::moments();
-        let prepared = diagram.prepare().unwrap();
-        let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
-        let whole = sufficient(&count_cells(&prepared, &request, &all), FIRST_PASS_SHARE);
-        let first = first_capacities(&diagram, &request).unwrap();
-        assert!(first.planes.abs_diff(whole.planes) <= 3, "{first:?} for {whole:?}");
-        assert!(first.vertices.abs_diff(whole.vertices) <= 6, "{first:?} for {whole:?}");
-        assert_eq!(first, first_capacities(&diagram, &request).unwrap());
     }
 }

@@ -1,6 +1,6 @@
 //! Exact arithmetic on `f64` inputs, for what floating point and double-double cannot decide: integers from a library.
 
-use crate::cell::{COMPLETE, Plane, UNCERTAIN, V3};
+use crate::cell::{COMPLETE, Plane, SIGN_UNKNOWN, UNCERTAIN, V3};
 use dashu_int::IBig;
 use dashu_int::ops::BitTest;
 
@@ -14,6 +14,53 @@ pub fn sign_of_planes(a: Plane, b: Plane, c: Plane, k: Plane) -> i32 {
     }
     let large = rows.each_ref().map(|row| row.mantissas.map(|(m, shift)| IBig::from(m) << shift as usize));
     sign(&determinant(&large))
+}
+
+/// The same sign where double-double arithmetic could not tell the determinant from 0, or `SIGN_UNKNOWN` where this does not suffice.
+///
+/// Columns are integers times a power of two, their `unit`, and below their `top`; so is the determinant, D·2^Σunit. It is smaller than
+/// 2·`WIDE_ERROR`·24·2^Σtop then (24 products), so |D| < 2^(Σ(top − unit) − 93): up to 220 bits of all columns it is less than 2¹²⁷, and
+/// integers modulo 2¹²⁸ have its sign, whatever wraps on the way. (Units above 2⁻⁸⁰⁰: nothing that double-double does underflows.)
+pub fn sign_of_tie(a: Plane, b: Plane, c: Plane, k: Plane) -> i32 {
+    let rows = [a, b, c, k].map(|p| [p.n.x, p.n.y, p.n.z, p.d]);
+    let mut numbers = [[0_i128; 4]; 4];
+    let (mut units, mut bits) = (0, 0);
+    for column in 0..4 {
+        let parts = rows.map(|row| odd_part(row[column]));
+        let present = parts.iter().filter(|(m, _)| *m != 0);
+        let Some(unit) = present.clone().map(|&(_, e)| e).min() else { return 0 };
+        let top = present.map(|&(m, e)| e + 64 - m.unsigned_abs().leading_zeros() as i32).max().unwrap_or(unit);
+        units += unit;
+        bits += top - unit;
+        for (row, (m, e)) in parts.into_iter().enumerate() {
+            numbers[row][column] = i128::from(m).checked_shl((e - unit) as u32).filter(|_| m != 0).unwrap_or(0);
+        }
+    }
+    if units < -800 || bits > 220 {
+        return SIGN_UNKNOWN;
+    }
+    let minor = |first: usize, i: usize, j: usize| {
+        let ([a, b], [c, d]) = ([numbers[i][first], numbers[i][first + 1]], [numbers[j][first], numbers[j][first + 1]]);
+        a.wrapping_mul(d).wrapping_sub(b.wrapping_mul(c))
+    };
+    let term = |i, j, k, l| minor(0, i, j).wrapping_mul(minor(2, k, l));
+    let plus = [term(0, 1, 2, 3), term(0, 3, 1, 2), term(1, 2, 0, 3), term(2, 3, 0, 1)];
+    let minus = [term(0, 2, 1, 3), term(1, 3, 0, 2)];
+    let sum = plus.iter().fold(0_i128, |sum, x| sum.wrapping_add(*x));
+    minus.iter().fold(sum, |sum, x| sum.wrapping_sub(*x)).signum() as i32
+}
+
+/// x = m·2ᵉ with m odd, or (0, 0).
+fn odd_part(x: f64) -> (i64, i32) {
+    let bits = x.to_bits();
+    let (exponent, fraction) = ((bits >> 52 & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
+    let (m, e) = if exponent == 0 { (fraction, -1074) } else { (fraction | 1 << 52, exponent - 1075) };
+    if m == 0 {
+        return (0, 0);
+    }
+    let zeros = m.trailing_zeros();
+    let m = m >> zeros;
+    (if x < 0.0 { -m } else { m }, e + zeros as i32)
 }
 
 /// The sign of `det(a − o, b − o, c − o)`.

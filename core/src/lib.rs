@@ -26,7 +26,7 @@ pub mod shapes;
 pub mod site_grid;
 pub mod summation;
 
-pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo};
+pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo, Precision};
 pub use diagram::PowerDiagram;
 pub use domain::Domain;
 pub use error::{Error, ErrorKind, Result};

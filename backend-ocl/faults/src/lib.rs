@@ -47,16 +47,16 @@ macro_rules! real {
     }};
 }
 
-/// Functions that return an error code.
+/// Functions that return an error code; `size`, where it is given, is what they move.
 macro_rules! forward {
-    ($($name:ident($($argument:ident: $type:ty),*);)*) => {$(
+    ($($name:ident($($argument:ident: $type:ty),*) $(, size $size:expr)?;)*) => {$(
         /// Fails if it is to, else calls the real function.
         ///
         /// # Safety
         /// As the OpenCL specification says.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name($($argument: $type),*) -> i32 {
-            match fault(stringify!($name), 0) {
+            match fault(stringify!($name), 0 $(+ $size)?) {
                 Some(code) => code,
                 None => real!($name($($argument: $type),*) -> i32, else NO_PLATFORM),
             }
@@ -123,17 +123,17 @@ forward! {
     clReleaseKernel(kernel: Any);
     clEnqueueReadBuffer(
         queue: Any, buffer: Any, blocking: u32, offset: usize, size: usize, data: Any, waits: u32, wait_list: Any, event: Any
-    );
+    ), size size;
     clEnqueueWriteBuffer(
         queue: Any, buffer: Any, blocking: u32, offset: usize, size: usize, data: Any, waits: u32, wait_list: Any, event: Any
-    );
+    ), size size;
     clEnqueueFillBuffer(
         queue: Any, buffer: Any, pattern: Any, pattern_size: usize, offset: usize, size: usize, waits: u32, wait_list: Any,
         event: Any
-    );
+    ), size size;
     clEnqueueCopyBuffer(
         queue: Any, from: Any, to: Any, from_offset: usize, to_offset: usize, size: usize, waits: u32, wait_list: Any, event: Any
-    );
+    ), size size;
     clEnqueueUnmapMemObject(queue: Any, memory: Any, mapped: Any, waits: u32, wait_list: Any, event: Any);
     clEnqueueMarkerWithWaitList(queue: Any, waits: u32, wait_list: Any, event: Any);
     clEnqueueBarrierWithWaitList(queue: Any, waits: u32, wait_list: Any, event: Any);

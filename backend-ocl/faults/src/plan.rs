@@ -12,19 +12,21 @@ use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
 /// |---|---|
 /// | `clFinish:3:-5` | the third call of this function returns −5 |
 /// | `clFinish:3+:-5` | so do the third and all later ones |
-/// | `clCreateBuffer:>9999:-4` | so do those that ask for more than so many bytes |
+/// | `clCreateBuffer:>9999:-4` | so do those that ask for more than so many bytes, or move them |
 /// | `lost:clFinish:3:-36` | the third call fails so, and after it every call of every function |
 /// | `no-doubles` | devices have no double precision |
 /// | `no-build` | programs are built without their options, so that the compiler has something to say |
 /// | `groups-of:16` | work-groups are of at most 16 |
 ///
-/// With `LAGUERRE_FAULT_FIRED=FILE` each fault that happens appends a line to the file.
+/// With `LAGUERRE_FAULT_FIRED=FILE` each fault that happens appends a line to the file; with `LAGUERRE_FAULT_CALLS=FILE` each call
+/// does: the function, and the bytes that it asks for or moves.
 struct Plan {
     faults: Vec<Fault>,
     no_doubles: bool,
     no_build: bool,
     largest_group: Option<usize>,
     fired: Option<String>,
+    calls: Option<String>,
     /// What every call returns, once the device is lost.
     lost: AtomicI32,
 }
@@ -43,9 +45,10 @@ enum When {
     MoreThan(usize),
 }
 
-/// The error of this call of `function`, if it is to fail; `size` is what it asks for, where it asks for memory.
+/// The error of this call of `function`, if it is to fail; `size` is the bytes that it asks for or moves.
 pub(crate) fn fault(function: &str, size: usize) -> Option<i32> {
     let plan = plan();
+    append(plan.calls.as_deref(), &format!("{function} {size}"));
     let lost = plan.lost.load(Ordering::SeqCst);
     if lost != 0 {
         return Some(lost);
@@ -88,11 +91,15 @@ pub(crate) fn largest_group() -> Option<usize> {
 
 /// Notes that a fault has happened.
 pub(crate) fn note(what: &str) {
-    if let Some(path) = &plan().fired
+    append(plan().fired.as_deref(), what);
+}
+
+fn append(path: Option<&str>, line: &str) {
+    if let Some(path) = path
         && let Ok(mut file) = OpenOptions::new().create(true).append(true).open(path)
     {
-        // The test that wants the file sees that it lacks it.
-        let _ = writeln!(file, "{what}");
+        // The test that wants the file sees that it lacks it. In one piece, as several threads may write.
+        let _ = file.write_all(format!("{line}\n").as_bytes());
     }
 }
 
@@ -105,6 +112,7 @@ fn plan() -> &'static Plan {
             no_build: false,
             largest_group: None,
             fired: env::var("LAGUERRE_FAULT_FIRED").ok(),
+            calls: env::var("LAGUERRE_FAULT_CALLS").ok(),
             lost: AtomicI32::new(0),
         };
         let text = env::var("LAGUERRE_FAULT").unwrap_or_default();

@@ -14,8 +14,8 @@ INLINE Plane bisector(V3 d, real dw);
 OUTLINE Plane cone_side(V3 o, V3 lo_o, V3 edge, real sign);
 OUTLINE Plane triangle_plane(V3 a, V3 b, V3 c, real sign);
 OUTLINE Plane wall_over_edge(V3 n, V3 a, V3 b);
-OUTLINE uint place_vertex(Store *s, uint v);
-OUTLINE uint find_vertex(Store *s, Triplet t, V3 *position, real *radius);
+HOT uint place_vertex(Store *s, uint v);
+HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius);
 OUTLINE real residual(Plane plane, V3 x);
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
@@ -39,6 +39,8 @@ OUTLINE Wide value_of(Expansion *sum);
 OUTLINE Wide determinant(V3 a, V3 b, V3 c);
 OUTLINE void add_triple(Expansion *sum, real x, real y, real z);
 OUTLINE uint begin(Store *s, V3 lo, V3 hi);
+OUTLINE void set_box_planes(Store *s, V3 lo, V3 hi);
+HOT uint place_corner(Store *s, uint v);
 OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d);
 OUTLINE uint clip(Store *s, Plane plane, uint tag);
 OUTLINE uint settle_marks(Store *s, uint k);
@@ -51,9 +53,9 @@ INLINE real farthest_vertex(Store *s);
 INLINE real security_reach(real r, real dw);
 INLINE uint box_cannot_cut(Store *s, V3 lo, V3 hi, real dw);
 INLINE real outside_of(real x, real lo, real hi);
-OUTLINE uint volume_is_above_bound(CellSums sums);
+HOT uint volume_is_above_bound(CellSums sums);
 OUTLINE uint facet_is_above_bound(FacetSum sum);
-OUTLINE uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
+HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
 INLINE Side side(Store *s, uint f, V3 center);
 INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part);
 INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot);
@@ -76,7 +78,7 @@ INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign
 OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c);
 INLINE V3 magnitudes(V3 a);
 OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums);
-OUTLINE uint settle(Store *s, CellSums *sums);
+HOT uint settle(Store *s, CellSums *sums);
 OUTLINE uint lies_outside(Store *s);
 OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
 OUTLINE void add_box_faces(Store *s, CellSums *sums);
@@ -186,7 +188,7 @@ OUTLINE Plane wall_over_edge(V3 n, V3 a, V3 b) {
 // core/src/cell/vertex.rs
 
 // Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
-OUTLINE uint place_vertex(Store *s, uint v) {
+HOT uint place_vertex(Store *s, uint v) {
     V3 position = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real radius = REAL(0.0);
     const uint status = find_vertex(s, store_triplet(s, v), &position, &radius);
@@ -200,7 +202,7 @@ OUTLINE uint place_vertex(Store *s, uint v) {
 // `|fl(n·v + d) − (n·v* + d)| ≤ ‖n‖₁·radius + 4u|d|` for every plane, `v*` the exact vertex.
 //
 // Position: `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`.
-OUTLINE uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
+HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
     const Plane pa = store_plane(s, t.a);
     const Plane pb = store_plane(s, t.b);
     const Plane pc = store_plane(s, t.c);
@@ -256,8 +258,8 @@ INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab) {
 // core/src/cell/wide.rs
 
 // The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
-// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Three stages: double-double,
-// expansions, and the store's own.
+// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Four stages: double-double,
+// integers that wrap, expansions, and the store's own.
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
     const Triplet t = store_triplet(s, v);
     const Plane a = store_plane(s, t.a);
@@ -269,6 +271,10 @@ OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
         return sign;
     }
     store_note_exact(s);
+    sign = store_tie_sign(s, t, k);
+    if (sign != SIGN_UNKNOWN) {
+        return sign;
+    }
     sign = expansion_sign(a, b, c, e);
     if (sign != SIGN_UNKNOWN) {
         return sign;
@@ -511,6 +517,20 @@ OUTLINE uint begin(Store *s, V3 lo, V3 hi) {
     if ((store_cap_p(s) < 6) || (store_cap_v(s) < 8)) {
         return P_FULL;
     }
+    set_box_planes(s, lo, hi);
+    uint v = 0;
+    while (v < 8) {
+        const uint placed = place_corner(s, v);
+        if (placed != COMPLETE) {
+            return placed;
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+// The six planes of the box; its corners are still to be placed.
+OUTLINE void set_box_planes(Store *s, V3 lo, V3 hi) {
     set_box_plane(s, 0, v3(REAL(1.0), REAL(0.0), REAL(0.0)), -lo.x);
     set_box_plane(s, 1, v3(-REAL(1.0), REAL(0.0), REAL(0.0)), hi.x);
     set_box_plane(s, 2, v3(REAL(0.0), REAL(1.0), REAL(0.0)), -lo.y);
@@ -519,24 +539,20 @@ OUTLINE uint begin(Store *s, V3 lo, V3 hi) {
     set_box_plane(s, 5, v3(REAL(0.0), REAL(0.0), -REAL(1.0)), hi.z);
     store_set_planes(s, 6);
     store_set_vertices(s, 8);
-    uint v = 0;
-    while (v < 8) {
-        const uint on_x = v & 1;
-        const uint on_y = (v >> 1) & 1;
-        const uint on_z = (v >> 2) & 1;
-        // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
-        if ((((on_x + on_y) + on_z) & 1) == 0) {
-            store_set_triplet(s, v, (Triplet){ .a = on_x, .b = 2 + on_y, .c = 4 + on_z });
-        } else {
-            store_set_triplet(s, v, (Triplet){ .a = on_x, .b = 4 + on_z, .c = 2 + on_y });
-        }
-        const uint placed = place_vertex(s, v);
-        if (placed != COMPLETE) {
-            return placed;
-        }
-        v += 1;
+}
+
+// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z.
+HOT uint place_corner(Store *s, uint v) {
+    const uint on_x = v & 1;
+    const uint on_y = (v >> 1) & 1;
+    const uint on_z = (v >> 2) & 1;
+    // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
+    if ((((on_x + on_y) + on_z) & 1) == 0) {
+        store_set_triplet(s, v, (Triplet){ .a = on_x, .b = 2 + on_y, .c = 4 + on_z });
+    } else {
+        store_set_triplet(s, v, (Triplet){ .a = on_x, .b = 4 + on_z, .c = 2 + on_y });
     }
-    return COMPLETE;
+    return place_vertex(s, v);
 }
 
 OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d) {
@@ -818,7 +834,7 @@ INLINE real outside_of(real x, real lo, real hi) {
 //
 // For a volume that is positive the bound of one of the pieces that it is made of decides: the bounds of all pieces together are far
 // above what rounding does, and would swallow thin slabs that the sum over all cells misses.
-OUTLINE uint volume_is_above_bound(CellSums sums) {
+HOT uint volume_is_above_bound(CellSums sums) {
     if ((sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding))) || (sums.volume < -(NEGATIVE_ROUNDINGS * sums.rounding))) {
         return 1;
     }
@@ -840,7 +856,7 @@ OUTLINE uint facet_is_above_bound(FacetSum sum) {
 // signed volumes `+det(H_g, I, v)/6` and `−det(H_f, I, v)/6`.
 //
 // `reach` is the distance to the farthest point that a plane was made from, where that is not a site beyond the plane.
-OUTLINE uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
+HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
     CellSums part = (CellSums){ 0 };
     uint v = 0;
     while (v < store_vertices(s)) {
@@ -1305,7 +1321,7 @@ OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *
 // `COMPLETE` where something is left of the cell, else `EMPTY`.
 //
 // A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
-OUTLINE uint settle(Store *s, CellSums *sums) {
+HOT uint settle(Store *s, CellSums *sums) {
     if (volume_is_above_bound(*sums) == 0) {
         return EMPTY;
     }

@@ -3,7 +3,13 @@
 // core/src/cell/vector.rs
 
 // Half the distance from 1 to the next number: the largest relative error of one rounding.
+//
+// Single: `5.960464477539063e-8`.
+#if SINGLE
+#define UNIT_ROUNDOFF ((real)(REAL(5.960464477539063e-8)))
+#else
 #define UNIT_ROUNDOFF ((real)(REAL(1.1102230246251565e-16)))
+#endif
 
 // A vector or point.
 typedef struct {
@@ -95,10 +101,23 @@ typedef struct {
 
 // Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
 // position is computed exactly. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
+//
+// Single: `3.0517578125e-5`. Two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the
+// others' radius says what they have lost.
+#if SINGLE
+#define NEARLY_DEPENDENT ((real)(REAL(3.0517578125e-5)))
+#else
 #define NEARLY_DEPENDENT ((real)(REAL(2.3841857910156e-7)))
+#endif
 
 // Below this share the position is refined once: Cramer's rule alone is off by the inverse of the share.
+//
+// Single: `0.015625`. Of its digits there are none to spare.
+#if SINGLE
+#define WORTH_REFINING ((real)(REAL(0.015625)))
+#else
 #define WORTH_REFINING ((real)(REAL(0.001953125)))
+#endif
 
 // Roundings in a position and in the evaluation of a plane there, in units of `UNIT_ROUNDOFF` and of the sum that
 // `find_vertex` forms: at most 8 for Cramer's rule (5 in the numerator, 5 in the determinant weighted by `|v|`, 2 for
@@ -148,14 +167,33 @@ typedef struct {
 } Wide;
 
 // Dekker's constant 2²⁷ + 1: halves of 26 bits.
+//
+// Single: `4097.0`, 2¹² + 1: halves of 12 bits.
+#if SINGLE
+#define SPLITTER ((real)(REAL(4097.0)))
+#else
 #define SPLITTER ((real)(REAL(134217729.0)))
+#endif
 
 // Error of the whole determinant in units of its sum of magnitudes: each minor, product and sum errs by at most 2⁻¹⁰²
 // of the magnitudes it adds; a term passes through two minors, one product and five sums.
+//
+// Single: `4.547473508864641e-13`, as many squares of the unit roundoff.
+#if SINGLE
+#define WIDE_ERROR ((real)(REAL(4.547473508864641e-13)))
+#else
 #define WIDE_ERROR ((real)(REAL(1.5777218104420236e-30)))
+#endif
 
 // Below this the error terms of the products could underflow.
+//
+// Single: `1.52587890625e-5`. With normals below 2²⁰ and offsets below 2⁴⁰ (`single.cl`) minors are below 2⁶¹, and what underflows
+// is below 12 · 2⁶¹ · 2⁻¹²³: less than `WIDE_ERROR` of this.
+#if SINGLE
+#define WIDE_SMALLEST ((real)(REAL(1.52587890625e-5)))
+#else
 #define WIDE_SMALLEST ((real)(REAL(1e-260)))
+#endif
 
 // core/src/cell/expansion.rs
 
@@ -168,7 +206,13 @@ typedef struct {
 
 // Inputs smaller than this (but for zero) are left to integers: below it the last bit of a product of four, 4·(52 + 200) bits
 // down, could underflow.
+//
+// Single: `0.00390625`: 4·(23 + 8) bits are above 2⁻¹²⁶.
+#if SINGLE
+#define EXPANSION_SMALLEST ((real)(REAL(0.00390625)))
+#else
 #define EXPANSION_SMALLEST ((real)(REAL(1e-60)))
+#endif
 
 // core/src/cell/clip.rs
 
@@ -250,9 +294,20 @@ typedef struct {
 
 // Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly; between the two it
 // is refined once. The squares of the vertices' bounds.
+//
+// Single: `9.313225746154785e-10`.
+#if SINGLE
+#define NEARLY_PARALLEL ((real)(REAL(9.313225746154785e-10)))
+#else
 #define NEARLY_PARALLEL ((real)(REAL(5.684341886081e-14)))
+#endif
 
+// Single: `2.44140625e-4`.
+#if SINGLE
+#define WORTH_REFINING_FOOT ((real)(REAL(2.44140625e-4)))
+#else
 #define WORTH_REFINING_FOOT ((real)(REAL(3.814697265625e-6)))
+#endif
 
 // One plane as the integrals see it: moved to the reference point, with its foot.
 typedef struct {

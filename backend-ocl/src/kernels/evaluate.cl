@@ -66,6 +66,9 @@ __kernel void cells(
     if (search.visited > counters[VISITED]) {
         atomic_max(counters + VISITED, search.visited);
     }
+    if (store.world.tried > counters[TRIED]) {
+        atomic_max(counters + TRIED, store.world.tried);
+    }
     if ((status != COMPLETE) && (status != EMPTY)) {
         if (status == BOUNDARY) {
             boundary[atomic_inc(counters + OF_BOUNDARY)] = site;

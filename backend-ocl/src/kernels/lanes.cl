@@ -12,6 +12,9 @@
 // No key of a candidate.
 #define USED 0xFFFFFFFFu
 
+// Words of a bit for each vertex, LANES bits in each.
+#define WORDS (LANES_V / LANES)
+
 // How a cell ends that is left to the other kernel.
 #define LEFT 32u
 
@@ -40,10 +43,14 @@ OUTLINE uint mark_of_open(Store *s, uint v, uint k) {
     return (sign == SIGN_UNKNOWN) ? MARK_UNCERTAIN : ((sign < 0) ? MARK_CONFLICT : MARK_KEEP);
 }
 
-// Whether edge a→b is one of triplet t.
-INLINE uint has_edge(uint t, uint a, uint b) {
-    const Triplet own = unpacked(t);
-    return (((own.a == a) && (own.b == b)) || ((own.b == a) && (own.c == b))) || ((own.c == a) && (own.a == b));
+// The place of the bit of edge a→b.
+INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
+
+// The edge of item i, each marked vertex having three: from x to y.
+INLINE uint2 edge_of(Store *s, uint item) {
+    const Triplet t = unpacked(s->cell->hole[item / 3u]);
+    const uint turn = item % 3u;
+    return (uint2)((turn == 0u) ? t.a : ((turn == 1u) ? t.b : t.c), (turn == 0u) ? t.b : ((turn == 1u) ? t.c : t.a));
 }
 
 // Clips by half-space k = `planes`, which is already in its place: `CUT`, `UNTOUCHED`, `EMPTY`, or `LEFT`.
@@ -51,35 +58,31 @@ INLINE uint clip_together(Store *s) {
     __local Cell *cell = s->cell;
     const uint k = s->planes;
     const uint end = s->vertices;
-    const Plane plane = cell->plane[k];
-    const float nx = (float)plane.n.x;
-    const float ny = (float)plane.n.y;
-    const float nz = (float)plane.n.z;
-    const float d = (float)plane.d;
-    const float size = convert_float_rtp((fabs(plane.n.x) + fabs(plane.n.y)) + fabs(plane.n.z));
-    const float slack = convert_float_rtp((ROUGH * fabs(plane.d)) + ROUGH_UNDERFLOW);
+    const float4 plane = cell->trial;
+    const float2 slack = cell->slack;
     // 1. Mark, as `store.cl` does.
-    uint bits[2] = { 0u, 0u };
+    uint bits[WORDS];
+    uint marked = 0;
     for (uint word = 0; (word * LANES) < end; word++) {
         const uint v = (word * LANES) + s->lane;
         uint mark = MARK_KEEP;
         if (v < end) {
             const float4 p = cell->rough[v];
-            const float value = (((nx * p.x) + (ny * p.y)) + (nz * p.z)) + d;
-            const float bound = (size * p.w) + slack;
+            const float value = (((plane.x * p.x) + (plane.y * p.y)) + (plane.z * p.z)) + plane.w;
+            const float bound = (slack.x * p.w) + slack.y;
             mark = (value < -bound) ? MARK_CONFLICT : ((value > bound) ? MARK_KEEP : MARK_UNCERTAIN);
         }
-        if (lanes_with(s, mark == MARK_UNCERTAIN) != 0u) {
+        if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
             if (mark == MARK_UNCERTAIN) {
                 mark = mark_of_open(s, v, k);
             }
-            if (lanes_with(s, mark == MARK_UNCERTAIN) != 0u) {
+            if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
                 return LEFT;
             }
         }
-        bits[word] = lanes_with(s, mark == MARK_CONFLICT);
+        bits[word] = lanes_with(mark == MARK_CONFLICT);
+        marked += popcount(bits[word]);
     }
-    const uint marked = popcount(bits[0]) + popcount(bits[1]);
     if (marked == 0u) {
         return UNTOUCHED;
     }
@@ -88,34 +91,40 @@ INLINE uint clip_together(Store *s) {
     }
     // 2. The marked vertices in a row.
     const uint below = (1u << s->lane) - 1u;
+    uint before = 0;
     for (uint word = 0; (word * LANES) < end; word++) {
         if (((bits[word] >> s->lane) & 1u) != 0u) {
             const uint v = (word * LANES) + s->lane;
-            const uint rank = popcount(bits[word] & below) + ((word != 0u) ? popcount(bits[0]) : 0u);
+            const uint rank = before + popcount(bits[word] & below);
             cell->marked[rank] = v;
             cell->hole[rank] = cell->triplet[v];
         }
+        before += popcount(bits[word]);
     }
     lanes_wait();
     // 3. Each directed edge a→b of a marked vertex whose reverse belongs to none gives the new vertex (a, b, k): first into the places of
     // the marked vertices, then at the end.
+    const uint items = 3u * marked;
+    for (uint item = s->lane; item < items; item += LANES) {
+        const uint2 edge = edge_of(s, item);
+        const uint place = edge_place(edge.x, edge.y);
+        atomic_or(cell->edges + (place >> 5), 1u << (place & 31u));
+    }
+    lanes_wait();
     uint born = 0;
-    for (uint first = 0; first < (3u * marked); first += LANES) {
+    for (uint first = 0; first < items; first += LANES) {
         const uint item = first + s->lane;
         uint is_boundary = 0;
         uint a = 0;
         uint b = 0;
-        if (item < (3u * marked)) {
-            const Triplet t = unpacked(cell->hole[item / 3u]);
-            const uint turn = item % 3u;
-            a = (turn == 0u) ? t.a : ((turn == 1u) ? t.b : t.c);
-            b = (turn == 0u) ? t.b : ((turn == 1u) ? t.c : t.a);
-            is_boundary = 1;
-            for (uint other = 0; other < marked; other++) {
-                is_boundary &= has_edge(cell->hole[other], b, a) ^ 1u;
-            }
+        if (item < items) {
+            const uint2 edge = edge_of(s, item);
+            a = edge.x;
+            b = edge.y;
+            const uint back = edge_place(b, a);
+            is_boundary = ((cell->edges[back >> 5] >> (back & 31u)) & 1u) ^ 1u;
         }
-        const uint all = lanes_with(s, is_boundary);
+        const uint all = lanes_with(is_boundary);
         const uint rank = born + popcount(all & below);
         const uint slot = (rank < marked) ? cell->marked[rank] : ((end + rank) - marked);
         uint status = COMPLETE;
@@ -129,9 +138,14 @@ INLINE uint clip_together(Store *s) {
             store_set_position(s, slot, position, radius);
         }
         born += popcount(all);
-        if (lanes_with(s, (status != COMPLETE) || ((is_boundary != 0u) && (slot >= LANES_V))) != 0u) {
+        if (lanes_with((status != COMPLETE) || ((is_boundary != 0u) && (slot >= LANES_V))) != 0u) {
             return LEFT;
         }
+    }
+    lanes_wait();
+    for (uint item = s->lane; item < items; item += LANES) {
+        const uint2 edge = edge_of(s, item);
+        cell->edges[edge_place(edge.x, edge.y) >> 5] = 0;
     }
     // 4. Fill the places left over from the end.
     const uint count = (end - marked) + born;
@@ -141,7 +155,7 @@ INLINE uint clip_together(Store *s) {
         for (uint word = 0; (word * LANES) < end; word++) {
             const uint v = (word * LANES) + s->lane;
             const uint at_end = (v >= count) && (v < end) && (((bits[word] >> s->lane) & 1u) == 0u);
-            const uint all = lanes_with(s, at_end);
+            const uint all = lanes_with(at_end);
             if (at_end != 0u) {
                 const uint to = cell->marked[moved + popcount(all & below)];
                 cell->triplet[to] = cell->triplet[v];
@@ -166,9 +180,9 @@ INLINE void turn_to_box(Store *s) {
     if (store_vertices(s) != 0u) {
         radius = box_of_cell(s, &low, &high);
     }
-    low = lanes_most_of(s, scale(-REAL(1.0), low));
-    high = lanes_most_of(s, high);
-    radius = lanes_folded(s, radius, 0u);
+    low = lanes_most_of(scale(-REAL(1.0), low));
+    high = lanes_most_of(high);
+    radius = lanes_folded(radius, 0u);
     lanes_wait();
     if (s->lane == 0u) {
         cell->corner[0] = -low.x;
@@ -202,14 +216,13 @@ INLINE uint is_outside(Store *s) {
 
 // An upper bound of the distance from the site to the farthest vertex (`farthest_vertex`, in single precision).
 INLINE float farthest_of(Store *s) {
-    float square = ROUGH_SQUARE;
-    float radius = 0.0f;
+    float most = 0.0f;
     for (uint v = s->lane; v < s->vertices; v += LANES) {
         const float4 p = s->cell->rough[v];
-        square = fmax(square, ((p.x * p.x) + (p.y * p.y)) + (p.z * p.z));
-        radius = fmax(radius, p.w);
+        const float square = fmax(((p.x * p.x) + (p.y * p.y)) + (p.z * p.z), ROUGH_SQUARE);
+        most = fmax(most, (sqrt(square) + (2.0f * p.w)) * ROUGH_SAFE);
     }
-    return (sqrt(lanes_largest(s, square)) + (2.0f * lanes_largest(s, radius))) * ROUGH_SAFE;
+    return lanes_largest(most);
 }
 
 // Squared distance from which on no site of a weight that is larger by at most `extra` can cut (`security_reach`).
@@ -221,13 +234,14 @@ INLINE float reach_square(float farthest, real extra) {
     return convert_float_rtp(reach * reach);
 }
 
-// The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid. `entry` is the next to
-// be looked at; 0 where nothing is left.
+// The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
+// `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
 INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, uint *entry) {
     __global const Params *params = s->world.params;
     const uint below = (1u << s->lane) - 1u;
     uint found = 0;
-    while ((found <= (LANES / 2u)) && (*entry < SHELLS)) {
+    uint goes_on = 1;
+    while (goes_on != 0u) {
         const uint own = *entry + s->lane;
         const uchar4 shell = shells[min(own, SHELLS - 1u)];
         const int ox = (int)shell.x - (int)SHELL_RADIUS;
@@ -240,32 +254,25 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
         const uint i = center[0] + (uint)ox;
         const uint j = center[1] + (uint)oy;
         const uint k = center[2] + (uint)oz;
-        const uint is_near = (own < SHELLS) && ((((gx * gx) + (gy * gy)) + (gz * gz)) < limit) && (i < params->grid_dims[0])
-            && (j < params->grid_dims[1]) && (k < params->grid_dims[2]);
-        const uint all = lanes_with(s, is_near);
+        const uint is_near = ((own < SHELLS) && ((((gx * gx) + (gy * gy)) + (gz * gz)) < limit))
+            && (((i < params->grid_dims[0]) && (j < params->grid_dims[1])) && (k < params->grid_dims[2]));
+        const uint all = lanes_with(is_near);
         const uint rank = found + popcount(all & below);
         if ((is_near != 0u) && (rank < LANES)) {
             s->cell->marked[rank] = i + (params->grid_dims[0] * (j + (params->grid_dims[1] * k)));
         }
-        const uint more = found + popcount(all);
-        if (more > LANES) {
+        const uint out = lanes_with((is_near != 0u) && (rank >= LANES));
+        const uint past = lanes_with((own < SHELLS) && ((float)shell.w >= limit));
+        if (out != 0u) {
             // The first that has no place is the next to be looked at.
-            const uint first_out = lanes_with(s, (is_near != 0u) && (rank == LANES));
-            *entry += lowest_bit(first_out);
+            *entry += lowest_bit(out);
             found = LANES;
-            break;
-        }
-        found = more;
-        // All later voxels are at least as far away as this lane's.
-        const uint over = lanes_with(s, (own >= SHELLS) || ((float)shell.w >= limit));
-        *entry += LANES;
-        if (over != 0u) {
-            if (lanes_with(s, (own < SHELLS) && ((float)shell.w >= limit)) != 0u) {
-                *entry = SHELLS + 1u;
-            } else {
-                *entry = SHELLS;
-            }
-            break;
+            goes_on = 0;
+        } else {
+            // All later voxels are at least as far away as one that is past the limit.
+            found += popcount(all);
+            *entry = (past != 0u) ? (SHELLS + 1u) : min(*entry + LANES, SHELLS);
+            goes_on = (found <= (LANES / 2u)) && (*entry < SHELLS);
         }
     }
     lanes_wait();
@@ -307,7 +314,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
         uint total = 0;
         uint place = 0;
         for (uint bit = 0; bit < 7u; bit++) {
-            const uint all = lanes_with(s, (count >> bit) & 1u);
+            const uint all = lanes_with((count >> bit) & 1u);
             place += popcount(all & below) << bit;
             total += popcount(all) << bit;
         }
@@ -323,8 +330,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
             lanes_wait();
             uint site[2];
             uint key[2];
-            V3 way[2];
-            real heavy[2];
+            Plane plane[2];
             for (uint c = 0; c < 2u; c++) {
                 const uint at = (c * LANES) + s->lane;
                 key[c] = USED;
@@ -332,32 +338,38 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                 if ((window + at) < total) {
                     site[c] = cell->marked[at];
                     const real4 other = s->world.sites[site[c]];
-                    way[c] = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
-                    heavy[c] = other.w;
-                    const float square = convert_float_rtz(square_of(way[c]));
+                    const V3 way = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
+                    const float square = convert_float_rtz(square_of(way));
                     if ((site[c] != own) && (square < reach)
                         && ((equal != 0u) || (square < reach_square(farthest, other.w - s->weight)))) {
                         key[c] = as_uint(square);
                     }
+                    plane[c] = bisector(way, s->weight - other.w);
                 }
             }
             // 3. The nearest of them, again and again, until none is in reach.
             for (;;) {
                 const uint mine = min(key[0], key[1]);
-                const uint nearest = ~lanes_most(s, ~mine);
+                const uint nearest = ~lanes_most(~mine);
                 if (nearest >= as_uint(reach)) {
                     break;
                 }
-                const uint from = lowest_bit(lanes_with(s, mine == nearest));
+                const uint from = lowest_bit(lanes_with(mine == nearest));
                 if (s->planes == LANES_P) {
                     return LEFT;
                 }
                 lanes_wait();
                 if (s->lane == from) {
-                    const uint c = (key[0] == nearest) ? 0u : 1u;
-                    key[c] = USED;
-                    cell->plane[s->planes] = bisector(way[c], s->weight - heavy[c]);
-                    cell->source[s->planes] = site[c];
+                    // (No index, so that all stays in registers.)
+                    const uint is_first = key[0] == nearest;
+                    const Plane chosen = is_first ? plane[0] : plane[1];
+                    cell->plane[s->planes] = chosen;
+                    cell->source[s->planes] = is_first ? site[0] : site[1];
+                    cell->trial = (float4)((float)chosen.n.x, (float)chosen.n.y, (float)chosen.n.z, (float)chosen.d);
+                    cell->slack = (float2)(convert_float_rtp(norm_1(chosen.n)),
+                                           convert_float_rtp((ROUGH * fabs(chosen.d)) + ROUGH_UNDERFLOW));
+                    key[0] = is_first ? USED : key[0];
+                    key[1] = is_first ? key[1] : USED;
                 }
                 lanes_wait();
                 *visited += 1u;
@@ -392,7 +404,7 @@ INLINE uint integrate_together(Store *s, uint flags, V3 *center, real *winding, 
     for (uint v = 0; v < store_vertices(s); v++) {
         status |= place_vertex(s, v);
     }
-    if (lanes_with(s, status != COMPLETE) != 0u) {
+    if (lanes_with(status != COMPLETE) != 0u) {
         return LEFT;
     }
     lanes_wait();
@@ -416,23 +428,23 @@ INLINE uint integrate_together(Store *s, uint flags, V3 *center, real *winding, 
         outside |= cell->plane[f].d < REAL(0.0);
     }
     *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    if (lanes_with(s, outside) != 0u) {
+    if (lanes_with(outside) != 0u) {
         turn_to_box(s);
         *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
     }
     s->view = SHARE;
     *sums = (CellSums){ 0 };
     status = integrate(s, *winding, *center, REAL(0.0), flags & ~FACETS, sums);
-    if (lanes_with(s, status != COMPLETE) != 0u) {
+    if (lanes_with(status != COMPLETE) != 0u) {
         return LEFT;
     }
-    sums->volume = lanes_sum(s, sums->volume);
-    sums->first = lanes_sum_of(s, sums->first);
-    sums->rounding = lanes_sum(s, sums->rounding);
+    sums->volume = lanes_sum(sums->volume);
+    sums->first = lanes_sum_of(sums->first);
+    sums->rounding = lanes_sum(sums->rounding);
     sums->largest_rounding = sums->rounding;
     if ((flags & SECOND_MOMENTS) != 0u) {
-        sums->second_diagonal = lanes_sum_of(s, sums->second_diagonal);
-        sums->second_mixed = lanes_sum_of(s, sums->second_mixed);
+        sums->second_diagonal = lanes_sum_of(sums->second_diagonal);
+        sums->second_mixed = lanes_sum_of(sums->second_mixed);
     }
     if (!(sums->volume > sums->rounding)) {
         // Only then does `settle` look at the box.

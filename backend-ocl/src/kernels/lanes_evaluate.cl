@@ -1,6 +1,6 @@
-// The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with a group of LANES work-items for each cell. What is left to that kernel
-// is listed as `boundary`.
-__kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void cells_together(
+// The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group. What is left
+// to that kernel is listed as `boundary`.
+__kernel void cells_together(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
     __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
     __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
@@ -10,8 +10,11 @@ __kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void cells_together(
     __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
     __global uint *undecided
 ) {
-    __local Cell cell;
-    const uint turn = first + ((uint)get_group_id(0) * stride);
+    __local Cell cells[CELLS];
+    if ((get_global_id(0) / LANES) >= count) {
+        return;
+    }
+    const uint turn = first + ((uint)(get_global_id(0) / LANES) * stride);
     const uint site = (has_list != 0u) ? list[turn] : turn;
     Store store;
     Store *s = &store;
@@ -21,17 +24,27 @@ __kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void cells_together(
         .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table
     };
     const real4 own = sites[site];
-    s->cell = &cell;
+    __local Cell *cell = cells + (get_local_id(0) / LANES);
+    s->cell = cell;
     s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
-    s->lane = (uint)get_local_id(0);
+    s->lane = (uint)get_local_id(0) % LANES;
     s->view = WHOLE;
     s->is_fine = 0;
     s->exact = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
-    // The lanes write the same.
-    uint status = begin(s, lo, hi);
+    // The lanes write the same planes, and a corner each.
+    set_box_planes(s, lo, hi);
+    for (uint word = s->lane; word < ((LANES_P * LANES_P) / 32u); word += LANES) {
+        cell->edges[word] = 0;
+    }
+    lanes_wait();
+    uint status = COMPLETE;
+    for (uint v = s->lane; v < 8u; v += LANES) {
+        status |= place_corner(s, v);
+    }
+    status = (lanes_with(status != COMPLETE) != 0u) ? LEFT : COMPLETE;
     lanes_wait();
     uint visited = 0;
     if (status == COMPLETE) {
@@ -58,27 +71,27 @@ __kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void cells_together(
                 trouble |= integrate_facet(s, f, center, facet + turn) != COMPLETE;
                 facet[turn].area *= winding;
                 facet[turn].moment = scale(winding, facet[turn].moment);
-                if ((cell.source[f] == TAG_BOX) && (params->has_domain == 0u)) {
-                    add_boundary(facet[turn], cell.plane[f], REAL(1.0), &part);
+                if ((cell->source[f] == TAG_BOX) && (params->has_domain == 0u)) {
+                    add_boundary(facet[turn], cell->plane[f], REAL(1.0), &part);
                 }
-                is_facet = (cell.source[f] < TAG_BOX) && (facet_is_above_bound(facet[turn]) != 0u);
+                is_facet = (cell->source[f] < TAG_BOX) && (facet_is_above_bound(facet[turn]) != 0u);
             }
             s->view = WHOLE;
-            kept[turn] = lanes_with(s, is_facet);
+            kept[turn] = lanes_with(is_facet);
             n += popcount(kept[turn]);
         }
-        if (lanes_with(s, trouble) != 0u) {
+        if (lanes_with(trouble) != 0u) {
             status = LEFT;
         } else {
-            part.boundary_area = lanes_sum(s, part.boundary_area);
-            part.boundary_moment = lanes_sum_of(s, part.boundary_moment);
-            part.boundary_vector = lanes_sum_of(s, part.boundary_vector);
-            part.boundary_flux = lanes_sum(s, part.boundary_flux);
+            part.boundary_area = lanes_sum(part.boundary_area);
+            part.boundary_moment = lanes_sum_of(part.boundary_moment);
+            part.boundary_vector = lanes_sum_of(part.boundary_vector);
+            part.boundary_flux = lanes_sum(part.boundary_flux);
             uint begin = 0;
             if (s->lane == 0u) {
                 begin = atomic_add(counters + OF_FACETS, n);
             }
-            begin = lane_value(s, begin, 0);
+            begin = lane_value(begin, 0);
             if ((begin + n) > params->facet_room) {
                 status = FACETS_FULL;
             } else {
@@ -90,7 +103,7 @@ __kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void cells_together(
                         record->moment[0] = facet[turn].moment.x;
                         record->moment[1] = facet[turn].moment.y;
                         record->moment[2] = facet[turn].moment.z;
-                        record->neighbor = order[cell.source[(turn * LANES) + s->lane]];
+                        record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
                         record->unused = 0u;
                     }
                     next += popcount(kept[turn]);
@@ -102,7 +115,7 @@ __kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void cells_together(
         }
     }
 #endif
-    const uint exact = lanes_with(s, s->exact);
+    const uint exact = lanes_with(s->exact);
     if (s->lane != 0u) {
         return;
     }

@@ -2,7 +2,8 @@
 // shows it either the whole cell, or its own share of the vertices, or the two corners of the cell's box, or the vertices of one
 // facet: the generated functions do the same work on each.
 
-#define LANES 32u
+// Built with -D LANES: 32, a warp of NVIDIA's, which talks through its registers; or 1, with which any device can run it and find the same
+// cells.
 
 // Room of a cell; what needs more is left to the kernel that computes a cell with one work-item.
 #define LANES_P 64u
@@ -26,13 +27,15 @@ typedef struct {
         float4 rough[LANES_V];
         real4 fine[LANES_V];
     };
-    // Marked vertices, and their triplets.
+    // Marked vertices, and their triplets; and a bit for each directed edge of theirs.
     uint marked[LANES_V];
     uint hole[LANES_V];
+    uint edges[(LANES_P * LANES_P) / 32u];
+    // The half-space that is tried, in single precision; and the size of its normal, and what its offset rounds off.
+    float4 trial;
+    float2 slack;
     // Box of the vertices: minimum corner, maximum corner, largest error radius.
     real corner[7];
-    real part[LANES];
-    uint scratch[2];
 } Cell;
 
 typedef struct {
@@ -50,102 +53,58 @@ typedef struct {
     uchar corner[MOST_CORNERS];
 } Store;
 
-// The lanes wait for each other, and see what they wrote. A group is one warp of NVIDIA's; elsewhere barriers do.
-#ifdef __NV_CL_C_VERSION
-INLINE void lanes_wait() { asm volatile("bar.warp.sync 0xffffffff;" ::: "memory"); }
-#else
-INLINE void lanes_wait() { barrier(CLK_LOCAL_MEM_FENCE); }
-#endif
+#define ALL_LANES (0xFFFFFFFFu >> (32u - LANES))
 
+#if LANES == 32u
+// The lanes wait for each other, and see what they wrote.
+INLINE void lanes_wait() { asm volatile("bar.warp.sync 0xffffffff;" ::: "memory"); }
 // The lanes for which `bit` is not 0.
-INLINE uint lanes_with(Store *s, uint bit) {
-#ifdef __NV_CL_C_VERSION
+INLINE uint lanes_with(uint bit) {
     uint all;
     asm volatile("{ .reg .pred p; setp.ne.u32 p, %1, 0; vote.sync.ballot.b32 %0, p, 0xffffffff; }" : "=r"(all) : "r"(bit));
     return all;
-#else
-    lanes_wait();
-    if (s->lane == 0u) {
-        s->cell->scratch[0] = 0;
-    }
-    lanes_wait();
-    if (bit != 0u) {
-        atomic_or(s->cell->scratch, 1u << s->lane);
-    }
-    lanes_wait();
-    return s->cell->scratch[0];
-#endif
 }
-
 // The largest of the lanes' numbers.
-INLINE uint lanes_most(Store *s, uint x) {
-#ifdef __NV_CL_C_VERSION
+INLINE uint lanes_most(uint x) {
     uint most;
     asm volatile("redux.sync.max.u32 %0, %1, 0xffffffff;" : "=r"(most) : "r"(x));
     return most;
-#else
-    lanes_wait();
-    if (s->lane == 0u) {
-        s->cell->scratch[1] = 0;
-    }
-    lanes_wait();
-    atomic_max(s->cell->scratch + 1, x);
-    lanes_wait();
-    return s->cell->scratch[1];
-#endif
 }
-
-// The largest of numbers that are not negative: their bits are in the same order.
-INLINE float lanes_largest(Store *s, float x) { return as_float(lanes_most(s, as_uint(x))); }
-
 // What lane `from` has.
-INLINE uint lane_value(Store *s, uint x, uint from) {
-#ifdef __NV_CL_C_VERSION
+INLINE uint lane_value(uint x, uint from) {
     uint value;
     asm volatile("shfl.sync.idx.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(value) : "r"(x), "r"(from));
     return value;
-#else
-    lanes_wait();
-    if (s->lane == from) {
-        s->cell->scratch[0] = x;
-    }
-    lanes_wait();
-    return s->cell->scratch[0];
-#endif
 }
+INLINE uint lane_beside(uint x, uint step) {
+    uint value;
+    asm volatile("shfl.sync.bfly.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(value) : "r"(x), "r"(step));
+    return value;
+}
+#else
+INLINE void lanes_wait() {}
+INLINE uint lanes_with(uint bit) { return (bit != 0u) ? 1u : 0u; }
+INLINE uint lanes_most(uint x) { return x; }
+INLINE uint lane_value(uint x, uint from) { return x; }
+INLINE uint lane_beside(uint x, uint step) { return x; }
+#endif
+
+// The largest of numbers that are not negative: their bits are in the same order.
+INLINE float lanes_largest(float x) { return as_float(lanes_most(as_uint(x))); }
 
 // The sum, or the largest, of the lanes' numbers: by halves, in one order.
-INLINE real lanes_folded(Store *s, real x, uint is_sum) {
-#ifdef __NV_CL_C_VERSION
+INLINE real lanes_folded(real x, uint is_sum) {
     for (uint step = LANES / 2u; step > 0u; step >>= 1) {
         const uint2 own = as_uint2(x);
-        uint2 other;
-        asm volatile("shfl.sync.bfly.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(other.x) : "r"(own.x), "r"(step));
-        asm volatile("shfl.sync.bfly.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(other.y) : "r"(own.y), "r"(step));
-        x = (is_sum != 0u) ? (x + as_double(other)) : fmax(x, as_double(other));
+        const real other = as_double((uint2)(lane_beside(own.x, step), lane_beside(own.y, step)));
+        x = (is_sum != 0u) ? (x + other) : fmax(x, other);
     }
     return x;
-#else
-    __local real *part = s->cell->part;
-    lanes_wait();
-    part[s->lane] = x;
-    for (uint step = LANES / 2u; step > 0u; step >>= 1) {
-        lanes_wait();
-        if (s->lane < step) {
-            const real other = part[s->lane + step];
-            part[s->lane] = (is_sum != 0u) ? (part[s->lane] + other) : fmax(part[s->lane], other);
-        }
-    }
-    lanes_wait();
-    return part[0];
-#endif
 }
-INLINE real lanes_sum(Store *s, real x) { return lanes_folded(s, x, 1u); }
-INLINE V3 lanes_sum_of(Store *s, V3 x) {
-    return (V3){ .x = lanes_sum(s, x.x), .y = lanes_sum(s, x.y), .z = lanes_sum(s, x.z) };
-}
-INLINE V3 lanes_most_of(Store *s, V3 x) {
-    return (V3){ .x = lanes_folded(s, x.x, 0u), .y = lanes_folded(s, x.y, 0u), .z = lanes_folded(s, x.z, 0u) };
+INLINE real lanes_sum(real x) { return lanes_folded(x, 1u); }
+INLINE V3 lanes_sum_of(V3 x) { return (V3){ .x = lanes_sum(x.x), .y = lanes_sum(x.y), .z = lanes_sum(x.z) }; }
+INLINE V3 lanes_most_of(V3 x) {
+    return (V3){ .x = lanes_folded(x.x, 0u), .y = lanes_folded(x.y, 0u), .z = lanes_folded(x.z, 0u) };
 }
 
 INLINE uint lowest_bit(uint bits) { return 31u - clz(bits & -bits); }
@@ -220,6 +179,9 @@ INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
 INLINE V3 store_farthest(Store *s) { return (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }; }
 
 INLINE void store_note_exact(Store *s) { s->exact = 1; }
+INLINE int store_tie_sign(Store *s, Triplet t, uint k) {
+    return sign_of_tie(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), store_plane(s, k));
+}
 INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; }
 INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
 INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }

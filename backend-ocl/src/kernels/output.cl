@@ -15,13 +15,15 @@ typedef struct {
 #define FEW_SUMS 4u
 #define ALL_SUMS 18u
 
-// Counters: the lengths of the lists of cells that did not end, the most sites that a cell visited, facet records.
+// Counters: the lengths of the lists of cells that did not end, the most sites that a cell visited, facet records, the most triangles
+// that a cell tried.
 #define OF_BOUNDARY 0u
 #define OF_FAILED 1u
 #define OF_FULL 2u
 #define OF_UNDECIDED 3u
 #define VISITED 4u
 #define OF_FACETS 5u
+#define TRIED 6u
 
 // Writes the sums of the caller's site i.
 INLINE void write_sums(__global real *sums, uint flags, uint i, const CellSums *part) {

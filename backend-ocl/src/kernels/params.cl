@@ -74,4 +74,7 @@ typedef struct {
     __global const uint *list_entries;
     __global const int *windings;
     __global const uint *surface_table;
+    // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
+    uint tried;
+    uint last_tried;
 } World;

@@ -520,6 +520,24 @@ __kernel void parity_begin(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_set_box_planes(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 lo = take_V3(&in);
+    const V3 hi = take_V3(&in);
+    set_box_planes(s, lo, hi);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_place_corner(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint v = take_uint(&in);
+    const uint result = place_corner(s, v);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_set_box_plane(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

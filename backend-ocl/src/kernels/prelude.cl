@@ -8,6 +8,12 @@ typedef double real;
 typedef double4 real4;
 #define REAL(literal) literal
 
-// What is inlined in Rust, and what had better be one piece of code: it is called from several places, and large.
+// What is always inlined in Rust, and what had better be one piece of code: it is called from several places, and large. In between is what
+// Rust may inline: worth it where lanes share the work of a cell, and not where each work-item has all of it.
 #define INLINE static inline
 #define OUTLINE static __attribute__((noinline))
+#ifdef LANES
+#define HOT INLINE
+#else
+#define HOT OUTLINE
+#endif

@@ -310,6 +310,9 @@ INLINE V3 store_farthest(Store *s) {
 
 // What only arbitrary precision can decide is the host's: the cell is handed back.
 INLINE void store_note_exact(Store *s) { s->exact = 1; }
+INLINE int store_tie_sign(Store *s, Triplet t, uint k) {
+    return sign_of_tie(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), store_plane(s, k));
+}
 INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; }
 INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
 INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use laguerre::capacities::{CellCounts, FIRST_PASS_SHARE, count_cells, sufficient};
+use laguerre::capacities::{CellCounts, PROPOSED_SHARE, count_cells, sufficient};
 use laguerre::{PowerDiagram, Request, Result};
 
 use super::{Lab, diagram, equal, head, row};
@@ -38,7 +38,7 @@ pub(super) fn run(lab: &mut Lab, count: u32, picture: Option<&Path>) -> Result<S
         }
     }
     if let Some(path) = picture {
-        plot::draw(path, &found, FIRST_PASS_SHARE)?;
+        plot::draw(path, &found, PROPOSED_SHARE)?;
     }
     Ok(text)
 }
@@ -59,7 +59,7 @@ fn cells(distribution: &str, name: &str, counts: &[CellCounts]) -> Vec<String> {
     let mut cells = vec![distribution.to_owned(), name.to_owned(), grouped(counts.len() as u64)];
     cells.extend(COUNTS.map(|(letter, _, count)| {
         let counts = if letter == "T" { &near } else { counts };
-        [0.5, FIRST_PASS_SHARE, 1.0].map(|share| count(&sufficient(counts, share)).to_string()).join(", ")
+        [0.5, PROPOSED_SHARE, 1.0].map(|share| count(&sufficient(counts, share)).to_string()).join(", ")
     }));
     cells
 }

@@ -75,6 +75,34 @@ fn a_precision_that_the_backend_lacks_is_code_2() {
     );
 }
 
+/// Of one device, asked for or not, where there is one.
+#[test]
+fn single_precision_is_opencl_and_says_so() {
+    let folder = inputs();
+    let run = |more: &[&str]| {
+        let mut args = vec!["integrate", "white.xyz", "--domain", "cube.off", "--precision", "f32"];
+        args.extend_from_slice(more);
+        let mut command = Command::new(PROGRAM);
+        (command.current_dir(folder.path()).args(&args).output().unwrap(), args.join(" "))
+    };
+    let (output, _) = run(&["--json"]);
+    if output.status.code() == Some(3) {
+        let required = std::env::var("LAGUERRE_REQUIRE").unwrap_or_default();
+        assert!(!required.split(',').any(|name| name.trim() == "ocl"), "{}", String::from_utf8_lossy(&output.stderr));
+        return;
+    }
+    let report = json(std::str::from_utf8(&output.stdout).unwrap());
+    assert_eq!((&report["backend"], &report["precision"]), (&"ocl".into(), &"f32".into()));
+    assert_eq!((&report["cells"], &report["uncertified"]), (&2000.into(), &0.into()));
+    let host = report["host_cells"].as_u64().unwrap();
+    assert!(0 < host && host < 2000, "{report}");
+    assert!(report["relative_error"].as_f64().unwrap() < 1e-6, "{report}");
+    let (output, args) = run(&["-o", "a.csv", "--facets", "f.csv"]);
+    let line = failed(&output, 2, &[args.as_str()]);
+    assert!(line.contains("--precision f32 gives volumes and barycenters only"), "{line}");
+    assert!(!folder.path().join("a.csv").exists() && !folder.path().join("f.csv").exists());
+}
+
 #[test]
 fn the_json_object_has_its_fields_in_their_order() {
     let folder = inputs();

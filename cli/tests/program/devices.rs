@@ -227,7 +227,12 @@ fn a_device_without_doubles_is_code_3() {
     assert_eq!(output.status.code(), Some(0));
     says(&String::from_utf8(output.stdout).unwrap(), &["cannot be used: it has no double precision"]);
     let args = ["integrate", "white.xyz", "--backend", "ocl", "--device", "0"];
-    says(&failed(&place.run("no-doubles", &args), 3, &args), &["device 0", "no double precision"]);
+    says(&failed(&place.run("no-doubles", &args), 3, &args), &["device 0", "no double precision", "--precision f32"]);
+    // It has all that single precision needs.
+    let single: Vec<&str> = args.iter().copied().chain(["--precision", "f32", "--json"]).collect();
+    let output = place.run("no-doubles", &single);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    says(&String::from_utf8(output.stdout).unwrap(), &["\"precision\":\"f32\"", "\"uncertified\":0", "\"cells\":2000"]);
 }
 
 #[test]

@@ -17,6 +17,20 @@ pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
     if (s.cap_p() < 6) || (s.cap_v() < 8) {
         return P_FULL;
     }
+    set_box_planes(s, lo, hi);
+    let mut v: u32 = 0;
+    while v < 8 {
+        let placed: u32 = place_corner(s, v);
+        if placed != COMPLETE {
+            return placed;
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+/// The six planes of the box; its corners are still to be placed.
+pub(super) fn set_box_planes<S: CellStore>(s: &mut S, lo: V3, hi: V3) {
     set_box_plane(s, 0, v3(1.0, 0.0, 0.0), -lo.x);
     set_box_plane(s, 1, v3(-1.0, 0.0, 0.0), hi.x);
     set_box_plane(s, 2, v3(0.0, 1.0, 0.0), -lo.y);
@@ -25,24 +39,21 @@ pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
     set_box_plane(s, 5, v3(0.0, 0.0, -1.0), hi.z);
     s.set_planes(6);
     s.set_vertices(8);
-    let mut v: u32 = 0;
-    while v < 8 {
-        let on_x: u32 = v & 1;
-        let on_y: u32 = (v >> 1) & 1;
-        let on_z: u32 = (v >> 2) & 1;
-        // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
-        if (((on_x + on_y) + on_z) & 1) == 0 {
-            s.set_triplet(v, Triplet { a: on_x, b: 2 + on_y, c: 4 + on_z });
-        } else {
-            s.set_triplet(v, Triplet { a: on_x, b: 4 + on_z, c: 2 + on_y });
-        }
-        let placed: u32 = place_vertex(s, v);
-        if placed != COMPLETE {
-            return placed;
-        }
-        v += 1;
+}
+
+/// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z.
+#[inline]
+pub(super) fn place_corner<S: CellStore>(s: &mut S, v: u32) -> u32 {
+    let on_x: u32 = v & 1;
+    let on_y: u32 = (v >> 1) & 1;
+    let on_z: u32 = (v >> 2) & 1;
+    // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
+    if (((on_x + on_y) + on_z) & 1) == 0 {
+        s.set_triplet(v, Triplet { a: on_x, b: 2 + on_y, c: 4 + on_z });
+    } else {
+        s.set_triplet(v, Triplet { a: on_x, b: 4 + on_z, c: 2 + on_y });
     }
-    return COMPLETE;
+    return place_vertex(s, v);
 }
 
 pub(super) fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {

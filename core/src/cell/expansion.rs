@@ -17,6 +17,8 @@ pub(super) struct Expansion {
 
 /// Inputs smaller than this (but for zero) are left to integers: below it the last bit of a product of four, 4·(52 + 200) bits
 /// down, could underflow.
+///
+/// Single: `0.00390625`: 4·(23 + 8) bits are above 2⁻¹²⁶.
 const EXPANSION_SMALLEST: Real = 1e-60;
 
 /// The sign of the 4×4 determinant with rows `[n | d]`, exactly, or `SIGN_UNKNOWN` where a product could underflow.
@@ -206,6 +208,29 @@ mod tests {
             zeros += u32::from(sign == 0);
         }
         assert!(zeros > 100);
+    }
+
+    #[test]
+    fn ties_are_those_of_integers() {
+        use super::super::wide::wide_sign;
+        let mut next = numbers(3);
+        let (mut zeros, mut others) = (0, 0);
+        for turn in 0..40_000 {
+            let [a, b, c] = [(); 3].map(|()| plane(&mut next));
+            // A combination of the others is a tie; off by a last place or so, nearly one.
+            let mut e = Plane { n: v3(a.n.x + b.n.x, a.n.y + b.n.y, a.n.z + b.n.z), d: a.d + b.d };
+            if turn % 2 == 1 {
+                e.d *= 1.0 + 1e-16 * (turn % 7) as Real;
+                e.n.x += 1e-33 * next();
+            }
+            let (sign, exact) = (exact::sign_of_tie(a, b, c, e), exact::sign_of_planes(a, b, c, e));
+            if wide_sign(a, b, c, e) == SIGN_UNKNOWN && sign != SIGN_UNKNOWN {
+                assert_eq!(sign, exact, "{a:?} {b:?} {c:?} {e:?}");
+                zeros += u32::from(sign == 0);
+                others += u32::from(sign != 0);
+            }
+        }
+        assert!(zeros > 1000 && others > 100, "{zeros} {others}");
     }
 
     #[test]

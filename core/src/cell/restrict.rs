@@ -87,6 +87,7 @@ const ROUNDINGS_OF_NEEDLE: Real = 64.0;
 /// `COMPLETE` where something is left of the cell, else `EMPTY`.
 ///
 /// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
+#[inline]
 pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
     if volume_is_above_bound(*sums) == 0 {
         return EMPTY;

@@ -162,6 +162,11 @@ pub trait CellStore {
     #[inline(always)]
     fn note_exact(&mut self) {}
 
+    /// The same sign by integers that wrap, where double-double left it open; `SIGN_UNKNOWN` where they do not suffice.
+    fn tie_sign(&mut self, t: Triplet, k: u32) -> i32 {
+        exact::sign_of_tie(self.plane(t.a), self.plane(t.b), self.plane(t.c), self.plane(k))
+    }
+
     /// The exact sign of `det [n|d]` of the planes of `t` and plane `k`. On a device: `SIGN_UNKNOWN`.
     fn exact_sign(&mut self, t: Triplet, k: u32) -> i32 {
         exact::sign_of_planes(self.plane(t.a), self.plane(t.b), self.plane(t.c), self.plane(k))

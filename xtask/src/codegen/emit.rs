@@ -4,7 +4,7 @@ use super::source::Unit;
 use std::collections::HashMap;
 use std::fmt::Write;
 use syn::spanned::Spanned;
-use syn::{BinOp, Expr, FnArg, Item, Pat, ReturnType, Stmt, Type, UnOp};
+use syn::{BinOp, Expr, FnArg, Item, Meta, Pat, ReturnType, Stmt, Type, UnOp};
 
 /// The C of one file.
 #[derive(Default)]
@@ -39,7 +39,14 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                 parts.types.push('\n');
                 comments(&mut parts.types, &constant.attrs);
                 let ty = emitter.type_name(&constant.ty)?;
-                let _ = writeln!(parts.types, "#define {} (({ty}){})", constant.ident, grouped(&value));
+                let define = |value: &str| format!("#define {} (({ty}){})\n", constant.ident, grouped(value));
+                match single_value(&constant.attrs) {
+                    None => parts.types.push_str(&define(&value)),
+                    Some(single) => {
+                        let single = define(&format!("REAL({single})"));
+                        let _ = write!(parts.types, "#if SINGLE\n{single}#else\n{}#endif\n", define(&value));
+                    }
+                }
             }
             Item::Struct(item) if item.generics.params.is_empty() && is_plain(&item.attrs) => {
                 parts.types.push('\n');
@@ -89,6 +96,15 @@ fn documentation(attrs: &[syn::Attribute]) -> Vec<String> {
     attrs.iter().filter_map(text).collect()
 }
 
+/// What begins the line of a constant's documentation that gives its value in single precision, and ends that value.
+const SINGLE: &str = " Single: `";
+
+/// A constant's value in single precision, where its documentation gives one of its own.
+fn single_value(attrs: &[syn::Attribute]) -> Option<String> {
+    let value_of = |line: &String| Some(line.strip_prefix(SINGLE)?.split_once('`')?.0.to_owned());
+    documentation(attrs).iter().find_map(value_of)
+}
+
 fn comments(out: &mut String, attrs: &[syn::Attribute]) {
     for line in documentation(attrs) {
         let _ = writeln!(out, "//{line}");
@@ -132,7 +148,12 @@ impl<'a> Emitter<'a> {
     /// Return type, name and parameters.
     fn head(&mut self, function: &syn::ItemFn) -> Result<String, String> {
         let signature = &function.sig;
-        let inlined = function.attrs.iter().any(|a| a.path().is_ident("inline"));
+        let inline = function.attrs.iter().find(|a| a.path().is_ident("inline"));
+        let storage = match inline.map(|a| matches!(a.meta, Meta::Path(_))) {
+            None => "OUTLINE",
+            Some(true) => "HOT",
+            Some(false) => "INLINE",
+        };
         let result = match &signature.output {
             ReturnType::Default => "void".to_owned(),
             ReturnType::Type(_, ty) => self.type_name(ty)?,
@@ -152,7 +173,6 @@ impl<'a> Emitter<'a> {
             self.names.insert(name, kind);
             parameters.push(declared);
         }
-        let storage = if inlined { "INLINE" } else { "OUTLINE" };
         Ok(format!("{storage} {result} {}({})", renamed(&signature.ident.to_string()), parameters.join(", ")))
     }
 

@@ -35,6 +35,14 @@ fn constants_and_structs() {
 }
 
 #[test]
+fn constants_have_a_value_of_their_own_in_single_precision() {
+    assert_c(
+        "/// Tiny.\n///\n/// Single: `0.25`, as it happens.\nconst TINY: Real = 0.5;",
+        &["#if SINGLE", "#define TINY ((real)(REAL(0.25)))", "#else", "#define TINY ((real)(REAL(0.5)))", "#endif"],
+    );
+}
+
+#[test]
 fn the_store_is_called_and_locals_are_pointed_to() {
     assert_c(
         "fn f<S: CellStore>(s: &mut S, sum: &mut Sum) -> u32 {
@@ -57,6 +65,13 @@ fn the_store_is_called_and_locals_are_pointed_to() {
             "return COMPLETE;",
         ],
     );
+}
+
+#[test]
+fn how_much_is_inlined_is_said() {
+    assert_c("#[inline]\nfn f() {\n}", &["HOT void f() {"]);
+    assert_c("#[inline(always)]\nfn f() {\n}", &["INLINE void f() {"]);
+    assert_c("fn f() {\n}", &["OUTLINE void f() {"]);
 }
 
 #[test]

@@ -56,6 +56,8 @@ pub static FUNCTIONS: &[Function] = &[
     host!((a: V3, b: V3, c: V3) expansion::determinant(a, b, c), []),
     host!((sum: Expansion, x: f64, y: f64, z: f64) expansion::add_triple(&mut sum, x, y, z), [sum]),
     host!(s, (lo: V3, hi: V3) clip::begin(&mut s, lo, hi), []),
+    host!(s, (lo: V3, hi: V3) clip::set_box_planes(&mut s, lo, hi), []),
+    host!(s, (v: u32) clip::place_corner(&mut s, v), []),
     host!(s, (f: u32, n: V3, d: f64) clip::set_box_plane(&mut s, f, n, d), []),
     host!(s, (plane: Plane, tag: u32 = TAG_CONE) clip::clip(&mut s, plane, tag), []),
     host!(s, (k: u32) clip::settle_marks(&mut s, k), []),

@@ -1,0 +1,195 @@
+// Where a cell lives whose numbers are single: in the private memory of its work-item, with all its half-spaces. Lengths are in a unit
+// of the grid's (`Params` of single/scene.rs), so that products of four coefficients neither overflow nor underflow.
+
+#define WORDS ((CAP_V + 31) / 32)
+
+// Scalars of an evaluation, all of four bytes: the host's struct is laid out alike.
+typedef struct {
+    // Initial cell, each coordinate as the sum of two numbers.
+    real box_lo[3];
+    real box_lo_rest[3];
+    real box_hi[3];
+    real box_hi_rest[3];
+    // Width of the voxels of the site grid, whose minimum corner is the origin, and how far outside its voxel rounding may put a site.
+    real grid_width;
+    real grid_pad;
+    // What the two numbers of a position, and of a weight, leave of a difference of two of them, at most.
+    real position_error;
+    real weight_error;
+    // Largest weight of all sites.
+    real largest_weight;
+    // Domain grid: minimum corner, width of the voxels, and what rounding may misplace a point by.
+    real domain_lo[3];
+    real domain_width;
+    real domain_margin;
+    uint grid_dims[3];
+    uint top_level;
+    uint level_begin[32];
+    uint domain_dims[3];
+    uint has_domain;
+} Params;
+
+// Sites and domain, in global memory. What only cells at the surface need is not there: those are the host's.
+typedef struct {
+    __global const Params *params;
+    // Sorted sites, x, y, z, weight, each as the sum of two numbers.
+    __global const real4 *sites;
+    __global const real4 *rests;
+    // Where the sites of each voxel begin; one more at the end.
+    __global const uint *voxels;
+    // Largest weight of each node, level after level.
+    __global const real *weights;
+    __global const real *domain_vertices;
+    __global const uint *triangles;
+    __global const uint *lowest_voxels;
+    __global const uint *list_offsets;
+    __global const uint *list_entries;
+    __global const int *windings;
+    __global const uint *surface_table;
+    uint tried;
+    uint last_tried;
+} World;
+
+typedef struct {
+    World world;
+    // The cell's site, and its sorted index.
+    real4 own;
+    real4 own_rest;
+    uint site;
+    uint exact;
+    // 1: half-spaces are moved outward by all that rounding may have moved them.
+    uint is_widened;
+    // Upper bound of the distance to the farthest vertex.
+    real farthest;
+    // Of the half-spaces that may bound the cell, how far rounding may have moved one of them: the first for each unit of distance from the
+    // site.
+    real tilt;
+    real shift;
+    // The least `n·v + d` of the half-space at hand.
+    real least;
+    uint visited;
+    uint planes;
+    uint vertices;
+    Plane plane[CAP_P];
+    uint tag[CAP_P];
+    ushort link[CAP_P];
+    // Position and error radius.
+    real4 vertex[CAP_V];
+    // Three indices of ten bits.
+    uint triplet[CAP_V];
+    uint conflict[WORDS];
+    uint uncertain[WORDS];
+} Store;
+
+INLINE uint store_cap_p(Store *s) { return CAP_P; }
+INLINE uint store_cap_v(Store *s) { return CAP_V; }
+INLINE uint store_planes(Store *s) { return s->planes; }
+INLINE void store_set_planes(Store *s, uint count) { s->planes = count; }
+INLINE uint store_vertices(Store *s) { return s->vertices; }
+INLINE void store_set_vertices(Store *s, uint count) { s->vertices = count; }
+
+INLINE Plane store_plane(Store *s, uint f) { return s->plane[f]; }
+INLINE void store_set_plane(Store *s, uint f, Plane plane) { s->plane[f] = plane; }
+INLINE uint store_tag(Store *s, uint f) { return s->tag[f]; }
+INLINE void store_set_tag(Store *s, uint f, uint tag) { s->tag[f] = tag; }
+INLINE void store_move_plane(Store *s, uint from, uint to) {
+    s->plane[to] = s->plane[from];
+    s->tag[to] = s->tag[from];
+}
+INLINE uint store_link(Store *s, uint f) { return s->link[f]; }
+INLINE void store_set_link(Store *s, uint f, uint link) { s->link[f] = (ushort)link; }
+
+INLINE Triplet store_triplet(Store *s, uint v) {
+    const uint t = s->triplet[v];
+    return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = t >> 20 };
+}
+INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = t.a | (t.b << 10) | (t.c << 20); }
+
+INLINE V3 store_position(Store *s, uint v) {
+    return (V3){ .x = s->vertex[v].x, .y = s->vertex[v].y, .z = s->vertex[v].z };
+}
+INLINE real store_radius(Store *s, uint v) { return s->vertex[v].w; }
+INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
+    s->vertex[v] = (real4)(position.x, position.y, position.z, radius);
+}
+INLINE void store_move_vertex(Store *s, uint from, uint to) {
+    s->triplet[to] = s->triplet[from];
+    s->vertex[to] = s->vertex[from];
+}
+INLINE uint store_mark(Store *s, uint v) {
+    const uint bit = 1u << (v & 31u);
+    if (s->conflict[v >> 5] & bit) {
+        return MARK_CONFLICT;
+    }
+    return (s->uncertain[v >> 5] & bit) ? MARK_UNCERTAIN : MARK_KEEP;
+}
+INLINE void store_set_mark(Store *s, uint v, uint mark) {
+    const uint bit = 1u << (v & 31u);
+    const uint conflict = s->conflict[v >> 5] & ~bit;
+    const uint uncertain = s->uncertain[v >> 5] & ~bit;
+    s->conflict[v >> 5] = (mark == MARK_CONFLICT) ? (conflict | bit) : conflict;
+    s->uncertain[v >> 5] = (mark == MARK_UNCERTAIN) ? (uncertain | bit) : uncertain;
+}
+INLINE uint store_next_conflict(Store *s, uint from, uint end) {
+    uint v = from;
+    while ((v < end) && ((s->conflict[v >> 5] & (1u << (v & 31u))) == 0u)) {
+        v++;
+    }
+    return v;
+}
+
+// Far above what underflow can lose of the products of a half-space and a vertex, far below what anything here is worth.
+#define UNDERFLOW REAL(1e-30)
+
+INLINE uint store_mark_conflicts(Store *s, uint k) {
+    const Plane plane = s->plane[k];
+    const real size = (fabs(plane.n.x) + fabs(plane.n.y)) + fabs(plane.n.z);
+    const real slack = ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane.d)) + UNDERFLOW;
+    uint seen = 0;
+    s->least = INFINITY;
+    for (uint first = 0; first < s->vertices; first += 32u) {
+        const uint here = min(s->vertices - first, 32u);
+        uint conflict = 0;
+        uint keep = 0;
+        for (uint b = 0; b < here; b++) {
+            const real4 v = s->vertex[first + b];
+            const real value = (((plane.n.x * v.x) + (plane.n.y * v.y)) + (plane.n.z * v.z)) + plane.d;
+            const real bound = (size * v.w) + slack;
+            s->least = fmin(s->least, value - bound);
+            conflict |= ((value < -bound) ? 1u : 0u) << b;
+            keep |= ((value > bound) ? 1u : 0u) << b;
+        }
+        const uint uncertain = (0xFFFFFFFFu >> (32u - here)) & ~(conflict | keep);
+        s->conflict[first >> 5] = conflict;
+        s->uncertain[first >> 5] = uncertain;
+        seen |= (conflict ? SEEN_CONFLICT : 0u) | (uncertain ? SEEN_UNCERTAIN : 0u) | (keep ? SEEN_KEEP : 0u);
+    }
+    return seen;
+}
+
+INLINE V3 store_farthest(Store *s) {
+    real square = REAL(0.0);
+    real radius = REAL(0.0);
+    for (uint v = 0; v < s->vertices; v++) {
+        const real4 p = s->vertex[v];
+        square = fmax(square, ((p.x * p.x) + (p.y * p.y)) + (p.z * p.z));
+        radius = fmax(radius, p.w);
+    }
+    return (V3){ .x = square, .y = radius, .z = REAL(0.0) };
+}
+
+INLINE V3 store_site(Store *s) { return (V3){ .x = s->own.x, .y = s->own.y, .z = s->own.z }; }
+
+// Only where cells meet the surface, or for facets.
+INLINE void store_save(Store *s) {}
+INLINE void store_restore(Store *s) {}
+INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ 0 }; }
+INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
+
+// What only arbitrary precision can decide is the host's: the cell is handed back.
+INLINE void store_note_exact(Store *s) { s->exact = 1; }
+INLINE int store_tie_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; }
+INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; }
+INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
+INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }
+INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }

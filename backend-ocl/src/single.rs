@@ -1,0 +1,349 @@
+//! The backend in single precision: for devices that have no other, or have little of it. On the device the cells whose rounding provably
+//! does not matter (`single.cl`), on the host all others, in double precision.
+
+mod scene;
+
+use crate::buffer::{Room, failed};
+use crate::evaluate::{join_passes, on_all, on_device, shares};
+use crate::fallback;
+use crate::grid::SITES_PER_VOXEL;
+use crate::handle::Handle;
+use crate::launch::{Kernel, enqueue};
+use crate::platform::{self, Found, choose};
+use crate::program::compile;
+use crate::shells;
+use laguerre_core::assemble::Assembler;
+use laguerre_core::cell::{self, CellSums, v3};
+use laguerre_core::diagram::Prepared;
+use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
+use laguerre_core::{
+    Backend, BackendInfo, CellStatus, DeviceChoice, Domain, Error, Output, PassReport, PowerDiagram, Precision,
+    Request, Result,
+};
+use opencl3::command_queue::CommandQueue;
+use opencl3::context::Context;
+use opencl3::types::cl_device_id;
+use scene::{Params, Scene};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+const SOURCE: [&str; 6] = [
+    include_str!("kernels/single_prelude.cl"),
+    include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/single_store.cl"),
+    include_str!("kernels/world.cl"),
+    include_str!("kernels/cell.cl"),
+    include_str!("kernels/single.cl"),
+];
+
+/// Room of the first pass, and of the last one: what needs more is the host's.
+const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
+const MOST_PLANES: u32 = 144;
+
+/// Levels of the pyramid that `single.cl` can go down: nodes are exact in single precision.
+const MOST_LEVELS: usize = 24;
+
+/// Cells that are computed at once, and work-items of a group.
+const BATCH: usize = 1 << 20;
+const GROUP: usize = 64;
+
+/// OpenCL devices that compute in single precision.
+pub struct Single {
+    name: String,
+    devices: Mutex<Vec<Device>>,
+}
+
+struct Device {
+    id: cl_device_id,
+    name: String,
+    context: Handle<Context>,
+    queue: Handle<CommandQueue>,
+    kernels: HashMap<Capacities, (Kernel, usize)>,
+    memory: Memory,
+    /// The domain whose tables are on the device.
+    domain: Option<Domain>,
+    seconds: f64,
+}
+
+// SAFETY: OpenCL objects may be used from any thread; a device is used by one at a time, being borrowed mutably.
+unsafe impl Send for Device {}
+
+struct Memory {
+    params: Room<Params>,
+    shells: Room<[u8; 4]>,
+    sites: Room<[f32; 4]>,
+    rests: Room<[f32; 4]>,
+    voxels: Room<u32>,
+    weights: Room<f32>,
+    windings: Room<i32>,
+    surface_table: Room<u32>,
+    list: Room<u32>,
+    outcome: Room<u32>,
+    sums: Room<[f32; 4]>,
+    visited: Room<u32>,
+}
+
+/// What a device did with its share of the cells.
+struct Computed {
+    passes: Vec<PassReport>,
+    /// Sorted sites, how their cells ended, volume and first moment in the unit of the scene.
+    cells: Vec<(u32, CellStatus, [f32; 4])>,
+    /// Cells that plain floating point did not suffice for.
+    exact_cells: usize,
+    /// Sorted sites whose cells are the host's.
+    for_host: Vec<u32>,
+    seconds: f64,
+}
+
+impl Single {
+    /// Opens devices.
+    ///
+    /// # Errors
+    /// `Unavailable` where there is no OpenCL, no device, or not the one asked for; `Device` where it fails.
+    pub fn new(choice: &DeviceChoice) -> Result<Self> {
+        let chosen = choose(choice, Precision::F32)?;
+        let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
+        let name = names.join(", ");
+        let open = |found| Device::open(found).map_err(|error| on_device(error, &found.info.name));
+        let devices = chosen.iter().map(open).collect::<Result<Vec<_>>>()?;
+        Ok(Self { name, devices: Mutex::new(devices) })
+    }
+}
+
+impl Backend for Single {
+    fn info(&self) -> BackendInfo {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        BackendInfo { backend: "ocl", device: self.name.clone(), precision: Precision::F32.word(), threads }
+    }
+
+    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        if request.facets || request.second_moments {
+            let message = "--precision f32 gives volumes and barycenters only: give --precision f64 for facets and second moments";
+            return Err(Error::input(message));
+        }
+        let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
+        let scene = Scene::new(&prepared);
+        let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
+        let shares = shares(prepared.sites.len(), devices.len());
+        let computed = on_all(&mut devices, |device| &device.name, &|i, device| {
+            device.compute(&prepared, &scene, request, shares[i].clone())
+        })?;
+
+        let order = prepared.sites.order();
+        let mut cells = vec![None; diagram.positions().len()];
+        let mut for_host = Vec::new();
+        let (mut exact_cells, mut passes, mut device_seconds) = (0, Vec::new(), 0.0_f64);
+        for device in &computed {
+            for (site, status, sums) in &device.cells {
+                cells[order[*site as usize] as usize] = Some((*status, *sums));
+            }
+            for_host.extend(device.for_host.iter().map(|&site| order[site as usize]));
+            exact_cells += device.exact_cells;
+            join_passes(&mut passes, &device.passes);
+            device_seconds = device_seconds.max(device.seconds);
+        }
+        let mut assembler = Assembler::new(diagram, &prepared.container, request);
+        let volume = scene.unit.powi(3);
+        assembler.add_all(|i| {
+            let (status, [v, x, y, z]) = cells[i]?;
+            let [v, x, y, z] = [v, x, y, z].map(|number| f64::from(number) * volume);
+            let first = v3(x * scene.unit, y * scene.unit, z * scene.unit);
+            Some((status, CellSums { volume: v, first, ..CellSums::default() }))
+        });
+        // Everything is proved here, so that nothing is left of `epsilon`.
+        let mut proved = request.clone();
+        proved.epsilon = None;
+        fallback::compute(diagram, &proved, &for_host, &mut assembler)?;
+        let mut output = assembler.finish();
+        output.exact_cells = exact_cells;
+        output.host_cells = for_host.len();
+        output.device_seconds = device_seconds;
+        output.passes = passes;
+        Ok(output)
+    }
+}
+
+impl Device {
+    fn open(found: &Found) -> Result<Self> {
+        let (context, queue) = platform::open(found)?;
+        let mut memory = Memory::new();
+        memory.shells.fill(&context, &queue, &shells::table())?;
+        Ok(Self {
+            id: found.id.0,
+            name: found.info.name.clone(),
+            context,
+            queue,
+            kernels: HashMap::new(),
+            memory,
+            domain: None,
+            seconds: 0.0,
+        })
+    }
+
+    /// Computes the cells of a range of the sorted sites.
+    fn compute(
+        &mut self,
+        prepared: &Prepared,
+        scene: &Scene,
+        request: &Request,
+        share: Range<usize>,
+    ) -> Result<Computed> {
+        let mut computed =
+            Computed { passes: Vec::new(), cells: Vec::new(), exact_cells: 0, for_host: Vec::new(), seconds: 0.0 };
+        let all: Vec<u32> = share.map(|site| site as u32).collect();
+        if prepared.sites.levels().len() > MOST_LEVELS {
+            computed.for_host = all;
+            return Ok(computed);
+        }
+        self.load(prepared, scene)?;
+        self.seconds = 0.0;
+        let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| {
+            if room.planes > MOST_PLANES {
+                computed.for_host.extend_from_slice(cells);
+                computed.exact_cells += cells.len();
+                return Ok(PassOutcome::default());
+            }
+            let before = self.seconds;
+            let mut outcome = PassOutcome::default();
+            for batch in cells.chunks(BATCH) {
+                self.run(request, room, batch, &mut outcome, &mut computed)?;
+            }
+            outcome.device_seconds = self.seconds - before;
+            Ok::<_, Error>(outcome)
+        })?;
+        computed.passes = passes;
+        computed.seconds = self.seconds;
+        Ok(computed)
+    }
+
+    /// Brings the sites, and the domain if it is another one, to the device.
+    fn load(&mut self, prepared: &Prepared, scene: &Scene) -> Result<()> {
+        let Self { context, queue, memory, .. } = self;
+        memory.params.fill(context, queue, &[scene.params])?;
+        memory.sites.fill(context, queue, &scene.sites)?;
+        memory.rests.fill(context, queue, &scene.rests)?;
+        memory.voxels.fill(context, queue, prepared.sites.offsets())?;
+        memory.weights.fill(context, queue, &scene.weights)?;
+        let domain = prepared.container.domain();
+        if domain.is_some_and(|new| self.domain.as_ref().is_some_and(|old| old.is_same(new))) {
+            return Ok(());
+        }
+        self.domain = None;
+        let grid = domain.map(Domain::grid);
+        memory.windings.fill(context, queue, grid.map_or(&[], |g| g.windings()))?;
+        memory.surface_table.fill(context, queue, grid.map_or(&[], |g| g.surface_table()))?;
+        self.domain = domain.cloned();
+        Ok(())
+    }
+
+    /// Computes the cells of some sorted sites.
+    fn run(
+        &mut self,
+        request: &Request,
+        room: Capacities,
+        sites: &[u32],
+        pass: &mut PassOutcome,
+        computed: &mut Computed,
+    ) -> Result<()> {
+        let Self { context, queue, memory, kernels, id, .. } = self;
+        let (kernel, group) = match kernels.entry(room) {
+            Entry::Occupied(built) => built.into_mut(),
+            Entry::Vacant(place) => place.insert(build(context, *id, room)?),
+        };
+        memory.list.fill(context, queue, sites)?;
+        memory.outcome.grow(context, sites.len())?;
+        memory.sums.grow(context, sites.len())?;
+        memory.visited.fill(context, queue, &[pass.neighbors])?;
+        queue.finish().map_err(|e| failed("copying sites to the device", e))?;
+        let begin = Instant::now();
+        enqueue!(queue, kernel, sites.len(), *group;
+            memory.params.get()?, memory.sites.get()?, memory.rests.get()?, memory.voxels.get()?, memory.weights.get()?,
+            memory.shells.get()?, memory.windings.get()?, memory.surface_table.get()?, memory.list.get()?,
+            &(sites.len() as u32), memory.outcome.get()?, memory.sums.get()?, memory.visited.get()?);
+        let (mut visited, mut outcomes, mut sums) = (Vec::new(), Vec::new(), Vec::new());
+        memory.visited.read(queue, 1, &mut visited)?;
+        self.seconds += begin.elapsed().as_secs_f64();
+        pass.neighbors = visited[0];
+        memory.outcome.read(queue, sites.len(), &mut outcomes)?;
+        memory.sums.read(queue, sites.len(), &mut sums)?;
+        let mut done = 0;
+        for ((&site, &outcome), &sums) in sites.iter().zip(&outcomes).zip(&sums) {
+            let status = match outcome & 0xff {
+                cell::COMPLETE => CellStatus::Complete,
+                cell::EMPTY => CellStatus::Empty,
+                cell::P_FULL | cell::V_FULL => {
+                    pass.failed.push(site);
+                    continue;
+                }
+                other => {
+                    computed.for_host.push(site);
+                    // At the surface the host needs no more than it always does.
+                    computed.exact_cells += usize::from(other != cell::BOUNDARY);
+                    continue;
+                }
+            };
+            done += 1;
+            computed.exact_cells += usize::from(outcome >> 8 & 1 != 0);
+            computed.cells.push((site, status, sums));
+        }
+        request.progress.advance(done);
+        Ok(())
+    }
+}
+
+/// The kernel with the given room, and how many work-items it has in a group.
+fn build(context: &Context, device: cl_device_id, room: Capacities) -> Result<(Kernel, usize)> {
+    let options = format!("-D CAP_P={} -D CAP_V={}", room.planes, room.vertices);
+    let program = compile(context, device, &SOURCE.concat(), &options)?;
+    let kernel = Kernel::new(&program, "single_cells")?;
+    let group = GROUP.min(kernel.largest_group(device)?);
+    Ok((kernel, group))
+}
+
+impl Memory {
+    const fn new() -> Self {
+        Self {
+            params: Room::new("parameters"),
+            shells: Room::new("the table of offsets"),
+            sites: Room::new("sorted sites"),
+            rests: Room::new("sorted sites"),
+            voxels: Room::new("the site grid"),
+            weights: Room::new("the pyramid"),
+            windings: Room::new("the domain's grid"),
+            surface_table: Room::new("the domain's grid"),
+            list: Room::new("a list of cells"),
+            outcome: Room::new("how cells ended"),
+            sums: Room::new("cells' sums"),
+            visited: Room::new("counters"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A device without doubles must be able to build it.
+    #[test]
+    fn the_kernels_have_no_doubles() {
+        let source = SOURCE.concat();
+        let text: Vec<&str> = source.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
+        let text = text.join("\n");
+        assert!(!text.contains("double") && !text.contains("fp64"));
+        // A literal with a point or an exponent is double unless it stands in `REAL(…)`, which makes it single.
+        for (at, _) in text.match_indices('.') {
+            let before = &text[..at];
+            let digits = before.trim_end_matches(|c: char| c.is_ascii_digit());
+            if digits.len() < before.len() && !digits.ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+                assert!(
+                    digits.trim_end_matches('-').ends_with("REAL("),
+                    "{}",
+                    &text[digits.len().saturating_sub(60)..at + 10]
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The loop of every user: evaluating again with sites that moved a little. From the second evaluation on nothing is allocated or compiled,
+//! and no more than the sites is brought to the device. A test program of its own, as its OpenCL loader is one that notes each
+//! call (`backend-ocl/faults`).
+#![cfg(feature = "test-util")]
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use laguerre_core::shapes::icosphere;
+use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Request};
+use laguerre_ocl::Ocl;
+
+const SITES: usize = 3000;
+
+/// Evaluations of each loop.
+const STEPS: usize = 8;
+
+/// A write of more bytes is of sites, else of parameters and counters.
+const PARAMETERS: usize = 1024;
+
+/// What must not be called again.
+const NOT_AGAIN: [&str; 8] = [
+    "clCreateContext",
+    "clCreateCommandQueue",
+    "clCreateCommandQueueWithProperties",
+    "clCreateBuffer",
+    "clCreateProgramWithSource",
+    "clCreateProgramWithBinary",
+    "clBuildProgram",
+    "clCreateKernel",
+];
+
+fn is_required() -> bool {
+    env::var("LAGUERRE_REQUIRE").unwrap_or_default().split(',').any(|name| name.trim() == "ocl")
+}
+
+/// The loader that notes calls: cargo puts it beside this test when it builds the whole workspace, else one folder up.
+fn loader() -> Option<PathBuf> {
+    let name = format!("{}laguerre_ocl_faults{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
+    let test = env::current_exe().unwrap();
+    let found = test.ancestors().skip(1).take(2).map(|folder| folder.join(&name)).find(|path| path.exists());
+    if found.is_none() {
+        let message =
+            format!("{name} is not beside {}: run `cargo build -p laguerre-ocl-faults` first", test.display());
+        assert!(!is_required(), "{message}");
+        eprintln!("not run: {message}");
+    }
+    found
+}
+
+/// Sites and weights of a step, and what is asked for.
+struct Case {
+    name: &'static str,
+    domain: Option<Domain>,
+    sites: fn(usize) -> Vec<[f64; 3]>,
+    weights: fn(usize) -> Vec<f64>,
+    request: fn() -> Request,
+    /// Whether the host sorts, which brings them sorted, too.
+    is_crowded: bool,
+}
+
+impl Case {
+    fn diagram(&self, step: usize) -> PowerDiagram {
+        let diagram = PowerDiagram::new(&(self.sites)(step), &(self.weights)(step)).unwrap();
+        match &self.domain {
+            Some(domain) => diagram.restricted_to(domain),
+            None => diagram.in_box([-1.0; 3], [1.0; 3]).unwrap(),
+        }
+    }
+
+    /// Bytes of the sites, write by write.
+    fn bytes(&self) -> Vec<usize> {
+        if (self.weights)(0).is_empty() { vec![24 * SITES] } else { vec![24 * SITES, 8 * SITES] }
+    }
+}
+
+/// Sites that fill a box of this extent, each moved on its own way by this much.
+fn sites(extent: [f64; 3], moved: f64) -> Vec<[f64; 3]> {
+    let part = |x: f64| 2.0 * x.fract() - 1.0;
+    let site = |i: usize| {
+        let at = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
+        let way = [0.380_966_118_717_1, 0.145_138_117_1, 0.724_491_1];
+        [0, 1, 2].map(|k| extent[k] * part(0.5 + i as f64 * at[k]) + moved * part(i as f64 * way[k]))
+    };
+    (0..SITES).map(site).collect()
+}
+
+fn no_weights(_: usize) -> Vec<f64> {
+    Vec::new()
+}
+
+fn everything() -> Request {
+    Request::moments().with_facets().with_second_moments()
+}
+
+/// The loops: from fluids to optimal transport.
+fn cases() -> [Case; 6] {
+    let ball = Some(icosphere(3).domain());
+    let moving = |step| sites([0.8; 3], 0.02 * step as f64);
+    [
+        Case {
+            name: "a box",
+            domain: None,
+            sites: moving,
+            weights: no_weights,
+            request: Request::moments,
+            is_crowded: false,
+        },
+        Case {
+            name: "a domain",
+            domain: ball.clone(),
+            sites: moving,
+            weights: no_weights,
+            request: everything,
+            is_crowded: false,
+        },
+        Case {
+            name: "other weights",
+            domain: ball,
+            sites: |_| sites([0.8; 3], 0.0),
+            weights: |step| (0..SITES).map(|i| 1e-3 * (i as f64 * 0.618 + 0.05 * step as f64).fract()).collect(),
+            request: Request::moments,
+            is_crowded: false,
+        },
+        Case {
+            name: "a box that gets flat",
+            domain: None,
+            sites: |step| sites([0.8, 0.8, 0.8 - 0.08 * step as f64], 0.01),
+            weights: no_weights,
+            request: everything,
+            is_crowded: false,
+        },
+        Case {
+            name: "coincident at first",
+            domain: None,
+            sites: |step| {
+                let mut sites = sites([0.8; 3], 0.0);
+                (step..300).for_each(|i| sites[2 * i] = sites[2 * i + 1]);
+                sites
+            },
+            weights: no_weights,
+            request: everything,
+            is_crowded: false,
+        },
+        Case {
+            name: "clusters",
+            domain: None,
+            sites: |step| {
+                let mut sites = sites([0.8; 3], 0.001 * step as f64);
+                sites[..1000].iter_mut().flatten().for_each(|x| *x = 0.3 + 1e-4 * *x);
+                sites
+            },
+            weights: no_weights,
+            request: everything,
+            is_crowded: true,
+        },
+    ]
+}
+
+/// The calls since the last look: function and bytes.
+fn calls(log: &Path) -> Vec<(String, usize)> {
+    let text = fs::read_to_string(log).unwrap();
+    fs::write(log, "").unwrap();
+    let call = |line: &str| line.split_once(' ').map(|(name, bytes)| (name.to_owned(), bytes.parse().unwrap()));
+    text.lines().map(|line| call(line).unwrap()).collect()
+}
+
+#[test]
+fn nothing_is_made_or_brought_twice() {
+    let Some(loader) = loader() else { return };
+    let log = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("calls-{}", std::process::id()));
+    fs::write(&log, "").unwrap();
+    // SAFETY: this is the only test of this program, and no other thread reads the environment yet.
+    unsafe {
+        env::set_var("OPENCL_DYLIB_PATH", &loader);
+        env::set_var("LAGUERRE_FAULT_CALLS", &log);
+    }
+    let mut wrong = Vec::new();
+    for case in cases() {
+        let backend = match Ocl::new(&DeviceChoice::First) {
+            Err(error) if error.kind() == ErrorKind::Unavailable && !is_required() => {
+                eprintln!("not run: {error}");
+                return;
+            }
+            opened => opened.unwrap(),
+        };
+        for step in 0..STEPS {
+            let output = backend.evaluate(&case.diagram(step), &(case.request)()).unwrap();
+            assert!(output.volume.iter().sum::<f64>() > 4.0);
+            let calls = calls(&log);
+            let writes = calls.iter().filter(|(name, bytes)| name == "clEnqueueWriteBuffer" && *bytes > PARAMETERS);
+            let writes: Vec<usize> = writes.map(|&(_, bytes)| bytes).collect();
+            let made: Vec<_> = calls.iter().filter(|(name, _)| NOT_AGAIN.contains(&name.as_str())).collect();
+            if step == 0 {
+                // That the calls are noted at all.
+                assert!(made.iter().any(|(name, bytes)| name == "clCreateBuffer" && *bytes >= 24 * SITES), "{made:?}");
+                assert!(case.domain.is_none() || writes.len() > case.bytes().len() + 1, "{writes:?}");
+            } else if !made.is_empty() || (writes != case.bytes() && !case.is_crowded) {
+                wrong.push(format!("{}, step {step}: calls {made:?}, writes {writes:?}", case.name));
+            }
+        }
+    }
+    let _ = fs::remove_file(&log);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -1,56 +1,26 @@
-//! One device: its queue, its programs, its memory, and the cells it computes.
+//! One device: its queue, its programs, its memory.
 
-use crate::buffer::{Room, failed, lacked_memory};
+mod schedule;
+
+use crate::buffer::{Room, failed};
 use crate::grid::Sites;
 use crate::handle::Handle;
-use crate::launch::{enqueue, launch};
-use crate::params::{self, Params, Shared};
+use crate::params::{Params, Shared};
 use crate::platform::{self, Found};
-use crate::program::{GridKernels, Kernels, MOST_PLANES, Programs, Way};
-use crate::results::{ALL_SUMS, FEW_SUMS, NOT_COMPUTED, Results};
+use crate::program::{GridKernels, Programs};
+use crate::results::Results;
 use crate::shells;
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::diagram::{FramedContainer, Prepared};
-use laguerre_core::output::Substep;
-use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
-use laguerre_core::{Domain, Error, PassReport, PowerDiagram, Request, Result};
+use laguerre_core::passes::Capacities;
+use laguerre_core::{Domain, PassReport, PowerDiagram, Request, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
-use std::ops::Range;
 use std::time::Instant;
 
 /// Work-items of NVIDIA's that run in step and talk through their registers.
 const WARP: usize = 32;
-
-/// Room of the first pass, where a sample does not ask for more: half-spaces and vertices of nearly every cell of random sites, with
-/// its four cone planes.
-const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
-
-/// Sites from which on a sample is worth its time, its size, and how many of it may fail: a pass costs about as much as what it
-/// saves the next where one cell in twenty fails (paper §6.1: capacities at 95 %).
-const WORTH_A_SAMPLE: usize = 1 << 16;
-const SAMPLE: usize = 1024;
-const MAY_FAIL: f64 = 0.05;
-
-/// Facets of a cell that a batch has room for, on average: a Voronoi cell of random sites has 15.5.
-const FACETS_PER_CELL: usize = 18;
-
-/// Cells of a batch at most, the share of the device's memory that its facets may take, and the smallest that is tried where even that
-/// is not to be had.
-const MOST_CELLS: usize = 1 << 21;
-const SHARE_OF_MEMORY: u64 = 8;
-const FEWEST_CELLS: usize = 1024;
-
-/// Counters of `cells` (`OF_BOUNDARY` and so on in `evaluate.cl`).
-const BOUNDARY: usize = 0;
-const FAILED: usize = 1;
-const FULL: usize = 2;
-const UNDECIDED: usize = 3;
-const VISITED: usize = 4;
-const FACETS: usize = 5;
-const TRIED: usize = 6;
-const COUNTERS: usize = 7;
 
 /// A device that is open.
 pub(crate) struct Device {
@@ -104,28 +74,6 @@ struct Memory {
     sums: Room<f64>,
     rows: Room<[u64; 2]>,
     facets: Room<FacetRecord>,
-}
-
-/// Cells of a pass: a range of sorted sites, or as many as stand in `todo`.
-#[derive(Clone, Debug)]
-pub(crate) enum Todo {
-    Sorted(Range<usize>),
-    Listed(usize),
-}
-
-impl Cells for Todo {
-    fn count(&self) -> usize {
-        match self {
-            Self::Sorted(range) => range.len(),
-            Self::Listed(count) => *count,
-        }
-    }
-}
-
-impl Default for Todo {
-    fn default() -> Self {
-        Self::Listed(0)
-    }
 }
 
 /// What a device did with its share of the cells.
@@ -220,259 +168,6 @@ impl Device {
         let Self { context, queue, sites, shared, .. } = self;
         sites.take(context, queue, prepared, shared)
     }
-
-    /// Computes the cells of a range of the sorted sites (paper, Alg. 1), one of `of` ranges. `sites` is the number of the caller's.
-    pub(crate) fn compute(
-        &mut self,
-        request: &Request,
-        sites: usize,
-        share: Range<usize>,
-        of: usize,
-    ) -> Result<Computed<'_>> {
-        // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
-        self.most_cells = sites.div_ceil(of);
-        self.clear(request, sites, self.most_cells)?;
-        // Together no proof is cut short, and no tree is searched.
-        let whole = self.shared.params.has_clusters == 0 && request.epsilon.is_none();
-        let together = self.together.filter(|_| whole);
-        let first = if together.is_some() { FIRST } else { self.first_capacities(request, share.clone())? };
-        let mut for_host = Vec::new();
-        let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
-            if room.planes > MOST_PLANES {
-                for_host.extend(self.callers(todo)?);
-                return Ok(PassOutcome::default());
-            }
-            self.pass(request, room, todo, room == first, together.filter(|_| room == first))
-        })?;
-        let undecided = self.counters[UNDECIDED] as usize;
-        if undecided > 0 {
-            std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
-            for_host.extend(self.callers(&Todo::Listed(undecided))?);
-        }
-        if let Some(report) = passes.first() {
-            let too_many = report.failed as f64 > MAY_FAIL * report.cells as f64;
-            self.first = Some((share.len(), if too_many { first.grown() } else { first }));
-        }
-        let Self { queue, memory, results, shared, .. } = self;
-        let width = if shared.params.flags == 0 { FEW_SUMS } else { ALL_SUMS };
-        results.width = width;
-        memory.outcome.read(queue, sites, &mut results.outcomes)?;
-        memory.sums.read(queue, sites * width, &mut results.sums)?;
-        if request.facets {
-            memory.rows.read(queue, sites, &mut results.rows)?;
-        }
-        Ok(Computed { passes, results, for_host, seconds: self.seconds })
-    }
-
-    /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.
-    fn clear(&mut self, request: &Request, sites: usize, share: usize) -> Result<()> {
-        let Self { context, queue, memory, shared, results, .. } = self;
-        memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
-        memory.sums.grow(context, sites * if shared.params.flags == 0 { FEW_SUMS } else { ALL_SUMS })?;
-        memory.rows.grow(context, if request.facets { sites } else { 1 })?;
-        for list in
-            [&mut memory.todo, &mut memory.boundary, &mut memory.failed, &mut memory.full, &mut memory.undecided]
-        {
-            list.grow(context, share)?;
-        }
-        results.rows.clear();
-        results.facet_count = 0;
-        self.counters = vec![0; COUNTERS];
-        memory.counters.fill(context, queue, &self.counters)
-    }
-
-    /// Room such that few cells fail: what sufficed in the last call, or what a sample of the cells needs.
-    fn first_capacities(&mut self, request: &Request, share: Range<usize>) -> Result<Capacities> {
-        if let Some((count, room)) = self.first
-            && share.len() / 2 <= count
-            && count / 2 <= share.len()
-        {
-            return Ok(room);
-        }
-        let mut room = FIRST;
-        if share.len() < WORTH_A_SAMPLE {
-            return Ok(room);
-        }
-        // Without facets: they have no room yet.
-        self.shared.params.facet_room = 0;
-        loop {
-            let (all, stride) = (Todo::Sorted(share.clone()), share.len() / SAMPLE);
-            if let Some(late) = self.run(request, Way::Alone(room), &all, stride, 0..SAMPLE, false)? {
-                return Err(late);
-            }
-            let failures = self.counters[FAILED];
-            self.counters = vec![0; COUNTERS];
-            self.memory.counters.fill(&self.context, &self.queue, &self.counters)?;
-            if f64::from(failures) <= MAY_FAIL * SAMPLE as f64 || room.grown().planes > MOST_PLANES {
-                return Ok(room);
-            }
-            room = room.grown();
-        }
-    }
-
-    /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to meet the surface or
-    /// were left.
-    fn pass(
-        &mut self,
-        request: &Request,
-        room: Capacities,
-        cells: &Todo,
-        is_first: bool,
-        together: Option<usize>,
-    ) -> Result<PassOutcome<Todo>> {
-        let mut now = cells.clone();
-        let mut way = together.map_or(Way::Alone(room), Way::Together);
-        let mut interior_only = is_first && self.domain.is_some();
-        let mut is_second = false;
-        let begin = self.seconds;
-        let mut second = Substep::default();
-        while now.count() > 0 {
-            let before = self.seconds;
-            self.sweep(request, way, &now, interior_only)?;
-            if is_second {
-                second.seconds += self.seconds - before;
-            }
-            let Self { memory, counters, .. } = self;
-            now = Todo::Listed(counters[FULL] as usize);
-            if counters[FULL] > 0 {
-                std::mem::swap(&mut memory.todo, &mut memory.full);
-                counters[FULL] = 0;
-            } else if counters[BOUNDARY] > 0 {
-                now = Todo::Listed(counters[BOUNDARY] as usize);
-                std::mem::swap(&mut memory.todo, &mut memory.boundary);
-                second.cells = now.count();
-                counters[BOUNDARY] = 0;
-                way = Way::Alone(room);
-                interior_only = false;
-                is_second = true;
-            }
-        }
-        let failed = Todo::Listed(self.counters[FAILED] as usize);
-        std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
-        self.counters[FAILED] = 0;
-        let [neighbors, triangles] = [VISITED, TRIED].map(|most| std::mem::take(&mut self.counters[most]));
-        Ok(PassOutcome { failed, neighbors, triangles, device_seconds: self.seconds - begin, second })
-    }
-
-    /// Runs over the given cells, batch by batch.
-    fn sweep(&mut self, request: &Request, way: Way, cells: &Todo, interior_only: bool) -> Result<()> {
-        let count = cells.count();
-        let mut batch = self.room_for_batch(request, count, MOST_CELLS)?;
-        let mut begin = 0;
-        while begin < count {
-            let end = (begin + batch).min(count);
-            self.shared.params.facet_base = self.results.facet_count as u64;
-            let left = |counters: &[u32]| counters[BOUNDARY] + counters[FAILED] + counters[FULL];
-            let before = left(&self.counters);
-            if let Some(late) = self.run(request, way, cells, 1, begin..end, interior_only)? {
-                // A driver that allocates late: nothing ran.
-                if !request.facets || batch <= FEWEST_CELLS {
-                    return Err(late);
-                }
-                self.memory.facets.free();
-                batch = self.room_for_batch(request, count, batch / 2)?;
-                continue;
-            }
-            request.progress.advance((end - begin).saturating_sub((left(&self.counters) - before) as usize));
-            if request.facets {
-                // Beyond the room there is nothing; a gap at its end belongs to no row.
-                let written = self.counters[FACETS].min(self.shared.params.facet_room) as usize;
-                let Self { queue, memory, results, .. } = self;
-                memory.facets.read_at(queue, written, &mut results.facets, results.facet_count)?;
-                results.facet_count += written;
-                self.counters[FACETS] = 0;
-            }
-            begin = end;
-        }
-        Ok(())
-    }
-
-    /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
-    fn room_for_batch(&mut self, request: &Request, count: usize, most: usize) -> Result<usize> {
-        if !request.facets {
-            self.memory.facets.grow(&self.context, 1)?;
-            return Ok(most);
-        }
-        let bytes = FACETS_PER_CELL * size_of::<FacetRecord>();
-        let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
-        let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
-        loop {
-            let room = (batch * FACETS_PER_CELL).max(MOST_PLANES as usize);
-            let facets = &mut self.memory.facets;
-            if batch > FEWEST_CELLS && !facets.grow_if_possible(&self.context, room)? {
-                batch /= 2;
-                continue;
-            }
-            facets.grow(&self.context, room)?;
-            self.shared.params.facet_room = room as u32;
-            return Ok(batch);
-        }
-    }
-
-    /// Runs the kernel over `turns` of the given cells, or of every `stride`th of them, and reads the counters. Where the device
-    /// finds only now that it lacks memory, nothing has run, and its error is given.
-    fn run(
-        &mut self,
-        request: &Request,
-        way: Way,
-        cells: &Todo,
-        stride: usize,
-        turns: Range<usize>,
-        interior_only: bool,
-    ) -> Result<Option<Error>> {
-        let Self { context, queue, memory, programs, sites, shared, counters, .. } = self;
-        let kernels = programs.get(context, self.id, way, request.facets)?;
-        check_layouts(context, queue, memory, kernels)?;
-        memory.facets.grow(context, 1)?;
-        shared.send(context, queue)?;
-        memory.counters.fill(context, queue, counters)?;
-        let (has_list, start) = match cells {
-            Todo::Sorted(range) => (0_u32, range.start),
-            Todo::Listed(_) => (1, 0),
-        };
-        let first = (start + turns.start) as u32;
-        let begin = Instant::now();
-        let ran = launch!(queue, &kernels.cells, turns.len() * kernels.per_cell, kernels.group;
-            shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.clusters.get()?,
-            sites.roots.get()?, memory.shells.get()?, memory.domain_vertices.get()?, memory.triangles.get()?,
-            memory.lowest_voxels.get()?, memory.list_offsets.get()?, memory.list_entries.get()?, memory.windings.get()?,
-            memory.surface_table.get()?, sites.order.get()?, memory.todo.get()?, &has_list, &first, &(stride as u32),
-            &(turns.len() as u32), &u32::from(interior_only), memory.outcome.get()?, memory.sums.get()?,
-            memory.facets.get()?, memory.rows.get()?, memory.counters.get()?, memory.boundary.get()?, memory.failed.get()?,
-            memory.full.get()?, memory.undecided.get()?);
-        if let Err(error) = ran {
-            let late = lacked_memory(&error);
-            let failed = kernels.cells.failed(error);
-            return if late { Ok(Some(failed)) } else { Err(failed) };
-        }
-        memory.counters.read(queue, COUNTERS, counters)?;
-        self.seconds += begin.elapsed().as_secs_f64();
-        Ok(None)
-    }
-
-    /// The caller's indices of cells.
-    fn callers(&self, cells: &Todo) -> Result<Vec<u32>> {
-        let (mut listed, mut order) = (Vec::new(), Vec::new());
-        self.memory.todo.read(&self.queue, cells.count(), &mut listed)?;
-        self.sites.order.read(&self.queue, usize::MAX, &mut order)?;
-        Ok(match cells {
-            Todo::Sorted(range) => order[range.clone()].to_vec(),
-            Todo::Listed(_) => listed.iter().map(|&site| order[site as usize]).collect(),
-        })
-    }
-}
-
-/// Compares the device's layouts with the host's, once for each build.
-fn check_layouts(context: &Context, queue: &CommandQueue, memory: &mut Memory, kernels: &mut Kernels) -> Result<()> {
-    if !kernels.probed {
-        memory.probe.grow(context, params::PROBES)?;
-        enqueue!(queue, &kernels.probe, 1, 1; memory.probe.get()?);
-        let mut probed = Vec::new();
-        memory.probe.read(queue, params::PROBES, &mut probed)?;
-        params::check_layouts(&probed)?;
-        kernels.probed = true;
-    }
-    Ok(())
 }
 
 impl Memory {

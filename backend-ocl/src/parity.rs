@@ -14,12 +14,13 @@ use opencl3::program::Program;
 /// The generated functions, as a device gets them.
 pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
 
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 11] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
+    include_str!("kernels/marks.cl"),
     include_str!("kernels/world.cl"),
     FUNCTIONS,
     include_str!("kernels/search.cl"),

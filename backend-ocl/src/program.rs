@@ -13,12 +13,13 @@ use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
 
-const EVALUATE: [&str; 10] = [
+const EVALUATE: [&str; 11] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
+    include_str!("kernels/marks.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/cell.cl"),
     include_str!("kernels/search.cl"),

@@ -30,10 +30,11 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-const SOURCE: [&str; 6] = [
+const SOURCE: [&str; 7] = [
     include_str!("kernels/single_prelude.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/single_store.cl"),
+    include_str!("kernels/marks.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/cell.cl"),
     include_str!("kernels/single.cl"),

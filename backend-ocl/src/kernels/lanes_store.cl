@@ -53,8 +53,6 @@ typedef struct {
     uchar corner[MOST_CORNERS];
 } Store;
 
-#define ALL_LANES (0xFFFFFFFFu >> (32u - LANES))
-
 #if LANES == 32u
 // The lanes wait for each other, and see what they wrote.
 INLINE void lanes_wait() { asm volatile("bar.warp.sync 0xffffffff;" ::: "memory"); }
@@ -175,7 +173,7 @@ INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
     s->cell->rough[place] = (float4)((float)position.x, (float)position.y, (float)position.z, w);
 }
 
-// For the host's way of asking; here `reach_of_cell` does.
+// For the host's way of asking; here `farthest_of` (`lanes.cl`) does.
 INLINE V3 store_farthest(Store *s) { return (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }; }
 
 INLINE void store_note_exact(Store *s) { s->exact = 1; }

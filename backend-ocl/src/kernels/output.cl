@@ -27,19 +27,14 @@ typedef struct {
 
 // Writes the sums of the caller's site i.
 INLINE void write_sums(__global real *sums, uint flags, uint i, const CellSums *part) {
-    if (flags == 0u) {
-        __global real *out = sums + ((size_t)i * FEW_SUMS);
-        out[0] = part->volume;
-        out[1] = part->first.x;
-        out[2] = part->first.y;
-        out[3] = part->first.z;
-        return;
-    }
-    __global real *out = sums + ((size_t)i * ALL_SUMS);
+    __global real *out = sums + ((size_t)i * ((flags == 0u) ? FEW_SUMS : ALL_SUMS));
     out[0] = part->volume;
     out[1] = part->first.x;
     out[2] = part->first.y;
     out[3] = part->first.z;
+    if (flags == 0u) {
+        return;
+    }
     out[4] = part->second_diagonal.x;
     out[5] = part->second_diagonal.y;
     out[6] = part->second_diagonal.z;

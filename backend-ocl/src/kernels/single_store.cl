@@ -116,27 +116,6 @@ INLINE void store_move_vertex(Store *s, uint from, uint to) {
     s->triplet[to] = s->triplet[from];
     s->vertex[to] = s->vertex[from];
 }
-INLINE uint store_mark(Store *s, uint v) {
-    const uint bit = 1u << (v & 31u);
-    if (s->conflict[v >> 5] & bit) {
-        return MARK_CONFLICT;
-    }
-    return (s->uncertain[v >> 5] & bit) ? MARK_UNCERTAIN : MARK_KEEP;
-}
-INLINE void store_set_mark(Store *s, uint v, uint mark) {
-    const uint bit = 1u << (v & 31u);
-    const uint conflict = s->conflict[v >> 5] & ~bit;
-    const uint uncertain = s->uncertain[v >> 5] & ~bit;
-    s->conflict[v >> 5] = (mark == MARK_CONFLICT) ? (conflict | bit) : conflict;
-    s->uncertain[v >> 5] = (mark == MARK_UNCERTAIN) ? (uncertain | bit) : uncertain;
-}
-INLINE uint store_next_conflict(Store *s, uint from, uint end) {
-    uint v = from;
-    while ((v < end) && ((s->conflict[v >> 5] & (1u << (v & 31u))) == 0u)) {
-        v++;
-    }
-    return v;
-}
 
 // Far above what underflow can lose of the products of a half-space and a vertex, far below what anything here is worth.
 #define UNDERFLOW REAL(1e-30)

@@ -141,20 +141,6 @@ INLINE void store_move_vertex(Store *s, uint from, uint to) {
         s->rough[to] = s->rough[from];
     }
 }
-INLINE uint store_mark(Store *s, uint v) {
-    const uint bit = 1u << (v & 31u);
-    if (s->conflict[v >> 5] & bit) {
-        return MARK_CONFLICT;
-    }
-    return (s->uncertain[v >> 5] & bit) ? MARK_UNCERTAIN : MARK_KEEP;
-}
-INLINE void store_set_mark(Store *s, uint v, uint mark) {
-    const uint bit = 1u << (v & 31u);
-    const uint conflict = s->conflict[v >> 5] & ~bit;
-    const uint uncertain = s->uncertain[v >> 5] & ~bit;
-    s->conflict[v >> 5] = (mark == MARK_CONFLICT) ? (conflict | bit) : conflict;
-    s->uncertain[v >> 5] = (mark == MARK_UNCERTAIN) ? (uncertain | bit) : uncertain;
-}
 
 // Only for the integrals, and so in double precision.
 INLINE void store_save(Store *s) {
@@ -187,22 +173,6 @@ INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
 #endif
 
 INLINE V3 store_site(Store *s) { return s->site; }
-
-INLINE uint store_next_conflict(Store *s, uint from, uint end) {
-    if (from >= end) {
-        return end;
-    }
-    uint word = from >> 5;
-    uint bits = (s->conflict[word] >> (from & 31u)) << (from & 31u);
-    while (bits == 0) {
-        word++;
-        if (word * 32u >= end) {
-            return end;
-        }
-        bits = s->conflict[word];
-    }
-    return min(word * 32u + (31u - clz(bits & -bits)), end);
-}
 
 // In double precision, 32 vertices from `first` on: the bits of those in conflict as x, of those kept as y.
 OUTLINE uint2 mark_fine(Store *s, uint first, uint here) {

@@ -14,7 +14,6 @@ const LLOYD_STEPS: usize = 15;
 
 fn integrate(c: &mut Criterion) {
     let domain = Domain::load(BUNNY).expect("the bunny is a domain");
-    domain.grid();
     let (lo, hi) = domain.bounding_box();
     let backends = backends();
     let mut group = c.benchmark_group("integrate");

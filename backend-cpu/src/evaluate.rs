@@ -2,9 +2,10 @@
 
 use crate::clusters::Clusters;
 use crate::store::CpuStore;
-use laguerre_core::assemble::{Assembler, CellRecord, FacetRecord, collect_facets};
+use laguerre_core::assemble::{Assembler, CellRecord, Facets};
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
+use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::search::{Nearest, Search};
 use laguerre_core::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
@@ -27,7 +28,7 @@ pub struct Cpu {
 #[derive(Default)]
 struct ChunkResult {
     cells: Vec<CellRecord>,
-    facets: Vec<FacetRecord>,
+    facets: Facets,
     /// Number of facets of each cell.
     facet_counts: Vec<u32>,
     failed: Vec<u32>,
@@ -73,13 +74,14 @@ impl Backend for Cpu {
 
 fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
     let prepared = diagram.prepare()?;
+    let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let clusters = clusters_of(&prepared);
     let clusters = clusters.as_ref().map(|found| found as &dyn Nearest);
     let mut assembler = Assembler::new(diagram, &prepared.container, request);
     let mut exact_cells = 0;
     let all = (0..prepared.sites.len() as u32).collect();
     let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
-        let results = run_chunks(room, cells, &prepared, clusters, request);
+        let results = run_chunks(room, cells, &prepared, clusters, integrand.as_ref(), request);
         let mut outcome: PassOutcome = PassOutcome::default();
         for result in results {
             if let Some(site) = result.undecided {
@@ -88,7 +90,7 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
             let mut begin = 0;
             for (i, cell) in result.cells.iter().enumerate() {
                 let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
-                assembler.add(cell, &result.facets[begin..end]);
+                assembler.add(cell, result.facets.row(begin, end));
                 begin = end;
             }
             outcome.failed.extend(result.failed);
@@ -101,6 +103,7 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
     let mut output = assembler.finish();
     output.exact_cells = exact_cells;
     output.passes = passes;
+    output.check_integrals()?;
     Ok(output)
 }
 
@@ -120,9 +123,13 @@ fn run_chunks(
     cells: &[u32],
     prepared: &Prepared,
     clusters: Option<&dyn Nearest>,
+    integrand: Option<&FramedIntegrand>,
     request: &Request,
 ) -> Vec<ChunkResult> {
-    let new_worker = || Worker { store: CpuStore::new(room, prepared.domain_grid()), search: Search::default() };
+    let new_worker = || Worker {
+        store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
+        search: Search::default(),
+    };
     cells
         .par_chunks(CHUNK)
         .map_init(new_worker, |worker, chunk| {
@@ -149,8 +156,9 @@ fn run_cell(
     store.turn_to(v3(x, y, z));
     let outcome = worker.search.complete(store, prepared, clusters, site, request.epsilon);
     let mut sums = CellSums::default();
+    let flags = cell::flags_of(request);
     let status = match outcome.status {
-        cell::COMPLETE => cell::integrate_cell(store, cell::flags_of(request), 0, &mut sums),
+        cell::COMPLETE => cell::integrate_cell(store, flags, 0, &mut sums),
         other => other,
     };
     result.visited = result.visited.max(outcome.visited);
@@ -172,11 +180,11 @@ fn run_cell(
     let order = prepared.sites.order();
     result.cells.push(CellRecord { site: order[site as usize], status, sums });
     if request.facets {
-        let before = result.facets.len();
+        let before = result.facets.records.len();
         if status != CellStatus::Empty {
-            collect_facets(store, order, &mut result.facets);
+            result.facets.collect(store, flags, order);
         }
-        result.facet_counts.push((result.facets.len() - before) as u32);
+        result.facet_counts.push((result.facets.records.len() - before) as u32);
     }
 }
 

@@ -1,10 +1,11 @@
 //! Where a cell lives on the CPU: structure of arrays, so that one plane meets four vertices at a time.
 
 use laguerre_core::cell::{
-    CellStore, FacetSum, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Plane, Real, SEEN_CONFLICT, SEEN_KEEP,
+    CellStore, FacetSecond, FacetSum, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Plane, Real, SEEN_CONFLICT, SEEN_KEEP,
     SEEN_UNCERTAIN, Triangle, Triplet, UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
+use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
 use std::cell::Cell;
 use wide::f64x4;
@@ -49,6 +50,8 @@ pub(crate) struct CpuStore<'a> {
     tags: Vec<u32>,
     links: Vec<u32>,
     facets: Vec<FacetSum>,
+    /// Empty until they are asked for.
+    facet_seconds: Vec<FacetSecond>,
     plane_count: usize,
     vertices: Vertices,
     saved: Vertices,
@@ -57,6 +60,7 @@ pub(crate) struct CpuStore<'a> {
     /// A bit for each vertex: not decided by floating point.
     uncertain: Vec<u64>,
     domain: Option<&'a DomainGrid>,
+    integrand: Option<&'a FramedIntegrand>,
     site: V3,
     /// Whether exact arithmetic was needed for the present cell.
     pub(crate) exact: bool,
@@ -75,17 +79,24 @@ impl<'a> CpuStore<'a> {
             tags: vec![0; p],
             links: vec![0; p],
             facets: vec![FacetSum::default(); p],
+            facet_seconds: Vec::new(),
             plane_count: 0,
             vertices: Vertices::with_room(v),
             saved: Vertices::with_room(v),
             conflict: vec![0; words],
             uncertain: vec![0; words],
             domain,
+            integrand: None,
             site: v3(0.0, 0.0, 0.0),
             exact: false,
             triangles: Cell::new(0),
             last_triangle: Cell::new(None),
         }
+    }
+
+    /// The same store with a function to be integrated.
+    pub(crate) fn with_integrand(self, integrand: Option<&'a FramedIntegrand>) -> Self {
+        Self { integrand, ..self }
     }
 
     /// Turns to the cell of another site.
@@ -209,6 +220,21 @@ impl CellStore for CpuStore<'_> {
     #[inline(always)]
     fn set_facet(&mut self, f: u32, sum: FacetSum) {
         self.facets[f as usize] = sum;
+    }
+    #[inline(always)]
+    fn facet_second(&self, f: u32) -> FacetSecond {
+        self.facet_seconds.get(f as usize).copied().unwrap_or_default()
+    }
+    #[inline(always)]
+    fn set_facet_second(&mut self, f: u32, second: FacetSecond) {
+        if self.facet_seconds.is_empty() {
+            self.facet_seconds = vec![FacetSecond::default(); self.facets.len()];
+        }
+        self.facet_seconds[f as usize] = second;
+    }
+    #[inline(always)]
+    fn integrand(&self) -> Option<&FramedIntegrand> {
+        self.integrand
     }
     #[inline(always)]
     fn domain(&self) -> Option<&DomainGrid> {

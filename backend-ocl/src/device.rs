@@ -11,12 +11,16 @@ use crate::program::{GridKernels, Programs};
 use crate::results::Results;
 use crate::shells;
 use laguerre_core::assemble::FacetRecord;
+use laguerre_core::cell::FacetSecond;
 use laguerre_core::diagram::{FramedContainer, Prepared};
+use laguerre_core::domain_grid::DomainGrid;
+use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
-use laguerre_core::{Domain, PassReport, PowerDiagram, Request, Result};
+use laguerre_core::{PassReport, PowerDiagram, Request, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Work-items of NVIDIA's that run in step and talk through their registers.
@@ -43,7 +47,7 @@ pub(crate) struct Device {
     seconds: f64,
     results: Results,
     /// The domain whose grid is on the device.
-    domain: Option<Domain>,
+    domain: Option<Arc<DomainGrid>>,
     /// Cells of this call at most.
     most_cells: usize,
     /// What the first pass of the next call begins with, and for how many sites that was found.
@@ -74,6 +78,8 @@ struct Memory {
     sums: Room<f64>,
     rows: Room<[u64; 2]>,
     facets: Room<FacetRecord>,
+    facet_seconds: Room<FacetSecond>,
+    integrand: Room<f64>,
 }
 
 /// What a device did with its share of the cells.
@@ -126,13 +132,15 @@ impl Device {
         diagram: &PowerDiagram,
         container: &FramedContainer,
         request: &Request,
+        integrand: Option<&FramedIntegrand>,
     ) -> Result<()> {
-        self.shared.params = Params::new(container, request);
+        self.shared.params = Params::new(container, request, integrand);
         let Self { context, queue, memory, .. } = self;
+        memory.integrand.fill(context, queue, &integrand.map_or(Vec::new(), FramedIntegrand::table))?;
         self.sites.upload(context, queue, diagram)?;
-        let domain = container.domain();
-        let is_there = match (domain, &self.domain) {
-            (Some(new), Some(old)) => old.is_same(new),
+        let grid = container.shared_grid();
+        let is_there = match (grid, &self.domain) {
+            (Some(new), Some(old)) => Arc::ptr_eq(old, new),
             (None, None) => memory.windings.is_made(),
             _ => false,
         };
@@ -140,7 +148,6 @@ impl Device {
             return Ok(());
         }
         self.domain = None;
-        let grid = domain.map(Domain::grid);
         memory.domain_vertices.fill(context, queue, grid.map_or(&[], |g| g.vertices()))?;
         memory.triangles.fill(context, queue, grid.map_or(&[], |g| g.triangles()))?;
         memory.lowest_voxels.fill(context, queue, grid.map_or(&[], |g| g.lowest_voxels()))?;
@@ -148,7 +155,7 @@ impl Device {
         memory.list_entries.fill(context, queue, grid.map_or(&[], |g| g.entries()))?;
         memory.windings.fill(context, queue, grid.map_or(&[], |g| g.windings()))?;
         memory.surface_table.fill(context, queue, grid.map_or(&[], |g| g.surface_table()))?;
-        self.domain = domain.cloned();
+        self.domain = grid.cloned();
         self.first = None;
         Ok(())
     }
@@ -192,6 +199,8 @@ impl Memory {
             sums: Room::new("cells' sums"),
             rows: Room::new("rows of facets"),
             facets: Room::new("a batch's facets"),
+            facet_seconds: Room::new("a batch's facets"),
+            integrand: Room::new("the integrand"),
         }
     }
 }

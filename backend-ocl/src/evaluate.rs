@@ -6,7 +6,8 @@ use crate::grid::SITES_PER_VOXEL;
 use crate::platform::choose;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::{
-    Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Output, PassReport, PowerDiagram, Precision, Request, Result,
+    Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Integrand, Output, PassReport, PowerDiagram, Precision,
+    Request, Result,
 };
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -55,12 +56,18 @@ impl Backend for Ocl {
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        if request.integral.as_ref().is_some_and(Integrand::is_function) {
+            return Err(Error::input(
+                "integrand: a device cannot call a function: give the coefficients of a polynomial, or compute on the CPU (--backend cpu)",
+            ));
+        }
         let container = diagram.framed_container()?;
+        let integrand = request.integral.as_ref().map(|f| f.framed(&container.frame)).transpose()?;
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let name: fn(&Device) -> &String = |device| &device.name;
         // Every device sorts all sites for itself: its cells are cut by others' sites.
         let sorted = on_all(&mut devices, name, &|_, device| {
-            device.load(diagram, &container, request)?;
+            device.load(diagram, &container, request, integrand.as_ref())?;
             device.sort(diagram, &container)
         })?;
         let mut count = sorted.iter().flatten().copied().max();
@@ -91,6 +98,7 @@ impl Backend for Ocl {
         output.device_seconds = device_seconds;
         output.host_cells = for_host.len();
         output.passes = passes;
+        output.check_integrals()?;
         Ok(output)
     }
 }

@@ -1,8 +1,9 @@
 //! The cells that a device hands back: exact arithmetic and all the room there is, on the host.
 
-use laguerre_core::assemble::{Assembler, CellRecord, FacetRecord, collect_facets};
+use laguerre_core::assemble::{Assembler, CellRecord, Facets};
 use laguerre_core::cell::{self, CellSums, PlainStore};
 use laguerre_core::diagram::Prepared;
+use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::search::Search;
 use laguerre_core::{CellStatus, Error, ErrorKind, PowerDiagram, Request, Result};
 use rayon::prelude::*;
@@ -18,14 +19,17 @@ pub(crate) fn compute(
         return Ok(());
     }
     let prepared = diagram.prepare()?;
+    let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let mut sorted_of = vec![0_u32; diagram.positions().len()];
     prepared.sites.order().iter().zip(0..).for_each(|(&site, sorted)| sorted_of[site as usize] = sorted);
     let cells: Result<Vec<_>> = sites
         .par_iter()
-        .map_init(Search::default, |search, &i| compute_cell(search, &prepared, request, sorted_of[i as usize]))
+        .map_init(Search::default, |search, &i| {
+            compute_cell(search, &prepared, request, integrand.as_ref(), sorted_of[i as usize])
+        })
         .collect();
     for (cell, facets) in cells? {
-        assembler.add(&cell, &facets);
+        assembler.add(&cell, facets.all());
     }
     request.progress.advance(sites.len());
     Ok(())
@@ -35,15 +39,17 @@ fn compute_cell(
     search: &mut Search,
     prepared: &Prepared,
     request: &Request,
+    integrand: Option<&FramedIntegrand>,
     site: u32,
-) -> Result<(CellRecord, Vec<FacetRecord>)> {
+) -> Result<(CellRecord, Facets)> {
     let order = prepared.sites.order();
     let [x, y, z, _] = prepared.sites.sites()[site as usize];
-    let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+    let mut store = PlainStore::new([x, y, z], prepared.domain_grid()).with_integrand(integrand);
     let outcome = search.complete(&mut store, prepared, None, site, request.epsilon);
     let mut sums = CellSums::default();
+    let flags = cell::flags_of(request);
     let status = match outcome.status {
-        cell::COMPLETE => cell::integrate_cell(&mut store, cell::flags_of(request), 0, &mut sums),
+        cell::COMPLETE => cell::integrate_cell(&mut store, flags, 0, &mut sums),
         other => other,
     };
     let status = match status {
@@ -57,9 +63,9 @@ fn compute_cell(
             return Err(Error::new(ErrorKind::Device, message));
         }
     };
-    let mut facets = Vec::new();
+    let mut facets = Facets::default();
     if request.facets && status != CellStatus::Empty {
-        collect_facets(&store, order, &mut facets);
+        facets.collect(&store, flags, order);
     }
     Ok((CellRecord { site: order[site as usize], status, sums }, facets))
 }

@@ -3,6 +3,7 @@
 use crate::buffer::Room;
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::diagram::{FramedContainer, Prepared};
+use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::site_grid::Voxels;
 use laguerre_core::{Error, ErrorKind, Request, Result};
 use laguerre_core::{cell, frame};
@@ -26,6 +27,7 @@ pub(crate) struct Params {
     frame_shift: [f64; 3],
     frame_unit: f64,
     frame_smallest: f64,
+    origin: [f64; 3],
     pub(crate) facet_base: u64,
     grid_dims: [u32; 3],
     top_level: u32,
@@ -36,6 +38,8 @@ pub(crate) struct Params {
     pub(crate) flags: u32,
     equal_weights: u32,
     pub(crate) facet_room: u32,
+    nodes: u32,
+    degree: u32,
 }
 
 /// `Cluster` of `store.cl`.
@@ -52,7 +56,7 @@ pub(crate) struct Cluster {
 }
 
 /// Numbers that `probe` of `evaluate.cl` writes.
-pub(crate) const PROBES: usize = 8;
+pub(crate) const PROBES: usize = 9;
 
 /// Whether the device lays its data out as the host does.
 pub(crate) fn check_layouts(probed: &[u32]) -> Result<()> {
@@ -65,6 +69,7 @@ pub(crate) fn check_layouts(probed: &[u32]) -> Result<()> {
         size_of::<cell::V3>(),
         size_of::<cell::Plane>(),
         size_of::<cell::CellSums>(),
+        size_of::<cell::FacetSecond>(),
     ];
     if probed.iter().map(|&n| n as usize).eq(expected) {
         return Ok(());
@@ -103,7 +108,7 @@ impl Range {
 
 impl Params {
     /// All but what `sort_into` sets.
-    pub(crate) fn new(container: &FramedContainer, request: &Request) -> Self {
+    pub(crate) fn new(container: &FramedContainer, request: &Request, integrand: Option<&FramedIntegrand>) -> Self {
         let frame = &container.frame;
         let mut params = Self {
             box_lo: container.lo,
@@ -120,6 +125,11 @@ impl Params {
             params.domain_width = grid.voxel_width();
             params.domain_dims = grid.dims();
             params.has_domain = 1;
+        }
+        if let Some(integrand) = integrand {
+            params.origin = integrand.origin();
+            params.nodes = integrand.nodes().len() as u32;
+            params.degree = integrand.degree();
         }
         params
     }

@@ -14,7 +14,7 @@ use opencl3::program::Program;
 /// The generated functions, as a device gets them.
 pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
 
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 12] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
@@ -22,6 +22,7 @@ const SOURCES: [&str; 11] = [
     include_str!("kernels/store.cl"),
     include_str!("kernels/marks.cl"),
     include_str!("kernels/world.cl"),
+    include_str!("kernels/further.cl"),
     FUNCTIONS,
     include_str!("kernels/search.cl"),
     include_str!("kernels/parity_state.cl"),
@@ -43,6 +44,7 @@ pub struct Parity {
     params: Room<f64>,
     vertices: Room<[f64; 3]>,
     table: Room<u32>,
+    integrand: Room<f64>,
 }
 
 impl Parity {
@@ -54,7 +56,8 @@ impl Parity {
         let chosen = choose(choice, Precision::F64)?;
         let found = chosen.first().ok_or_else(|| Error::new(ErrorKind::Unavailable, "no device was chosen"))?;
         let (context, queue) = platform::open(found)?;
-        let options = format!("-D CAP_P={PLANES} -D CAP_V={VERTICES} -D WITH_FACETS=1 -D NEIGHBORS={NEIGHBORS}");
+        let with = "-D WITH_FACETS=1 -D WITH_FACET_SECOND=1 -D WITH_INTEGRAL=1";
+        let options = format!("-D CAP_P={PLANES} -D CAP_V={VERTICES} {with} -D NEIGHBORS={NEIGHBORS}");
         let source = SOURCES.map(|part| if part == FUNCTIONS { functions } else { part }).concat();
         let program = compile(&context, found.id.0, &source, &options)?;
         let numbers = filled(&context, &queue, &world.numbers)?;
@@ -63,6 +66,7 @@ impl Parity {
             params: filled(&context, &queue, &[0.0; ROOM_FOR_PARAMS])?,
             vertices: filled(&context, &queue, &world.vertices)?,
             table: filled(&context, &queue, &world.table)?,
+            integrand: filled(&context, &queue, &world.integrand.table())?,
             program,
             queue,
             context,
@@ -91,7 +95,7 @@ impl Parity {
         let outputs = filled(context, queue, &results)?;
         // As `PARITY_ARGUMENTS` in `parity_state.cl` has them; the words of `count` calls stand in both buffers.
         enqueue!(queue, &kernel, count, GROUP;
-            self.params.get()?, self.vertices.get()?, self.table.get()?, inputs.get()?, &(calls.input_width as u32),
+            self.params.get()?, self.vertices.get()?, self.table.get()?, self.integrand.get()?, inputs.get()?, &(calls.input_width as u32),
             outputs.get()?, &(calls.output_width as u32), &(count as u32));
         outputs.read(queue, count * calls.output_width, &mut results)?;
         Ok(results)

@@ -1,12 +1,20 @@
 //! What comes back from a device, kept from call to call.
 
 use laguerre_core::CellStatus;
-use laguerre_core::assemble::{Assembler, FacetRecord};
+use laguerre_core::assemble::{Assembler, Facets, Row};
 use laguerre_core::cell::{self, CellSums, v3};
 
 /// Numbers that `evaluate.cl` writes for each cell (`FEW_SUMS`, `ALL_SUMS`).
-pub(crate) const FEW_SUMS: usize = 4;
-pub(crate) const ALL_SUMS: usize = 18;
+const FEW_SUMS: usize = 4;
+const ALL_SUMS: usize = 18;
+
+/// The same for what the flags ask for.
+pub(crate) fn width_of(flags: u32) -> usize {
+    match flags {
+        0 => FEW_SUMS,
+        _ => ALL_SUMS + usize::from(flags & cell::INTEGRAL != 0),
+    }
+}
 
 /// The outcome of a cell that this device did not compute: a coincident site's, or another device's.
 pub(crate) const NOT_COMPUTED: u32 = u32::MAX;
@@ -20,7 +28,7 @@ pub(crate) struct Results {
     pub(crate) width: usize,
     pub(crate) rows: Vec<[u64; 2]>,
     /// Records of all batches, one after the other, up to `facet_count`.
-    pub(crate) facets: Vec<FacetRecord>,
+    pub(crate) facets: Facets,
     pub(crate) facet_count: usize,
 }
 
@@ -31,12 +39,12 @@ impl Results {
     }
 
     /// The facets of the cell of site `i`; none where this device did not compute it.
-    pub(crate) fn facets_of(&self, i: usize) -> &[FacetRecord] {
+    pub(crate) fn facets_of(&self, i: usize) -> Row<'_> {
         match (status_of(self.outcomes[i]), self.rows.get(i)) {
             (Some(CellStatus::Complete | CellStatus::Uncertified), Some(&[begin, count])) => {
-                &self.facets[begin as usize..][..count as usize]
+                self.facets.row(begin as usize, (begin + count) as usize)
             }
-            _ => &[],
+            _ => Row::default(),
         }
     }
 
@@ -59,6 +67,7 @@ impl Results {
             boundary_moment: vector(11),
             boundary_vector: vector(14),
             boundary_flux: numbers[17],
+            integral: numbers.get(ALL_SUMS).copied().unwrap_or(0.0),
             ..few
         }
     }

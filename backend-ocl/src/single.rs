@@ -15,10 +15,10 @@ use crate::shells;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
+use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::{
-    Backend, BackendInfo, CellStatus, DeviceChoice, Domain, Error, Output, PassReport, PowerDiagram, Precision,
-    Request, Result,
+    Backend, BackendInfo, CellStatus, DeviceChoice, Error, Output, PassReport, PowerDiagram, Precision, Request, Result,
 };
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -27,15 +27,16 @@ use scene::{Params, Scene};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-const SOURCE: [&str; 7] = [
+const SOURCE: [&str; 8] = [
     include_str!("kernels/single_prelude.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/single_store.cl"),
     include_str!("kernels/marks.cl"),
     include_str!("kernels/world.cl"),
+    include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),
     include_str!("kernels/single.cl"),
 ];
@@ -64,8 +65,8 @@ struct Device {
     queue: Handle<CommandQueue>,
     kernels: HashMap<Capacities, (Kernel, usize)>,
     memory: Memory,
-    /// The domain whose tables are on the device.
-    domain: Option<Domain>,
+    /// The domain's grid whose tables are on the device.
+    domain: Option<Arc<DomainGrid>>,
     seconds: f64,
 }
 
@@ -121,8 +122,8 @@ impl Backend for Single {
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        if request.facets || request.second_moments {
-            let message = "--precision f32 gives volumes and barycenters only: give --precision f64 for facets and second moments";
+        if request.facets || request.second_moments || request.integral.is_some() {
+            let message = "--precision f32 gives volumes and barycenters only: give --precision f64 for facets, second moments and integrals";
             return Err(Error::input(message));
         }
         let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
@@ -228,15 +229,14 @@ impl Device {
         memory.rests.fill(context, queue, &scene.rests)?;
         memory.voxels.fill(context, queue, prepared.sites.offsets())?;
         memory.weights.fill(context, queue, &scene.weights)?;
-        let domain = prepared.container.domain();
-        if domain.is_some_and(|new| self.domain.as_ref().is_some_and(|old| old.is_same(new))) {
+        let grid = prepared.container.shared_grid();
+        if grid.is_some_and(|new| self.domain.as_ref().is_some_and(|old| Arc::ptr_eq(old, new))) {
             return Ok(());
         }
         self.domain = None;
-        let grid = domain.map(Domain::grid);
         memory.windings.fill(context, queue, grid.map_or(&[], |g| g.windings()))?;
         memory.surface_table.fill(context, queue, grid.map_or(&[], |g| g.surface_table()))?;
-        self.domain = domain.cloned();
+        self.domain = grid.cloned();
         Ok(())
     }
 

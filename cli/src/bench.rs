@@ -113,8 +113,6 @@ fn container(name: &str) -> Result<Option<Domain>> {
         }
         None => Domain::load(name)?,
     };
-    // Not part of an evaluation: it is built once for a domain.
-    domain.grid();
     Ok(Some(domain))
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let (lo, hi) = domain.bounding_box();
     seconds.read = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    domain.grid();
+    domain.grid(args.sites as usize);
     seconds.domain_grid = start.elapsed().as_secs_f64();
 
     let (sites, _) = Sampler::new(Corners { lo, hi }, Some(&domain), 1).blue(args.sites, 0.0, STEPS)?;

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
 
     if let Some(domain) = container.domain() {
         let start = Instant::now();
-        domain.grid();
+        domain.grid(diagram.positions().len());
         seconds.domain_grid = start.elapsed().as_secs_f64();
     }
 
@@ -118,7 +118,7 @@ fn check(args: &IntegrateArgs) -> Result<()> {
 }
 
 /// Whether two paths name one file that is there.
-fn same_file(one: &Path, other: &Path) -> bool {
+pub(crate) fn same_file(one: &Path, other: &Path) -> bool {
     matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
 }
 

@@ -60,12 +60,25 @@ pub(crate) struct Pass {
     cells: usize,
     failed: usize,
     seconds: f64,
+    /// Of those, seconds that a device computed.
+    device_seconds: f64,
+    /// Its second substep: the cells near the surface alone.
+    second: Second,
+}
+
+/// The second substep of a pass.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Second {
+    cells: usize,
+    seconds: f64,
 }
 
 impl From<&PassReport> for Pass {
     fn from(pass: &PassReport) -> Self {
-        let PassReport { neighbors, planes, vertices, triangles, cells, failed, seconds, .. } = *pass;
-        Self { neighbors, planes, vertices, triangles, cells, failed, seconds }
+        let PassReport { neighbors, planes, vertices, triangles, cells, failed, seconds, device_seconds, second } =
+            *pass;
+        let second = Second { cells: second.cells, seconds: second.seconds };
+        Self { neighbors, planes, vertices, triangles, cells, failed, seconds, device_seconds, second }
     }
 }
 

@@ -181,7 +181,7 @@ impl Check<'_> {
         };
         let mut bounds = self.bounds.clone();
         if let Some(domain) = self.diagram.domain() {
-            let grid = domain.grid();
+            let grid = domain.grid(self.diagram.positions().len());
             let [lo, hi] = [[0; 3], grid.dims()].map(|voxel| domain.frame().leave(grid.corner(voxel)));
             let boxed = PowerDiagram::new(self.diagram.positions(), self.diagram.weights())?.in_box(lo, hi)?;
             for (some, convex) in ask(&boxed)? {

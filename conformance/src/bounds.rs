@@ -175,7 +175,7 @@ impl<'a> Bounds<'a> {
             Some(_) if is_needle && self.output.count(CellStatus::Empty) > 0 => volume,
             Some(_) => {
                 let surface = FEW * reach * self.scene.room.area();
-                U * (surface.max(ROUNDINGS * self.scene.room.grid_volume()) + reach * self.facet_area)
+                U * (surface.max(ROUNDINGS * self.scene.room.grid_volume(self.scene.len())) + reach * self.facet_area)
             }
             None => cells().sum(),
         };

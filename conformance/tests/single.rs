@@ -3,7 +3,8 @@
 #![cfg(all(feature = "cpu", feature = "ocl"))]
 
 use laguerre::{
-    Backend, CellStatus, DeviceChoice, Domain, Error, ErrorKind, Output, PowerDiagram, Precision, Request, Selection,
+    Backend, CellStatus, DeviceChoice, Domain, Error, ErrorKind, Integrand, Output, PowerDiagram, Precision, Request,
+    Selection,
 };
 use laguerre_conformance::sites::Random;
 use laguerre_core::shapes::{icosphere, torus};
@@ -148,7 +149,9 @@ fn domains() {
 fn facets_are_refused() {
     let Some(single) = open(Precision::F32) else { return };
     let diagram = in_cube(&white(10, 1), &[]);
-    for request in [Request::moments().with_facets(), Request::moments().with_second_moments()] {
+    let integrand = Integrand::polynomial([0.0; 3], &[([1, 0, 0], 1.0)]).unwrap();
+    let integral = Request::moments().with_integral(integrand);
+    for request in [Request::moments().with_facets(), Request::moments().with_second_moments(), integral] {
         let error: Error = single.evaluate(&diagram, &request).unwrap_err();
         assert!(
             error.kind() == ErrorKind::Input && error.to_string().contains("volumes and barycenters only"),

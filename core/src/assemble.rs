@@ -1,7 +1,7 @@
 //! From sums in the frame of each site to the output in the caller's order and unit. Written once for all backends.
 
 use crate::PowerDiagram;
-use crate::cell::{CellStore, CellSums, TAG_BOX, V3, facet_is_above_bound};
+use crate::cell::{CellStore, CellSums, FACET_SECOND_MOMENTS, FacetSecond, TAG_BOX, V3, facet_is_above_bound};
 use crate::diagram::FramedContainer;
 use crate::frame::Frame;
 use crate::output::{Boundary, CellStatus, FacetList, Neighbor, Output};
@@ -33,14 +33,53 @@ pub struct CellRecord {
     pub sums: CellSums,
 }
 
-/// Appends the facets of the finished cell that exceed their rounding bound; the tags are sorted indices, and `order` the caller's.
-pub fn collect_facets<S: CellStore>(store: &S, order: &[u32], facets: &mut Vec<FacetRecord>) {
-    for f in 0..store.planes() {
-        let (tag, sum) = (store.tag(f), store.facet(f));
-        if tag < TAG_BOX && facet_is_above_bound(sum) != 0 {
-            let neighbor = order[tag as usize];
-            facets.push(FacetRecord { area: sum.area, moment: sum.moment, neighbor, unused: 0 });
+/// Facets of finished cells, one after the other.
+#[derive(Clone, Debug, Default)]
+pub struct Facets {
+    /// Their sums.
+    pub records: Vec<FacetRecord>,
+    /// Their second moments about their own barycenters, as many, or none where they are not asked for.
+    pub seconds: Vec<FacetSecond>,
+}
+
+impl Facets {
+    /// Appends the facets of the finished cell that exceed their rounding bound, as `flags` ask for; the tags are sorted indices, and
+    /// `order` the caller's.
+    pub fn collect<S: CellStore>(&mut self, store: &S, flags: u32, order: &[u32]) {
+        for f in 0..store.planes() {
+            let (tag, sum) = (store.tag(f), store.facet(f));
+            if tag < TAG_BOX && facet_is_above_bound(sum) != 0 {
+                let neighbor = order[tag as usize];
+                self.records.push(FacetRecord { area: sum.area, moment: sum.moment, neighbor, unused: 0 });
+                if flags & FACET_SECOND_MOMENTS != 0 {
+                    self.seconds.push(store.facet_second(f));
+                }
+            }
         }
+    }
+
+    /// Those from `begin` to before `end`.
+    pub fn row(&self, begin: usize, end: usize) -> Row<'_> {
+        Row { records: &self.records[begin..end], seconds: self.seconds.get(begin..end).unwrap_or_default() }
+    }
+
+    /// All of them.
+    pub fn all(&self) -> Row<'_> {
+        self.row(0, self.records.len())
+    }
+}
+
+/// Some facets of [`Facets`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row<'a> {
+    records: &'a [FacetRecord],
+    seconds: &'a [FacetSecond],
+}
+
+impl Row<'_> {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
     }
 }
 
@@ -55,7 +94,8 @@ pub struct Assembler<'a> {
     output: Output,
     /// For each site where its facets begin in `facets`, and how many they are; empty where none are asked for.
     rows: Vec<(u64, u32)>,
-    facets: Vec<FacetRecord>,
+    facets: Facets,
+    has_seconds: bool,
 }
 
 /// The integrals of one finished cell in the caller's frame and unit.
@@ -63,6 +103,7 @@ struct Finished {
     volume: f64,
     barycenter: [f64; 3],
     second_moment: [f64; 6],
+    integral: f64,
     boundary: Boundary,
 }
 
@@ -75,16 +116,24 @@ impl<'a> Assembler<'a> {
             volume: vec![0.0; n],
             barycenter: vec![[f64::NAN; 3]; n],
             second_moment: request.second_moments.then(|| vec![[0.0; 6]; n]),
+            integral: request.integral.is_some().then(|| vec![0.0; n]),
             facets: request.facets.then(FacetList::default),
             boundary: request.facets.then(|| vec![Boundary::default(); n]),
             ..Output::default()
         };
         let rows = if request.facets { vec![(0, 0); n] } else { Vec::new() };
-        Self { positions: diagram.positions(), frame: container.frame, output, rows, facets: Vec::new() }
+        Self {
+            positions: diagram.positions(),
+            frame: container.frame,
+            output,
+            rows,
+            facets: Facets::default(),
+            has_seconds: request.facet_second_moments,
+        }
     }
 
     /// Adds one finished cell with its facets.
-    pub fn add(&mut self, cell: &CellRecord, facets: &[FacetRecord]) {
+    pub fn add(&mut self, cell: &CellRecord, facets: Row<'_>) {
         let i = cell.site as usize;
         self.output.status[i] = cell.status;
         if cell.status == CellStatus::Empty {
@@ -96,12 +145,16 @@ impl<'a> Assembler<'a> {
         if let Some(second) = &mut self.output.second_moment {
             second[i] = finished.second_moment;
         }
+        if let Some(integral) = &mut self.output.integral {
+            integral[i] = finished.integral;
+        }
         if let Some(boundary) = &mut self.output.boundary {
             boundary[i] = finished.boundary;
         }
         if let Some(row) = self.rows.get_mut(i) {
-            *row = (self.facets.len() as u64, facets.len() as u32);
-            self.facets.extend_from_slice(facets);
+            *row = (self.facets.records.len() as u64, facets.records.len() as u32);
+            self.facets.records.extend_from_slice(facets.records);
+            self.facets.seconds.extend_from_slice(facets.seconds);
         }
     }
 
@@ -124,6 +177,12 @@ impl<'a> Assembler<'a> {
             };
             second.par_iter_mut().enumerate().for_each(set);
         }
+        if let Some(integral) = &mut output.integral {
+            let set = |(i, integral): (usize, &mut f64)| {
+                finished(i).into_iter().for_each(|(_, cell)| *integral = cell.integral);
+            };
+            integral.par_iter_mut().enumerate().for_each(set);
+        }
         if let Some(boundary) = &mut output.boundary {
             let set = |(i, boundary): (usize, &mut Boundary)| {
                 finished(i).into_iter().for_each(|(_, cell)| *boundary = cell.boundary);
@@ -134,17 +193,18 @@ impl<'a> Assembler<'a> {
 
     /// The output; the counts of cells and `passes` are the caller's to fill in.
     pub fn finish(self) -> Output {
-        self.finish_with(|_| &[])
+        self.finish_with(|_| Row::default())
     }
 
     /// The same where the facets of cells that were added without stand elsewhere: `row(i)` are those of site `i`.
-    pub fn finish_with<'b>(mut self, row: impl Fn(usize) -> &'b [FacetRecord] + Sync) -> Output {
+    pub fn finish_with<'b>(mut self, row: impl Fn(usize) -> Row<'b> + Sync) -> Output {
         if let Some(list) = &mut self.output.facets {
             let row_of = |i: usize| match self.rows[i] {
                 (_, 0) => row(i),
-                (begin, count) => &self.facets[begin as usize..][..count as usize],
+                (begin, count) => self.facets.row(begin as usize, begin as usize + count as usize),
             };
-            *list = facet_list(&self.frame, self.positions, &row_of);
+            *list = facet_list(&self.frame, self.positions, &|i| row_of(i).records);
+            list.second_moment = self.has_seconds.then(|| facet_seconds(&self.frame, self.positions.len(), &row_of));
         }
         self.output
     }
@@ -178,6 +238,7 @@ fn finish(frame: &Frame, position: [f64; 3], sums: &CellSums) -> Finished {
         volume: sums.volume * unit.powi(3),
         barycenter: place(sums.first, sums.volume),
         second_moment: second_moment.map(|x| x * unit.powi(5)),
+        integral: sums.integral * unit.powi(3),
         boundary,
     }
 }
@@ -200,6 +261,7 @@ fn facet_list<'b>(
         area: vec![0.0; total],
         barycenter: vec![[0.0; 3]; total],
         distance: vec![0.0; total],
+        second_moment: None,
     };
     // Each task has its own part of the columns.
     let mut parts = Vec::new();
@@ -236,4 +298,17 @@ fn facet_list<'b>(
         }
     });
     list
+}
+
+/// The second moments of the facets of all sites, in the order of [`facet_list`].
+fn facet_seconds<'b>(frame: &Frame, sites: usize, row_of: &(impl Fn(usize) -> Row<'b> + Sync)) -> Vec<[f64; 6]> {
+    let unit = frame.unit().powi(4);
+    let row_in_order = |i: usize| {
+        let Row { records, seconds } = row_of(i);
+        let mut row: Vec<_> = records.iter().map(|facet| facet.neighbor).zip(seconds).collect();
+        row.sort_unstable_by_key(|(neighbor, _)| *neighbor);
+        row.into_iter()
+            .map(|(_, FacetSecond { diagonal: d, mixed: m })| [d.x, d.y, d.z, m.x, m.y, m.z].map(|entry| entry * unit))
+    };
+    (0..sites).into_par_iter().flat_map_iter(row_in_order).collect()
 }

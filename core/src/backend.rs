@@ -80,8 +80,8 @@ pub struct DeviceInfo {
 /// storage, scheduling and transfer, and never restates it. The output does not depend on the number of threads,
 /// nor on what was evaluated before.
 ///
-/// *Which errors can reach the caller.* `Input`, only from `prepare` (sites out of range of the domain); `Device` for device,
-/// driver and memory. Never a partial result passed as whole.
+/// *Which errors can reach the caller.* `Input`, only from `prepare` (sites out of range of the domain) and for an integrand (a function
+/// on a device, an integral that is not finite); `Device` for device, driver and memory. Never a partial result passed as whole.
 ///
 /// *Reuse.* Evaluating again with the same backend reuses its buffers; with the same domain, its grid.
 pub trait Backend: Send + Sync {

@@ -58,7 +58,7 @@ fn count_cell(search: &mut Search, prepared: &Prepared, request: &Request, site:
     let mut planes = store.most_planes().max(BOX_PLANES);
     if outcome.status == cell::COMPLETE {
         cell::integrate_cell(&mut store, cell::flags_of(request), 0, &mut CellSums::default());
-        if store.triangles_tried() > 0 {
+        if store.was_saved() {
             planes = planes.max(store.planes() + CONE_PLANES);
         }
     }

@@ -1,5 +1,7 @@
 //! Sites, weights and the container they are restricted to.
 
+use std::sync::Arc;
+
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
 use crate::site_grid::{SITES_PER_VOXEL, SiteGrid};
@@ -181,12 +183,12 @@ impl PowerDiagram {
         Ok(match self.container()? {
             Container::Box(lo, hi) => {
                 let frame = Frame::of_box(lo, hi);
-                FramedContainer { frame, lo: frame.enter(lo), hi: frame.enter(hi), domain: None }
+                FramedContainer { frame, lo: frame.enter(lo), hi: frame.enter(hi), grid: None }
             }
             Container::Domain(domain) => {
-                let grid = domain.grid();
+                let grid = domain.grid(self.positions.len());
                 let (lo, hi) = (grid.corner([0; 3]), grid.corner(grid.dims()));
-                FramedContainer { frame: *domain.frame(), lo, hi, domain: Some(domain) }
+                FramedContainer { frame: *domain.frame(), lo, hi, grid: Some(Arc::clone(grid)) }
             }
         })
     }
@@ -239,18 +241,18 @@ pub struct FramedContainer {
     pub lo: [f64; 3],
     /// Maximum corner of the initial cell, in the frame.
     pub hi: [f64; 3],
-    domain: Option<Domain>,
+    grid: Option<Arc<DomainGrid>>,
 }
 
 impl FramedContainer {
-    /// The domain, if the diagram is restricted to one.
-    pub fn domain(&self) -> Option<&Domain> {
-        self.domain.as_ref()
-    }
-
     /// The domain's grid, if the diagram is restricted to a domain.
     pub fn domain_grid(&self) -> Option<&DomainGrid> {
-        self.domain.as_ref().map(Domain::grid)
+        self.grid.as_deref()
+    }
+
+    /// The same, to be kept and compared: evaluations with the same domain and about as many sites share it.
+    pub fn shared_grid(&self) -> Option<&Arc<DomainGrid>> {
+        self.grid.as_ref()
     }
 }
 

@@ -14,6 +14,10 @@ use crate::{Error, Result};
 /// Most triangles that a domain may have: the grid's lists, at most 8 entries a triangle and voxel, are indexed by `u32`.
 pub const MOST_TRIANGLES: usize = 1 << 28;
 
+/// Grids are made for 2¹⁰ to 2²³ sites.
+const FEWEST: usize = 10;
+const LEVELS: usize = 14;
+
 /// A closed triangle mesh with its integrals, shared and never copied: cloning it is cheap.
 ///
 /// The domain is the function `winding(x)` on space: 1 inside a simple closed surface whose triangles are
@@ -33,7 +37,8 @@ struct Inner {
     hi: [f64; 3],
     notes: Vec<String>,
     frame: Frame,
-    grid: OnceLock<DomainGrid>,
+    /// One for each power of two of sites.
+    grids: [OnceLock<Arc<DomainGrid>>; LEVELS],
 }
 
 impl Domain {
@@ -97,7 +102,7 @@ impl Domain {
                 hi,
                 notes,
                 frame,
-                grid: OnceLock::new(),
+                grids: [const { OnceLock::new() }; LEVELS],
             }),
         })
     }
@@ -142,16 +147,13 @@ impl Domain {
         &self.inner.frame
     }
 
-    /// Whether `other` is this very domain: a clone, not an equal mesh.
-    pub fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.inner, &other.inner)
-    }
-
-    /// The grid over the domain, in the coordinates of [`Domain::frame`]; built on the first call.
-    pub fn grid(&self) -> &DomainGrid {
-        self.inner.grid.get_or_init(|| {
+    /// The grid over the domain for so many sites, in the coordinates of [`Domain::frame`]: one voxel for each at most, so that few cells
+    /// seem to meet the surface that do not. Built on the first call for the next power of two, and kept.
+    pub fn grid(&self, sites: usize) -> &Arc<DomainGrid> {
+        let level = (sites.max(1).next_power_of_two().trailing_zeros() as usize).clamp(FEWEST, FEWEST + LEVELS - 1);
+        self.inner.grids[level - FEWEST].get_or_init(|| {
             let vertices: Vec<[f64; 3]> = self.inner.vertices.iter().map(|&v| self.inner.frame.enter(v)).collect();
-            DomainGrid::new(&vertices, &self.inner.triangles)
+            Arc::new(DomainGrid::new(&vertices, &self.inner.triangles, 1 << level))
         })
     }
 }

@@ -7,9 +7,9 @@ mod winding;
 use crate::diagram::bounding_box;
 use lattice::Lattice;
 
-/// Voxels along the largest extent: at least and at most.
-const RESOLUTION: [f64; 2] = [12.0, 160.0];
-/// Voxels in all: at most.
+/// Voxels along the largest extent: at least, at most for many triangles, and at most.
+const RESOLUTION: [f64; 3] = [12.0, 160.0, 250.0];
+/// Voxels in all: at most, or twice as many as sites where that is more.
 const MOST_VOXELS: usize = 2_000_000;
 /// Length of the triangle lists for each triangle and voxel: at most (or else larger voxels are taken).
 const MOST_ENTRIES: usize = 8;
@@ -35,25 +35,33 @@ pub struct DomainGrid {
 impl DomainGrid {
     /// The grid over a closed mesh in the coordinates of its frame: its largest extent in (½, 1] and `|x| ≤ 2`.
     ///
-    /// There are about √(number of triangles) voxels along the largest extent, within 12 and 160; fewer where that were
-    /// more than 2 million, or the lists longer than 8 entries a triangle and voxel.
-    pub fn new(vertices_in_frame: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
+    /// There are about √(number of triangles) voxels along the largest extent, within 12 and 160, or more (up to 250) until there is one for
+    /// each of so many sites; fewer where the lists would be longer than 8 entries a triangle and voxel.
+    ///
+    /// Cells near the surface cost several times what others do, and the grid decides which are near: at 10 million sites of a perturbed
+    /// lattice, a sphere of 1,280 triangles costs 118 % over no domain with 36 voxels along its diameter, 28 % with 214 (one NVIDIA
+    /// H200).
+    pub fn new(vertices_in_frame: &[[f64; 3]], triangles: &[[u32; 3]], sites: usize) -> Self {
         let vertices = vertices_in_frame;
         let used: Vec<[f64; 3]> = triangles.iter().flatten().map(|&i| vertices[i as usize]).collect();
         let (lo, hi) = bounding_box(&used);
-        let mut resolution = (triangles.len() as f64).sqrt().clamp(RESOLUTION[0], RESOLUTION[1]);
+        let extent: [f64; 3] = std::array::from_fn(|k| hi[k] - lo[k]);
+        let spacing = (extent.iter().product::<f64>() / sites as f64).cbrt();
+        let for_sites = (extent.iter().fold(0.0, |e: f64, &x| e.max(x)) / spacing).min(RESOLUTION[2]);
+        let mut resolution = (triangles.len() as f64).sqrt().clamp(RESOLUTION[0], RESOLUTION[1]).max(for_sites);
+        let most_voxels = MOST_VOXELS.max(2 * sites);
         let mut attempt = 0;
         loop {
             let lattice = Lattice::around(lo, hi, resolution, shift(attempt));
             let voxels = lattice.voxels();
-            if voxels > MOST_VOXELS {
-                resolution *= 0.99 * (MOST_VOXELS as f64 / voxels as f64).cbrt();
+            if voxels > most_voxels {
+                resolution *= 0.99 * (most_voxels as f64 / voxels as f64).cbrt();
                 continue;
             }
             let length: usize = triangles.iter().map(|t| volume_of_range(box_of_triangle(vertices, t, &lattice))).sum();
             // This ends: at resolution 1 there are 2 voxels along each axis, and 8 in all.
             if length > MOST_ENTRIES * (triangles.len() + voxels) {
-                resolution *= 0.5;
+                resolution *= 0.8;
                 continue;
             }
             if let Some(windings) = winding::windings(vertices, triangles, &lattice) {

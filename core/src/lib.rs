@@ -14,6 +14,7 @@ pub mod domain_grid;
 pub mod error;
 pub mod exact;
 pub mod frame;
+pub mod integrand;
 pub mod io;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
@@ -30,5 +31,6 @@ pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo, Precision};
 pub use diagram::PowerDiagram;
 pub use domain::Domain;
 pub use error::{Error, ErrorKind, Result};
+pub use integrand::Integrand;
 pub use output::{Boundary, CellStatus, FacetList, Neighbor, Output, PassReport, Substep};
 pub use request::{Progress, Request};

@@ -1,7 +1,7 @@
 //! The naive oracle: every site clips every cell, in sorted order, with no grid and no early stop. It shares the clipping
 //! with the backends, so it tests completeness; what tests the clipping is what shares nothing with it.
 
-use crate::assemble::{Assembler, CellRecord, collect_facets};
+use crate::assemble::{Assembler, CellRecord, Facets};
 use crate::backend::{Backend, BackendInfo};
 use crate::cell::{self, CellSums, PlainStore, bisector, v3};
 use crate::output::CellStatus;
@@ -28,6 +28,7 @@ impl Backend for Naive {
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         let prepared = diagram.prepare()?;
         let mut assembler = Assembler::new(diagram, &prepared.container, request);
+        let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
         let flags = cell::flags_of(request);
         let sites = prepared.sites.sites();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
@@ -35,7 +36,7 @@ impl Backend for Naive {
             if self.only.as_ref().is_some_and(|only| !only.contains(&site)) {
                 continue;
             }
-            let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+            let mut store = PlainStore::new([x, y, z], prepared.domain_grid()).with_integrand(integrand.as_ref());
             let corner = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
             let mut status = cell::begin(&mut store, corner(prepared.container.lo), corner(prepared.container.hi));
             for (j, &[nx, ny, nz, nw]) in sites.iter().enumerate() {
@@ -52,12 +53,14 @@ impl Backend for Naive {
                 cell::EMPTY => CellStatus::Empty,
                 other => return Err(Error::new(ErrorKind::Device, format!("cell {i} ended with status {other}"))),
             };
-            let mut facets = Vec::new();
+            let mut facets = Facets::default();
             if request.facets {
-                collect_facets(&store, prepared.sites.order(), &mut facets);
+                facets.collect(&store, flags, prepared.sites.order());
             }
-            assembler.add(&CellRecord { site, status, sums }, &facets);
+            assembler.add(&CellRecord { site, status, sums }, facets.all());
         }
-        Ok(assembler.finish())
+        let output = assembler.finish();
+        output.check_integrals()?;
+        Ok(output)
     }
 }

@@ -1,5 +1,7 @@
 //! What comes back: flat arrays in the caller's order and units.
 
+use crate::{Error, Result};
+
 /// How the computation of one cell ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CellStatus {
@@ -45,6 +47,8 @@ pub struct FacetList {
     pub barycenter: Vec<[f64; 3]>,
     /// Distance between the two sites.
     pub distance: Vec<f64>,
+    /// Where requested: ∫ (x − b)(x − b)ᵀ dA about each facet's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁴).
+    pub second_moment: Option<Vec<[f64; 6]>>,
 }
 
 /// The part of the domain's boundary that lies in one restricted cell.
@@ -104,6 +108,9 @@ pub struct Output {
     pub barycenter: Vec<[f64; 3]>,
     /// Where requested: ∫ (x − b)(x − b)ᵀ dx about the cell's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁵).
     pub second_moment: Option<Vec<[f64; 6]>>,
+    /// Where requested: the integral of the given function over each restricted cell (its unit times length³), 0 where the cell is
+    /// empty; [`Integrand`](crate::Integrand) says how near it is.
+    pub integral: Option<Vec<f64>>,
     /// Where requested: the facets between cells.
     pub facets: Option<FacetList>,
     /// Where requested: each cell's piece of the boundary.
@@ -119,6 +126,20 @@ pub struct Output {
 }
 
 impl Output {
+    /// Refuses integrals that are no numbers: the given function is not one everywhere. Called by backends.
+    ///
+    /// # Errors
+    /// `Input` for the first site whose integral is not finite.
+    pub fn check_integrals(&self) -> Result<()> {
+        match self.integral.iter().flatten().position(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(i) => Err(Error::input(format!(
+                "integrand: its integral over the cell of site {i} is not finite: it must be so in all of the box, and of the box of the \
+                 domain's grid"
+            ))),
+        }
+    }
+
     /// Number of cells with the given status.
     pub fn count(&self, status: CellStatus) -> usize {
         self.status.iter().filter(|&&s| s == status).count()

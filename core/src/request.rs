@@ -1,5 +1,6 @@
 //! What to compute: a [`Request`].
 
+use crate::Integrand;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,6 +28,10 @@ pub struct Request {
     pub facets: bool,
     /// Second moments.
     pub second_moments: bool,
+    /// Second moments of the facets; only with `facets`.
+    pub facet_second_moments: bool,
+    /// A function to be integrated over every cell.
+    pub integral: Option<Integrand>,
     /// `Some(ε)`: stop each cell at the paper's security radius enlarged by the factor `1 + ε` (paper §2.3), with no
     /// certificate: cells for which that cannot be shown to suffice are marked `Uncertified`.
     pub epsilon: Option<f64>,
@@ -50,6 +55,19 @@ impl Request {
     #[must_use]
     pub fn with_second_moments(self) -> Self {
         Self { second_moments: true, ..self }
+    }
+
+    /// Also the facets, as [`Request::with_facets`] does, with their second moments.
+    #[must_use]
+    pub fn with_facet_second_moments(self) -> Self {
+        Self { facets: true, facet_second_moments: true, ..self }
+    }
+
+    /// Also the integral of a given function over each cell: a polynomial on any backend of double precision, a function of the caller's on
+    /// the CPU alone.
+    #[must_use]
+    pub fn with_integral(self, integrand: Integrand) -> Self {
+        Self { integral: Some(integrand), ..self }
     }
 
     /// Stop at the paper's enlarged security radius instead of a proof (see [`Request::epsilon`]).

@@ -5,8 +5,9 @@ use crate::buffer::lacked_memory;
 use crate::launch::{enqueue, launch};
 use crate::params;
 use crate::program::{Kernels, MOST_PLANES, Way};
-use crate::results::{ALL_SUMS, FEW_SUMS, NOT_COMPUTED};
+use crate::results::{NOT_COMPUTED, width_of};
 use laguerre_core::assemble::FacetRecord;
+use laguerre_core::cell::{FACET_SECOND_MOMENTS, FacetSecond, INTEGRAL};
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
 use laguerre_core::{Error, Request, Result};
@@ -78,10 +79,12 @@ impl Device {
         // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
         self.most_cells = sites.div_ceil(of);
         self.clear(request, sites, self.most_cells)?;
-        // Together no proof is cut short, and no tree is searched.
-        let whole = self.shared.params.has_clusters == 0 && request.epsilon.is_none();
+        // Together no proof is cut short, no tree is searched, and what few ask for is not computed.
+        let whole = self.shared.params.has_clusters == 0
+            && request.epsilon.is_none()
+            && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
         let together = self.together.filter(|_| whole);
-        let first = if together.is_some() { FIRST } else { self.first_capacities(request, share.clone())? };
+        let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
         let mut for_host = Vec::new();
         let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
             if room.planes > MOST_PLANES {
@@ -100,7 +103,7 @@ impl Device {
             self.first = Some((share.len(), if too_many { first.grown() } else { first }));
         }
         let Self { queue, memory, results, shared, .. } = self;
-        let width = if shared.params.flags == 0 { FEW_SUMS } else { ALL_SUMS };
+        let width = width_of(shared.params.flags);
         results.width = width;
         memory.outcome.read(queue, sites, &mut results.outcomes)?;
         memory.sums.read(queue, sites * width, &mut results.sums)?;
@@ -114,7 +117,7 @@ impl Device {
     fn clear(&mut self, request: &Request, sites: usize, share: usize) -> Result<()> {
         let Self { context, queue, memory, shared, results, .. } = self;
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
-        memory.sums.grow(context, sites * if shared.params.flags == 0 { FEW_SUMS } else { ALL_SUMS })?;
+        memory.sums.grow(context, sites * width_of(shared.params.flags))?;
         memory.rows.grow(context, if request.facets { sites } else { 1 })?;
         for list in
             [&mut memory.todo, &mut memory.boundary, &mut memory.failed, &mut memory.full, &mut memory.undecided]
@@ -128,7 +131,7 @@ impl Device {
     }
 
     /// Room such that few cells fail: what sufficed in the last call, or what a sample of the cells needs.
-    fn first_capacities(&mut self, request: &Request, share: Range<usize>) -> Result<Capacities> {
+    fn first_capacities(&mut self, share: Range<usize>) -> Result<Capacities> {
         if let Some((count, room)) = self.first
             && share.len() / 2 <= count
             && count / 2 <= share.len()
@@ -143,7 +146,7 @@ impl Device {
         self.shared.params.facet_room = 0;
         loop {
             let (all, stride) = (Todo::Sorted(share.clone()), share.len() / SAMPLE);
-            if let Some(late) = self.run(request, Way::Alone(room), &all, stride, 0..SAMPLE, false)? {
+            if let Some(late) = self.run(Way::Alone(room), &all, stride, 0..SAMPLE, false)? {
                 return Err(late);
             }
             let failures = self.counters[FAILED];
@@ -210,12 +213,13 @@ impl Device {
             self.shared.params.facet_base = self.results.facet_count as u64;
             let left = |counters: &[u32]| counters[BOUNDARY] + counters[FAILED] + counters[FULL];
             let before = left(&self.counters);
-            if let Some(late) = self.run(request, way, cells, 1, begin..end, interior_only)? {
+            if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
                 if !request.facets || batch <= FEWEST_CELLS {
                     return Err(late);
                 }
                 self.memory.facets.free();
+                self.memory.facet_seconds.free();
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
@@ -224,7 +228,10 @@ impl Device {
                 // Beyond the room there is nothing; a gap at its end belongs to no row.
                 let written = self.counters[FACETS].min(self.shared.params.facet_room) as usize;
                 let Self { queue, memory, results, .. } = self;
-                memory.facets.read_at(queue, written, &mut results.facets, results.facet_count)?;
+                memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
+                if request.facet_second_moments {
+                    memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
+                }
                 results.facet_count += written;
                 self.counters[FACETS] = 0;
             }
@@ -239,17 +246,23 @@ impl Device {
             self.memory.facets.grow(&self.context, 1)?;
             return Ok(most);
         }
-        let bytes = FACETS_PER_CELL * size_of::<FacetRecord>();
+        let second = if request.facet_second_moments { size_of::<FacetSecond>() } else { 0 };
+        let bytes = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
         let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
         let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
         loop {
             let room = (batch * FACETS_PER_CELL).max(MOST_PLANES as usize);
-            let facets = &mut self.memory.facets;
-            if batch > FEWEST_CELLS && !facets.grow_if_possible(&self.context, room)? {
+            let Memory { facets, facet_seconds, .. } = &mut self.memory;
+            let seconds = if request.facet_second_moments { room } else { 1 };
+            let is_there = batch <= FEWEST_CELLS
+                || (facets.grow_if_possible(&self.context, room)?
+                    && facet_seconds.grow_if_possible(&self.context, seconds)?);
+            if !is_there {
                 batch /= 2;
                 continue;
             }
             facets.grow(&self.context, room)?;
+            facet_seconds.grow(&self.context, seconds)?;
             self.shared.params.facet_room = room as u32;
             return Ok(batch);
         }
@@ -259,7 +272,6 @@ impl Device {
     /// finds only now that it lacks memory, nothing has run, and its error is given.
     fn run(
         &mut self,
-        request: &Request,
         way: Way,
         cells: &Todo,
         stride: usize,
@@ -267,9 +279,10 @@ impl Device {
         interior_only: bool,
     ) -> Result<Option<Error>> {
         let Self { context, queue, memory, programs, sites, shared, counters, .. } = self;
-        let kernels = programs.get(context, self.id, way, request.facets)?;
+        let kernels = programs.get(context, self.id, way, shared.params.flags, self.domain.is_some())?;
         check_layouts(context, queue, memory, kernels)?;
         memory.facets.grow(context, 1)?;
+        memory.facet_seconds.grow(context, 1)?;
         shared.send(context, queue)?;
         memory.counters.fill(context, queue, counters)?;
         let (has_list, start) = match cells {
@@ -285,7 +298,7 @@ impl Device {
             memory.surface_table.get()?, sites.order.get()?, memory.todo.get()?, &has_list, &first, &(stride as u32),
             &(turns.len() as u32), &u32::from(interior_only), memory.outcome.get()?, memory.sums.get()?,
             memory.facets.get()?, memory.rows.get()?, memory.counters.get()?, memory.boundary.get()?, memory.failed.get()?,
-            memory.full.get()?, memory.undecided.get()?);
+            memory.full.get()?, memory.undecided.get()?, memory.facet_seconds.get()?, memory.integrand.get()?);
         if let Err(error) = ran {
             let late = lacked_memory(&error);
             let failed = kernels.cells.failed(error);

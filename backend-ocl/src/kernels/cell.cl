@@ -53,20 +53,33 @@ INLINE real farthest_vertex(Store *s);
 INLINE real security_reach(real r, real dw);
 INLINE uint box_cannot_cut(Store *s, V3 lo, V3 hi, real dw);
 INLINE real outside_of(real x, real lo, real hi);
+OUTLINE void integrate_function(Store *s, real weight, V3 center, CellSums *sums);
+OUTLINE void add_fans_at_edge(Store *s, uint v, uint f, uint g, V3 center, Wide *sum);
+OUTLINE uint first_vertex_on(Store *s, uint f, uint g, uint end);
+OUTLINE void add_quadrature(Store *s, real volume, V3 a, V3 b, V3 c, V3 center, Wide *sum);
+INLINE void add_compensated(real x, Wide *sum);
+OUTLINE real polynomial(Store *s, V3 x);
 HOT uint volume_is_above_bound(CellSums sums);
-OUTLINE uint facet_is_above_bound(FacetSum sum);
 HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
 INLINE Side side(Store *s, uint f, V3 center);
 INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part);
 INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot);
 INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums *part);
+INLINE V3 second_diagonal(V3 h, V3 i, V3 v, V3 s);
+INLINE V3 second_mixed(V3 h, V3 i, V3 v, V3 s);
 INLINE real squares(real a, real b, real c);
 INLINE real products(real a, real b, real c, real d, real e, real f);
-INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum);
-OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum);
-OUTLINE void reset_facets(Store *s);
-OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums);
 OUTLINE V3 reference_point(Store *s);
+OUTLINE uint facet_is_above_bound(FacetSum sum);
+INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum);
+INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign);
+OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum);
+OUTLINE void reset_facets(Store *s, uint flags);
+OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums);
+OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center);
+OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight, V3 center);
+OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real sign);
+OUTLINE void center_facets(Store *s, V3 center);
 OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint *touched, CellSums *sums);
 OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone);
 OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums);
@@ -76,16 +89,28 @@ OUTLINE TruncatedCone no_cone();
 OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism);
 INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign);
 OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c);
+HOT int filtered_sign(V3 a, V3 b, V3 c);
 INLINE V3 magnitudes(V3 a);
+OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding);
+OUTLINE uint site_is_inside(Store *s);
+HOT uint voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding);
+HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding);
+INLINE uint are_apart(V3 a, V3 b, V3 c, V3 d);
+HOT uint plane_is_apart(Store *s, V3 a_in, V3 e, V3 f);
+INLINE V3 least_of(V3 a, V3 b, V3 c);
+INLINE V3 most_of(V3 a, V3 b, V3 c);
+INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel);
 OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums);
+OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums);
 HOT uint settle(Store *s, CellSums *sums);
 OUTLINE uint lies_outside(Store *s);
 OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
 OUTLINE void add_box_faces(Store *s, CellSums *sums);
 OUTLINE real box_of_cell(Store *s, V3 *low, V3 *high);
+HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high);
+HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi);
 OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi);
 OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums);
-INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel);
 
 // core/src/cell/vector.rs
 
@@ -828,6 +853,108 @@ INLINE real outside_of(real x, real lo, real hi) {
     return REAL(0.0);
 }
 
+// core/src/cell/quadrature.rs
+
+// Adds `weight` times the integral of the store's function over the present polytope to `sums`; `center` is the point that the
+// tetrahedra share.
+OUTLINE void integrate_function(Store *s, real weight, V3 center, CellSums *sums) {
+    Wide sum = (Wide){ .hi = REAL(0.0), .lo = REAL(0.0) };
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        const Triplet t = store_triplet(s, v);
+        add_fans_at_edge(s, v, t.a, t.b, center, &sum);
+        add_fans_at_edge(s, v, t.b, t.c, center, &sum);
+        add_fans_at_edge(s, v, t.c, t.a, center, &sum);
+        v += 1;
+    }
+    // Of sixfold volumes.
+    sums->integral = sums->integral + ((weight / REAL(6.0)) * (sum.hi + sum.lo));
+}
+
+// Adds the tetrahedra over the triangles that the edge (f, g) of vertex `v` has in its two facets; each edge at its later vertex.
+OUTLINE void add_fans_at_edge(Store *s, uint v, uint f, uint g, V3 center, Wide *sum) {
+    const uint w = first_vertex_on(s, f, g, v);
+    if (w == v) {
+        return;
+    }
+    const V3 to = sub(store_position(s, v), center);
+    const V3 from = sub(store_position(s, w), center);
+    const V3 spoke = v3_cross(from, to);
+    const uint top_f = first_vertex_on(s, f, f, w);
+    if (top_f != w) {
+        const V3 top = sub(store_position(s, top_f), center);
+        add_quadrature(s, -v3_dot(top, spoke), top, from, to, center, sum);
+    }
+    const uint top_g = first_vertex_on(s, g, g, w);
+    if (top_g != w) {
+        const V3 top = sub(store_position(s, top_g), center);
+        add_quadrature(s, v3_dot(top, spoke), top, from, to, center, sum);
+    }
+}
+
+// The first vertex below `end` that lies on both planes; `end` if there is none.
+OUTLINE uint first_vertex_on(Store *s, uint f, uint g, uint end) {
+    uint v = 0;
+    while (v < end) {
+        const Triplet t = store_triplet(s, v);
+        if ((((t.a == f) || (t.b == f)) || (t.c == f)) && (((t.a == g) || (t.b == g)) || (t.c == g))) {
+            return v;
+        }
+        v += 1;
+    }
+    return end;
+}
+
+// Adds the integral over the tetrahedron (center, a, b, c) of sixfold signed volume `volume`.
+OUTLINE void add_quadrature(Store *s, real volume, V3 a, V3 b, V3 c, V3 center, Wide *sum) {
+    if (volume == REAL(0.0)) {
+        return;
+    }
+    Wide mean = (Wide){ .hi = REAL(0.0), .lo = REAL(0.0) };
+    uint q = 0;
+    while (q < store_nodes(s)) {
+        const Node node = store_node(s, q);
+        const V3 way = add(add(scale(node.place.x, a), scale(node.place.y, b)), scale(node.place.z, c));
+        add_compensated(node.weight * store_function(s, add(center, way)), &mean);
+        q += 1;
+    }
+    add_compensated(volume * (mean.hi + mean.lo), sum);
+}
+
+// Adds `x`, and what rounding loses of it apart.
+INLINE void add_compensated(real x, Wide *sum) {
+    const Wide added = sum_exact(sum->hi, x);
+    sum->hi = added.hi;
+    sum->lo = sum->lo + added.lo;
+}
+
+// The store's polynomial at `x`, in the frame of the site: by Horner's scheme, in the order of `FramedIntegrand::coefficients`.
+OUTLINE real polynomial(Store *s, V3 x) {
+    const uint degree = store_degree(s);
+    const V3 y = add(sub(store_site(s), store_origin(s)), x);
+    real in_x = REAL(0.0);
+    uint next = 0;
+    uint i = 0;
+    while (i <= degree) {
+        real in_y = REAL(0.0);
+        uint j = 0;
+        while (j <= i) {
+            real in_z = REAL(0.0);
+            uint k = 0;
+            while (k <= j) {
+                in_z = (in_z * y.z) + store_coefficient(s, next);
+                next += 1;
+                k += 1;
+            }
+            in_y = (in_y * y.y) + in_z;
+            j += 1;
+        }
+        in_x = (in_x * y.x) + in_y;
+        i += 1;
+    }
+    return in_x;
+}
+
 // core/src/cell/integrate.rs
 
 // Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
@@ -836,14 +963,6 @@ INLINE real outside_of(real x, real lo, real hi) {
 // above what rounding does, and would swallow thin slabs that the sum over all cells misses.
 HOT uint volume_is_above_bound(CellSums sums) {
     if ((sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding))) || (sums.volume < -(NEGATIVE_ROUNDINGS * sums.rounding))) {
-        return 1;
-    }
-    return 0;
-}
-
-// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
-OUTLINE uint facet_is_above_bound(FacetSum sum) {
-    if ((sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding))) {
         return 1;
     }
     return 0;
@@ -892,6 +1011,15 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
         const V3 mixed = v3((center.x * both.y) + (first.x * center.y), (center.x * both.z) + (first.x * center.z), (center.y * both.z) + (first.y * center.z));
         sums->second_diagonal = add(sums->second_diagonal, add(scale(weight / REAL(120.0), part.second_diagonal), diagonal));
         sums->second_mixed = add(sums->second_mixed, add(scale(weight / REAL(120.0), part.second_mixed), mixed));
+    }
+    if ((flags & FACET_SECOND_MOMENTS) != 0) {
+        if (add_facet_seconds(s, weight, center) != COMPLETE) {
+            return UNCERTAIN;
+        }
+    }
+    // A store without nodes says so when it is compiled: what is not asked for is not there.
+    if (((flags & INTEGRAL) != 0) && (store_nodes(s) != 0)) {
+        integrate_function(s, weight, center, sums);
     }
     return COMPLETE;
 }
@@ -953,11 +1081,19 @@ INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums 
     part->rounding = part->rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * fabs(volume));
     part->first = add(part->first, scale(volume, sum));
     if ((flags & SECOND_MOMENTS) != 0) {
-        const V3 diagonal = v3(squares(h.x, i.x, v.x) + (sum.x * sum.x), squares(h.y, i.y, v.y) + (sum.y * sum.y), squares(h.z, i.z, v.z) + (sum.z * sum.z));
-        const V3 mixed = v3(products(h.x, h.y, i.x, i.y, v.x, v.y) + (sum.x * sum.y), products(h.x, h.z, i.x, i.z, v.x, v.z) + (sum.x * sum.z), products(h.y, h.z, i.y, i.z, v.y, v.z) + (sum.y * sum.z));
-        part->second_diagonal = add(part->second_diagonal, scale(volume, diagonal));
-        part->second_mixed = add(part->second_mixed, scale(volume, mixed));
+        part->second_diagonal = add(part->second_diagonal, scale(volume, second_diagonal(h, i, v, sum)));
+        part->second_mixed = add(part->second_mixed, scale(volume, second_mixed(h, i, v, sum)));
     }
+}
+
+// The diagonal of `hhᵀ + iiᵀ + vvᵀ + ssᵀ`.
+INLINE V3 second_diagonal(V3 h, V3 i, V3 v, V3 s) {
+    return v3(squares(h.x, i.x, v.x) + (s.x * s.x), squares(h.y, i.y, v.y) + (s.y * s.y), squares(h.z, i.z, v.z) + (s.z * s.z));
+}
+
+// The entries xy, xz, yz of `hhᵀ + iiᵀ + vvᵀ + ssᵀ`.
+INLINE V3 second_mixed(V3 h, V3 i, V3 v, V3 s) {
+    return v3(products(h.x, h.y, i.x, i.y, v.x, v.y) + (s.x * s.y), products(h.x, h.z, i.x, i.z, v.x, v.z) + (s.x * s.z), products(h.y, h.z, i.y, i.z, v.y, v.z) + (s.y * s.z));
 }
 
 INLINE real squares(real a, real b, real c) {
@@ -968,18 +1104,55 @@ INLINE real products(real a, real b, real c, real d, real e, real f) {
     return ((a * b) + (c * d)) + (e * f);
 }
 
+// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
+OUTLINE V3 reference_point(Store *s) {
+    uint inside = 1;
+    uint f = 0;
+    while (f < store_planes(s)) {
+        if (store_plane(s, f).d < REAL(0.0)) {
+            inside = 0;
+        }
+        f += 1;
+    }
+    V3 mean = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    if (inside != 0) {
+        return mean;
+    }
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        mean = add(mean, store_position(s, v));
+        v += 1;
+    }
+    return scale(REAL(1.0) / ((real)store_vertices(s)), mean);
+}
+
+// core/src/cell/facet.rs
+
+// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
+OUTLINE uint facet_is_above_bound(FacetSum sum) {
+    if ((sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding))) {
+        return 1;
+    }
+    return 0;
+}
+
 // Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
 // `area·(H + I + v)/3`.
 INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum) {
     const V3 to_foot = sub(foot, f.foot);
     const V3 to_vertex = sub(at.position, f.foot);
-    const V3 normal = v3_cross(to_foot, to_vertex);
-    const real area = ((REAL(0.5) * sign) * v3_dot(normal, f.n)) / sqrt(f.square);
+    const real area = area_of_triangle(f, to_foot, to_vertex, sign);
     const V3 middle = add(scale(REAL(1.0) / REAL(3.0), add(add(f.foot, foot), at.position)), center);
     sum->area = sum->area + area;
     sum->moment = add(sum->moment, scale(area, middle));
     const real lost = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
     sum->rounding = larger(sum->rounding, lost + (at.radius * norm_1(sub(at.position, foot))));
+}
+
+// `sign·½ (I − H)×(v − H)·n/|n|`, given the two sides at H.
+INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign) {
+    const V3 normal = v3_cross(to_foot, to_vertex);
+    return ((REAL(0.5) * sign) * v3_dot(normal, f.n)) / sqrt(f.square);
 }
 
 // The sums of the facet of plane `index` alone.
@@ -1015,10 +1188,13 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum) {
 }
 
 // Sets the facets' sums to zero.
-OUTLINE void reset_facets(Store *s) {
+OUTLINE void reset_facets(Store *s, uint flags) {
     uint f = 0;
     while (f < store_planes(s)) {
         store_set_facet(s, f, (FacetSum){ 0 });
+        if ((flags & FACET_SECOND_MOMENTS) != 0) {
+            store_set_facet_second(s, f, (FacetSecond){ 0 });
+        }
         f += 1;
     }
 }
@@ -1037,26 +1213,67 @@ OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sum
     sums->boundary_flux = sums->boundary_flux + (share * plane.d);
 }
 
-// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
-OUTLINE V3 reference_point(Store *s) {
-    uint inside = 1;
+// Adds the triangles that `integrate` adds to the facets to their second moments. By itself: few ask for it, and what all do is not to pay
+// for that.
+OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center) {
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        const Triplet t = store_triplet(s, v);
+        const V3 position = sub(store_position(s, v), center);
+        const Side a = side(s, t.a, center);
+        const Side b = side(s, t.b, center);
+        const Side c = side(s, t.c, center);
+        if (add_edge_second(s, a, b, position, weight, center) != COMPLETE) {
+            return UNCERTAIN;
+        }
+        if (add_edge_second(s, b, c, position, weight, center) != COMPLETE) {
+            return UNCERTAIN;
+        }
+        if (add_edge_second(s, c, a, position, weight, center) != COMPLETE) {
+            return UNCERTAIN;
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+// Adds the two triangles of one vertex and its edge (f, g).
+OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight, V3 center) {
+    V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    if (foot_on_edge(s, f, g, center, &foot) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    add_triangle_second(s, g, foot, position, -weight);
+    add_triangle_second(s, f, foot, position, weight);
+    return COMPLETE;
+}
+
+// Adds the triangle (H, I, v) to the second moments of the facet of plane `f`: `area·(HHᵀ + IIᵀ + vvᵀ + ssᵀ)/12`, `s = H + I + v`,
+// about the point that all are relative to.
+OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real sign) {
+    const real share = area_of_triangle(f, sub(foot, f.foot), sub(position, f.foot), sign) / REAL(12.0);
+    const V3 sum = add(add(f.foot, foot), position);
+    FacetSecond second = store_facet_second(s, f.index);
+    second.diagonal = add(second.diagonal, scale(share, second_diagonal(f.foot, foot, position, sum)));
+    second.mixed = add(second.mixed, scale(share, second_mixed(f.foot, foot, position, sum)));
+    store_set_facet_second(s, f.index, second);
+}
+
+// Moves the facets' second moments from `center` to the facets' own barycenters: `∫ (x − b)(x − b)ᵀ = ∫ xxᵀ − mmᵀ/A`, `m = ∫ x`.
+OUTLINE void center_facets(Store *s, V3 center) {
     uint f = 0;
     while (f < store_planes(s)) {
-        if (store_plane(s, f).d < REAL(0.0)) {
-            inside = 0;
+        const FacetSum sum = store_facet(s, f);
+        if (facet_is_above_bound(sum) != 0) {
+            const V3 m = sub(sum.moment, scale(sum.area, center));
+            const V3 b = scale(REAL(1.0) / sum.area, m);
+            FacetSecond second = store_facet_second(s, f);
+            second.diagonal = sub(second.diagonal, v3(m.x * b.x, m.y * b.y, m.z * b.z));
+            second.mixed = sub(second.mixed, v3(m.x * b.y, m.x * b.z, m.y * b.z));
+            store_set_facet_second(s, f, second);
         }
         f += 1;
     }
-    V3 mean = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    if (inside != 0) {
-        return mean;
-    }
-    uint v = 0;
-    while (v < store_vertices(s)) {
-        mean = add(mean, store_position(s, v));
-        v += 1;
-    }
-    return scale(REAL(1.0) / ((real)store_vertices(s)), mean);
 }
 
 // core/src/cell/cone.rs
@@ -1227,6 +1444,15 @@ INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign
 
 // The exact sign of `det(a − o, b − o, c − o)`, given the rounded differences.
 OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c) {
+    const int sign = filtered_sign(a, b, c);
+    if (sign == SIGN_UNKNOWN) {
+        return store_exact_cone_sign(s, t, apex);
+    }
+    return sign;
+}
+
+// The sign of the determinant of three differences of points, given rounded; never 0, but `SIGN_UNKNOWN` where floating point cannot tell.
+HOT int filtered_sign(V3 a, V3 b, V3 c) {
     const real det = v3_dot(a, v3_cross(b, c));
     const V3 abs_b = magnitudes(b);
     const V3 abs_c = magnitudes(c);
@@ -1238,11 +1464,186 @@ OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c) {
     if (det < -bound) {
         return -1;
     }
-    return store_exact_cone_sign(s, t, apex);
+    return SIGN_UNKNOWN;
 }
 
 INLINE V3 magnitudes(V3 a) {
     return v3(fabs(a.x), fabs(a.y), fabs(a.z));
+}
+
+// core/src/cell/near.rs
+
+// Whether (1) no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
+// `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
+OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding) {
+    if (site_is_inside(s) == 0) {
+        return 0;
+    }
+    uint k = lo.k;
+    while (k <= hi.k) {
+        uint j = lo.j;
+        while (j <= hi.j) {
+            uint i = lo.i;
+            while (i <= hi.i) {
+                if (voxel_passes_by(s, (Voxel){ .i = i, .j = j, .k = k }, lo, low, high, winding) == 0) {
+                    return 0;
+                }
+                i += 1;
+            }
+            j += 1;
+        }
+        k += 1;
+    }
+    return 1;
+}
+
+// Whether (1) the site is strictly inside its cell, so that the cell's winding number is the site's.
+OUTLINE uint site_is_inside(Store *s) {
+    uint f = 0;
+    while (f < store_planes(s)) {
+        const real d = store_plane(s, f).d;
+        if (!(d > REAL(0.0))) {
+            return 0;
+        }
+        f += 1;
+    }
+    return 1;
+}
+
+// The same for the triangles of one voxel, of which `lo` is the lowest; takes from `winding` what they add between the corner of
+// `lo` and the site.
+HOT uint voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding) {
+    const uint end = store_list_end(s, voxel);
+    uint entry = store_list_begin(s, voxel);
+    while (entry < end) {
+        const uint t = store_list_entry(s, entry);
+        if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel) != 0) {
+            if (triangle_passes_by(s, t, lo, low, high, winding) == 0) {
+                return 0;
+            }
+        }
+        entry += 1;
+    }
+    return 1;
+}
+
+// Whether (1) triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
+// it stands between that and the site.
+//
+// Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
+HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding) {
+    const Triangle triangle = store_triangle(s, t);
+    const V3 a = store_domain_point(s, triangle.a);
+    const V3 b = store_domain_point(s, triangle.b);
+    const V3 c = store_domain_point(s, triangle.c);
+    const V3 site = store_site(s);
+    const V3 a_in = sub(a, site);
+    const V3 b_in = sub(b, site);
+    const V3 c_in = sub(c, site);
+    const V3 least = least_of(a_in, b_in, c_in);
+    const V3 most = most_of(a_in, b_in, c_in);
+    if (are_apart(least, most, low, high) == 0) {
+        if (plane_is_apart(s, a_in, sub(b, a), sub(c, a)) == 0) {
+            return 0;
+        }
+    }
+    // Does it cross the segment from the corner, the lowest point of the cell's voxels, to the site?
+    const V3 o = store_corner(s, apex);
+    const V3 x = sub(site, o);
+    const V3 o_in = sub(o, site);
+    if (are_apart(least, most, o_in, (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }) != 0) {
+        return 1;
+    }
+    const V3 p = sub(a, o);
+    const V3 q = sub(b, o);
+    const V3 r = sub(c, o);
+    const int of_corner = filtered_sign(p, q, r);
+    const int of_site = filtered_sign(a_in, b_in, c_in);
+    if ((of_corner == SIGN_UNKNOWN) || (of_site == SIGN_UNKNOWN)) {
+        return 0;
+    }
+    if (of_corner == of_site) {
+        return 1;
+    }
+    const int over_0 = filtered_sign(p, q, x);
+    const int over_1 = filtered_sign(q, r, x);
+    const int over_2 = filtered_sign(r, p, x);
+    if (((over_0 == SIGN_UNKNOWN) || (over_1 == SIGN_UNKNOWN)) || (over_2 == SIGN_UNKNOWN)) {
+        return 0;
+    }
+    if (((over_0 == of_corner) && (over_1 == of_corner)) && (over_2 == of_corner)) {
+        *winding -= of_corner;
+    }
+    return 1;
+}
+
+// Whether (1) the boxes `[a, b]` and `[c, d]` are apart. (The rounded differences that their corners are tell it as the exact ones
+// do: rounding keeps the order.)
+INLINE uint are_apart(V3 a, V3 b, V3 c, V3 d) {
+    if (((b.x < c.x) || (b.y < c.y)) || (b.z < c.z)) {
+        return 1;
+    }
+    if (((a.x > d.x) || (a.y > d.y)) || (a.z > d.z)) {
+        return 1;
+    }
+    return 0;
+}
+
+// Whether (1) all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
+HOT uint plane_is_apart(Store *s, V3 a_in, V3 e, V3 f) {
+    const V3 n = v3_cross(e, f);
+    const real of_normal = norm_1(e) * norm_1(f);
+    const real length = norm_1(n) + (FEW_ROUNDINGS * of_normal);
+    const real reach = norm_1(a_in);
+    uint above = 0;
+    uint below = 0;
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        const V3 way = sub(store_position(s, v), a_in);
+        const real height = v3_dot(n, way);
+        const real way_length = norm_1(way);
+        const real bound = (length * (store_radius(s, v) + (FEW_ROUNDINGS * (reach + way_length)))) + ((FEW_ROUNDINGS * of_normal) * way_length);
+        if (height > bound) {
+            above = 1;
+        } else if (height < -bound) {
+            below = 1;
+        } else {
+            return 0;
+        }
+        if ((above != 0) && (below != 0)) {
+            return 0;
+        }
+        v += 1;
+    }
+    return 1;
+}
+
+INLINE V3 least_of(V3 a, V3 b, V3 c) {
+    return (V3){ .x = smaller(smaller(a.x, b.x), c.x), .y = smaller(smaller(a.y, b.y), c.y), .z = smaller(smaller(a.z, b.z), c.z) };
+}
+
+INLINE V3 most_of(V3 a, V3 b, V3 c) {
+    return (V3){ .x = larger(larger(a.x, b.x), c.x), .y = larger(larger(a.y, b.y), c.y), .z = larger(larger(a.z, b.z), c.z) };
+}
+
+// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
+INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
+    uint i = lowest.i;
+    uint j = lowest.j;
+    uint k = lowest.k;
+    if (lo.i > i) {
+        i = lo.i;
+    }
+    if (lo.j > j) {
+        j = lo.j;
+    }
+    if (lo.k > k) {
+        k = lo.k;
+    }
+    if (((i == voxel.i) && (j == voxel.j)) && (k == voxel.k)) {
+        return 1;
+    }
+    return 0;
 }
 
 // core/src/cell/restrict.rs
@@ -1251,11 +1652,21 @@ INLINE V3 magnitudes(V3 a) {
 // else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
 // where the cell's voxels hold triangles.
 //
-// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards.
+// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards, with
+// `FACET_SECOND_MOMENTS` their second moments too.
 OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums) {
     *sums = (CellSums){ 0 };
     compact_planes(s);
     const V3 center = reference_point(s);
+    const uint status = integrate_restricted(s, center, flags, interior_only, sums);
+    if ((status == COMPLETE) && ((flags & FACET_SECOND_MOMENTS) != 0)) {
+        center_facets(s, center);
+    }
+    return status;
+}
+
+// The same about a given point.
+OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums) {
     if (store_has_domain(s) == 0) {
         const uint status = integrate_whole(s, REAL(1.0), center, flags, sums);
         if ((status == COMPLETE) && ((flags & FACETS) != 0)) {
@@ -1265,11 +1676,18 @@ OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *
     }
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
     Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    voxels_of_cell(s, &lo, &hi);
+    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    outer_box_of_cell(s, &low, &high);
+    voxels_of_box(s, low, high, &lo, &hi);
     const int winding = store_winding(s, lo);
+    // Where no triangle is near or meets the cell, the winding number is the same all over it.
     if (store_surface_voxels(s, lo, hi) == 0) {
-        // No triangle near: the winding number is the same all over the cell.
         return integrate_whole(s, (real)winding, center, flags, sums);
+    }
+    int inner = winding;
+    if (surface_passes_by(s, low, high, lo, hi, &inner) != 0) {
+        return integrate_whole(s, (real)inner, center, flags, sums);
     }
     if (interior_only != 0) {
         return BOUNDARY;
@@ -1279,7 +1697,7 @@ OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *
         return P_FULL;
     }
     if ((flags & FACETS) != 0) {
-        reset_facets(s);
+        reset_facets(s, flags);
     }
     if (winding != 0) {
         const uint status = integrate(s, (real)winding, center, REAL(0.0), flags, sums);
@@ -1366,7 +1784,7 @@ OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellS
         return EMPTY;
     }
     if ((flags & FACETS) != 0) {
-        reset_facets(s);
+        reset_facets(s, flags);
     }
     const uint status = integrate(s, weight, center, REAL(0.0), flags, sums);
     if (status != COMPLETE) {
@@ -1402,17 +1820,28 @@ OUTLINE real box_of_cell(Store *s, V3 *low, V3 *high) {
     return radius;
 }
 
+// The bounding box of the cell, rounded outward.
+HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high) {
+    const real radius = box_of_cell(s, low, high);
+    // The vertices' error, and the rounding of moving them into the diagram's frame.
+    const real margin = radius + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(store_site(s)) + larger(norm_max(*low), norm_max(*high))));
+    const V3 outward = v3(margin, margin, margin);
+    *low = sub(*low, outward);
+    *high = add(*high, outward);
+}
+
+// The voxels that a box in the frame of the site meets.
+HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi) {
+    *lo = store_voxel_of(s, add(store_site(s), low));
+    *hi = store_voxel_of(s, add(store_site(s), high));
+}
+
 // The voxels that the bounding box of the cell meets, rounded outward.
 OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi) {
     V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    const real radius = box_of_cell(s, &low, &high);
-    const V3 site = store_site(s);
-    // The vertices' error, and the rounding of moving them into the diagram's frame.
-    const real margin = radius + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(site) + larger(norm_max(low), norm_max(high))));
-    const V3 outward = v3(margin, margin, margin);
-    *lo = store_voxel_of(s, sub(add(site, low), outward));
-    *hi = store_voxel_of(s, add(add(site, high), outward));
+    outer_box_of_cell(s, &low, &high);
+    voxels_of_box(s, low, high, lo, hi);
 }
 
 // Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
@@ -1451,24 +1880,4 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint
         k += 1;
     }
     return COMPLETE;
-}
-
-// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
-INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
-    uint i = lowest.i;
-    uint j = lowest.j;
-    uint k = lowest.k;
-    if (lo.i > i) {
-        i = lo.i;
-    }
-    if (lo.j > j) {
-        j = lo.j;
-    }
-    if (lo.k > k) {
-        k = lo.k;
-    }
-    if (((i == voxel.i) && (j == voxel.j)) && (k == voxel.k)) {
-        return 1;
-    }
-    return 0;
 }

@@ -149,13 +149,6 @@ typedef struct {
     uint k;
 } Voxel;
 
-typedef struct {
-    Triplet triplet;
-    V3 position;
-    real radius;
-    uint mark;
-} PlainVertex;
-
 // core/src/cell/wide.rs
 
 // An unevaluated sum `hi + lo`, `|lo| ≤ u|hi|`.
@@ -221,6 +214,16 @@ typedef struct {
 // Relative room for the roundings of the tests below: at most ten operations each.
 #define SAFE ((real)(REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF)))
 
+// core/src/cell/quadrature.rs
+
+// A node of the quadrature rule on a tetrahedron.
+typedef struct {
+    // Its three coordinates along the edges from the reference point.
+    V3 place;
+    // Its share of the volume.
+    real weight;
+} Node;
+
 // core/src/cell/integrate.rs
 
 // Flags of [`integrate`](super::integrate_cell): volume and first moment alone.
@@ -232,15 +235,11 @@ typedef struct {
 // Also second moments.
 #define SECOND_MOMENTS ((uint)(2))
 
-// Sums over one facet.
-typedef struct {
-    // Area.
-    real area;
-    // ∫ x dA, in the frame of the site.
-    V3 moment;
-    // The largest that rounding may have added to one of the triangles that were added and subtracted.
-    real rounding;
-} FacetSum;
+// Also every facet's second moments; with `FACETS`.
+#define FACET_SECOND_MOMENTS ((uint)(4))
+
+// Also the integral of the store's function.
+#define INTEGRAL ((uint)(8))
 
 // Sums over one restricted cell, in the frame of its site.
 typedef struct {
@@ -252,6 +251,8 @@ typedef struct {
     V3 second_diagonal;
     // ∫ xy, xz, yz dx.
     V3 second_mixed;
+    // ∫ of the store's function.
+    real integral;
     // What rounding may have added to the volume, at most.
     real rounding;
     // The largest that rounding may have added to one of the pieces that were added and subtracted.
@@ -270,11 +271,6 @@ typedef struct {
 // vertex, eight for the determinant, the rest for the sum of up to some hundred terms of mixed sign.
 #define ROUNDINGS ((real)(REAL(64.0)))
 
-// The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
-// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
-// quotient, halved; twice that for the sum. (What a foot is off, one triangle gains and its neighbour loses.)
-#define ROUNDINGS_OF_TRIANGLE ((real)(REAL(8.0)))
-
 // Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
 // correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
 // there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
@@ -286,11 +282,6 @@ typedef struct {
 // What is negative, where winding numbers are not, is made by rounding: by more than its bound only where nearly degenerate planes meet, and
 // never by so many times.
 #define NEGATIVE_ROUNDINGS ((real)(REAL(1024.0)))
-
-// The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles
-// leave of nothing is below this, but for one in some thousand, while the sum of their bounds would swallow thin facets that the
-// other cell, cut by other cones, keeps.
-#define SHARE_OF_NO_FACET ((real)(REAL(0.0625)))
 
 // Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly; between the two it
 // is refined once. The squares of the vertices' bounds.
@@ -329,6 +320,37 @@ typedef struct {
     real radius;
 } Corner;
 
+// core/src/cell/facet.rs
+
+// Sums over one facet.
+typedef struct {
+    // Area.
+    real area;
+    // ∫ x dA, in the frame of the site.
+    V3 moment;
+    // The largest that rounding may have added to one of the triangles that were added and subtracted.
+    real rounding;
+} FacetSum;
+
+// Second moments of one facet: while sums are added up about the point that the tetrahedra share, afterwards about the facet's own
+// barycenter.
+typedef struct {
+    // ∫ x², y², z² dA.
+    V3 diagonal;
+    // ∫ xy, xz, yz dA.
+    V3 mixed;
+} FacetSecond;
+
+// The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
+// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
+// quotient, halved; twice that for the sum. (What a foot is off, one triangle gains and its neighbour loses.)
+#define ROUNDINGS_OF_TRIANGLE ((real)(REAL(8.0)))
+
+// The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles
+// leave of nothing is below this, but for one in some thousand, while the sum of their bounds would swallow thin facets that the
+// other cell, cut by other cones, keeps.
+#define SHARE_OF_NO_FACET ((real)(REAL(0.0625)))
+
 // core/src/cell/cone.rs
 
 // A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
@@ -345,6 +367,11 @@ typedef struct {
 
 // The filter's bound for the determinant of three rounded differences: (7 + 56u)u times its permanent (Shewchuk 1997).
 #define CONE_SIGN_ERROR ((real)((REAL(7.0) + (REAL(56.0) * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF))
+
+// core/src/cell/near.rs
+
+// Roundings of a product of three differences, or of one component that is twice rounded.
+#define FEW_ROUNDINGS ((real)(REAL(16.0) * UNIT_ROUNDOFF))
 
 // core/src/cell/restrict.rs
 

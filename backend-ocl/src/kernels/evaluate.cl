@@ -11,7 +11,7 @@ __kernel void cells(
     __global const uint *surface_table, __global const uint *order, __global const uint *list, uint has_list, uint first,
     uint stride, uint count, uint interior_only, __global uint *outcome, __global real *sums, __global FacetRecord *facets,
     __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
-    __global uint *undecided
+    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand
 ) {
     if (get_global_id(0) >= count) {
         return;
@@ -22,7 +22,8 @@ __kernel void cells(
     store.world = (World){
         .params = params, .sites = sites, .voxels = voxels, .weights = weights, .clusters = clusters, .roots = roots,
         .domain_vertices = domain_vertices, .triangles = triangles, .lowest_voxels = lowest_voxels,
-        .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table
+        .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table,
+        .integrand = integrand
     };
     Search search;
     uint status = complete_cell(&store, &search, shells, site);
@@ -57,6 +58,9 @@ __kernel void cells(
                     facets[next].moment[2] = sum.moment.z;
                     facets[next].neighbor = order[store_tag(&store, f)];
                     facets[next].unused = 0u;
+#if WITH_FACET_SECOND
+                    facet_seconds[next] = store.facet_second[f];
+#endif
                     next++;
                 }
             }

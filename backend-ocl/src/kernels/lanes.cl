@@ -19,7 +19,7 @@
 #define LEFT 32u
 
 // Cuts between two looks at whether the cell already lies outside the domain.
-#define BETWEEN_LOOKS 12u
+#define BETWEEN_LOOKS 3u
 
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
@@ -197,19 +197,39 @@ INLINE void turn_to_box(Store *s) {
     s->view = BOX_CORNERS;
 }
 
-// Whether the cell is known to lie outside the domain.
-INLINE uint is_outside(Store *s) {
-    if (s->world.params->has_domain == 0u) {
-        return 0;
-    }
-    turn_to_box(s);
-    const uint outside = lies_outside(s);
-    s->view = WHOLE;
-    return outside;
-}
-
 // Room for what single precision rounds off in a few operations.
 #define ROUGH_SAFE 1.000002f
+
+#if WITH_DOMAIN
+// Room for the roundings of a place in voxels in single precision, three of them, of which the site's is relative.
+#define VOXEL_SLACK 1e-4f
+#define VOXEL_ROUNDING 1e-6f
+
+// How many voxels near the site that the surface meets: all that a ball of radius `farthest` may meet; and the lowest of them.
+INLINE uint surface_near(Store *s, float farthest, Voxel *lo) {
+    __global const Params *params = s->world.params;
+    const real per_width = REAL(1.0) / params->domain_width;
+    const float reach = ((farthest * ROUGH_SAFE) * convert_float_rtp(per_width)) + VOXEL_SLACK;
+    uint low[3];
+    uint high[3];
+    const real site[3] = { s->site.x, s->site.y, s->site.z };
+    for (uint k = 0; k < 3u; k++) {
+        const float at = (float)((site[k] - params->domain_lo[k]) * per_width);
+        const float last = (float)(params->domain_dims[k] - 1u);
+        const float wide = (reach * ROUGH_SAFE) + (fabs(at) * VOXEL_ROUNDING);
+        low[k] = (uint)clamp(at - wide, 0.0f, last);
+        high[k] = (uint)clamp(at + wide, 0.0f, last);
+    }
+    *lo = (Voxel){ .i = low[0], .j = low[1], .k = low[2] };
+    return store_surface_voxels(s, *lo, (Voxel){ .i = high[0], .j = high[1], .k = high[2] });
+}
+
+// Whether the ball of radius `farthest` about the site, and so its cell, lies outside the domain.
+INLINE uint is_outside(Store *s, float farthest) {
+    Voxel lo;
+    return (surface_near(s, farthest, &lo) == 0u) && (store_winding(s, lo) == 0);
+}
+#endif
 
 // Below this the squares of single precision could underflow.
 #define ROUGH_SQUARE 1e-30f
@@ -280,7 +300,7 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
 }
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, or `LEFT`.
-INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited) {
+INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *farthest) {
     __local Cell *cell = s->cell;
     __global const Params *params = s->world.params;
     const V3 p = s->site;
@@ -296,9 +316,13 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     const uint equal = params->equal_weights;
     const uint below = (1u << s->lane) - 1u;
     const float per_width_up = convert_float_rtp(per_width);
-    float farthest = farthest_of(s);
-    float reach = reach_square(farthest, extra);
+    *farthest = farthest_of(s);
+    float reach = reach_square(*farthest, extra);
+#if WITH_DOMAIN
+    // A cell that its site's own voxel tells to be inside, or near the surface, is none of those that end early.
+    const uint outside = is_outside(s, 0.0f);
     uint cuts = 0;
+#endif
     uint entry = 0;
     for (;;) {
         // 1. A voxel for each lane, and where its sites stand in the row of all.
@@ -341,7 +365,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     const V3 way = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
                     const float square = convert_float_rtz(square_of(way));
                     if ((site[c] != own) && (square < reach)
-                        && ((equal != 0u) || (square < reach_square(farthest, other.w - s->weight)))) {
+                        && ((equal != 0u) || (square < reach_square(*farthest, other.w - s->weight)))) {
                         key[c] = as_uint(square);
                     }
                     plane[c] = bisector(way, s->weight - other.w);
@@ -375,12 +399,14 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                 *visited += 1u;
                 const uint status = clip_together(s);
                 if (status == CUT) {
-                    farthest = farthest_of(s);
-                    reach = reach_square(farthest, extra);
+                    *farthest = farthest_of(s);
+                    reach = reach_square(*farthest, extra);
+#if WITH_DOMAIN
                     cuts++;
-                    if (((cuts % BETWEEN_LOOKS) == 0u) && (is_outside(s) != 0u)) {
+                    if (((outside != 0u) && ((cuts % BETWEEN_LOOKS) == 0u)) && (is_outside(s, *farthest) != 0u)) {
                         return EMPTY;
                     }
+#endif
                 } else if (status != UNTOUCHED) {
                     return status;
                 }
@@ -393,9 +419,26 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     }
 }
 
-// The integrals of a complete cell: `COMPLETE`, `EMPTY`, or `LEFT`.
-INLINE uint integrate_together(Store *s, uint flags, V3 *center, real *winding, CellSums *sums) {
+// The integrals of a complete cell, whose farthest vertex is not beyond `farthest`: `COMPLETE`, `EMPTY`, or `LEFT`.
+INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center, real *winding, CellSums *sums) {
     __local Cell *cell = s->cell;
+    // Whether the site is outside its cell, or only not strictly inside.
+    uint outside = 0;
+    uint on_wall = 0;
+    for (uint f = s->lane; f < s->planes; f += LANES) {
+        outside |= cell->plane[f].d < REAL(0.0);
+        on_wall |= cell->plane[f].d == REAL(0.0);
+    }
+    outside = lanes_with(outside);
+    *winding = REAL(1.0);
+#if WITH_DOMAIN
+    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    const uint near = surface_near(s, farthest, &lo);
+    *winding = (real)store_winding(s, lo);
+    if ((near == 0u) && (*winding == REAL(0.0))) {
+        return EMPTY;
+    }
+#endif
     // All vertices in double precision: they take the place of the rough ones.
     lanes_wait();
     s->is_fine = 1;
@@ -408,27 +451,42 @@ INLINE uint integrate_together(Store *s, uint flags, V3 *center, real *winding, 
         return LEFT;
     }
     lanes_wait();
-    *winding = REAL(1.0);
-    if (s->world.params->has_domain != 0u) {
+#if WITH_DOMAIN
+    if (near != 0u) {
         turn_to_box(s);
-        Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-        Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
-        voxels_of_cell(s, &lo, &hi);
-        if (store_surface_voxels(s, lo, hi) != 0u) {
-            return LEFT;
-        }
+        V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+        V3 high = low;
+        Voxel hi = lo;
+        outer_box_of_cell(s, &low, &high);
+        voxels_of_box(s, low, high, &lo, &hi);
+        s->view = WHOLE;
         *winding = (real)store_winding(s, lo);
+        if (store_surface_voxels(s, lo, hi) != 0u) {
+            // As `surface_passes_by`, each lane with other voxels.
+            uint meets = on_wall | (outside != 0u);
+            int crossed = 0;
+            const uint across = (hi.i - lo.i) + 1u;
+            const uint layer = across * ((hi.j - lo.j) + 1u);
+            const uint all = layer * ((hi.k - lo.k) + 1u);
+            for (uint n = s->lane; (n < all) && (meets == 0u); n += LANES) {
+                const Voxel voxel = (Voxel){
+                    .i = lo.i + (n % across), .j = lo.j + ((n % layer) / across), .k = lo.k + (n / layer)
+                };
+                meets = voxel_passes_by(s, voxel, lo, low, high, &crossed) == 0u;
+            }
+            if (lanes_with(meets) != 0u) {
+                return LEFT;
+            }
+            *winding += lanes_sum((real)crossed);
+        }
         if (*winding == REAL(0.0)) {
             return EMPTY;
         }
     }
+#endif
     // The common point of the tetrahedra: the site where it is inside, else the middle of the vertices' box.
-    uint outside = 0;
-    for (uint f = s->lane; f < s->planes; f += LANES) {
-        outside |= cell->plane[f].d < REAL(0.0);
-    }
     *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    if (lanes_with(outside) != 0u) {
+    if (outside != 0u) {
         turn_to_box(s);
         *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
     }

@@ -8,7 +8,7 @@ __kernel void cells_together(
     __global const uint *surface_table, __global const uint *order, __global const uint *list, uint has_list, uint first,
     uint stride, uint count, uint interior_only, __global uint *outcome, __global real *sums, __global FacetRecord *facets,
     __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
-    __global uint *undecided
+    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand
 ) {
     __local Cell cells[CELLS];
     if ((get_global_id(0) / LANES) >= count) {
@@ -47,14 +47,15 @@ __kernel void cells_together(
     status = (lanes_with(status != COMPLETE) != 0u) ? LEFT : COMPLETE;
     lanes_wait();
     uint visited = 0;
+    float farthest = 0.0f;
     if (status == COMPLETE) {
-        status = complete_together(s, shells, site, &visited);
+        status = complete_together(s, shells, site, &visited, &farthest);
     }
     CellSums part = (CellSums){ 0 };
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real winding = REAL(1.0);
     if (status == COMPLETE) {
-        status = integrate_together(s, params->flags, &center, &winding, &part);
+        status = integrate_together(s, params->flags, farthest, &center, &winding, &part);
     }
     const uint i = order[site];
 #if WITH_FACETS
@@ -71,7 +72,7 @@ __kernel void cells_together(
                 trouble |= integrate_facet(s, f, center, facet + turn) != COMPLETE;
                 facet[turn].area *= winding;
                 facet[turn].moment = scale(winding, facet[turn].moment);
-                if ((cell->source[f] == TAG_BOX) && (params->has_domain == 0u)) {
+                if ((cell->source[f] == TAG_BOX) && (WITH_DOMAIN == 0)) {
                     add_boundary(facet[turn], cell->plane[f], REAL(1.0), &part);
                 }
                 is_facet = (cell->source[f] < TAG_BOX) && (facet_is_above_bound(facet[turn]) != 0u);

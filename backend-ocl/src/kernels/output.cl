@@ -11,7 +11,7 @@ typedef struct {
     uint unused;
 } FacetRecord;
 
-// Sums that are written for each cell: volume and first moment, and with any flag all others.
+// Sums that are written for each cell: volume and first moment, with any flag all others, and last the integral where it is asked for.
 #define FEW_SUMS 4u
 #define ALL_SUMS 18u
 
@@ -27,7 +27,8 @@ typedef struct {
 
 // Writes the sums of the caller's site i.
 INLINE void write_sums(__global real *sums, uint flags, uint i, const CellSums *part) {
-    __global real *out = sums + ((size_t)i * ((flags == 0u) ? FEW_SUMS : ALL_SUMS));
+    const uint width = (flags == 0u) ? FEW_SUMS : (ALL_SUMS + (((flags & INTEGRAL) != 0u) ? 1u : 0u));
+    __global real *out = sums + ((size_t)i * width);
     out[0] = part->volume;
     out[1] = part->first.x;
     out[2] = part->first.y;
@@ -49,6 +50,9 @@ INLINE void write_sums(__global real *sums, uint flags, uint i, const CellSums *
     out[15] = part->boundary_vector.y;
     out[16] = part->boundary_vector.z;
     out[17] = part->boundary_flux;
+    if (width > ALL_SUMS) {
+        out[ALL_SUMS] = part->integral;
+    }
 }
 
 // What the device thinks of the layouts: sizes, and offsets of the fields behind which padding could hide.
@@ -62,4 +66,5 @@ __kernel void probe(__global uint *out) {
     out[5] = sizeof(V3);
     out[6] = sizeof(Plane);
     out[7] = sizeof(CellSums);
+    out[8] = sizeof(FacetSecond);
 }

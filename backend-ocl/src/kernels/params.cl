@@ -19,6 +19,8 @@ typedef struct {
     real frame_shift[3];
     real frame_unit;
     real frame_smallest;
+    // What the monomials of the polynomial to be integrated are about.
+    real origin[3];
     // Where the records of this batch will stand among all.
     ulong facet_base;
     uint grid_dims[3];
@@ -33,6 +35,9 @@ typedef struct {
     uint equal_weights;
     // Room for facet records.
     uint facet_room;
+    // Nodes of the quadrature rule, and the polynomial's degree.
+    uint nodes;
+    uint degree;
 } Params;
 
 // A node of the tree inside a crowded voxel (`ClusterNode`).
@@ -74,6 +79,8 @@ typedef struct {
     __global const uint *list_entries;
     __global const int *windings;
     __global const uint *surface_table;
+    // Nodes and coefficients of the function to be integrated, if there is one.
+    __global const real *integrand;
     // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
     uint tried;
     uint last_tried;

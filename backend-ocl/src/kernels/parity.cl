@@ -65,6 +65,7 @@ INLINE CellSums take_CellSums(Input *in) {
     value.first = take_V3(in);
     value.second_diagonal = take_V3(in);
     value.second_mixed = take_V3(in);
+    value.integral = take_real(in);
     value.rounding = take_real(in);
     value.largest_rounding = take_real(in);
     value.boundary_area = take_real(in);
@@ -78,25 +79,13 @@ OUTLINE void give_CellSums(Output *out, CellSums value) {
     give_V3(out, value.first);
     give_V3(out, value.second_diagonal);
     give_V3(out, value.second_mixed);
+    give_real(out, value.integral);
     give_real(out, value.rounding);
     give_real(out, value.largest_rounding);
     give_real(out, value.boundary_area);
     give_V3(out, value.boundary_moment);
     give_V3(out, value.boundary_vector);
     give_real(out, value.boundary_flux);
-}
-
-INLINE FacetSum take_FacetSum(Input *in) {
-    FacetSum value;
-    value.area = take_real(in);
-    value.moment = take_V3(in);
-    value.rounding = take_real(in);
-    return value;
-}
-OUTLINE void give_FacetSum(Output *out, FacetSum value) {
-    give_real(out, value.area);
-    give_V3(out, value.moment);
-    give_real(out, value.rounding);
 }
 
 INLINE Side take_Side(Input *in) {
@@ -127,6 +116,19 @@ OUTLINE void give_Corner(Output *out, Corner value) {
     give_V3(out, value.position);
     give_real(out, value.distance);
     give_real(out, value.radius);
+}
+
+INLINE FacetSum take_FacetSum(Input *in) {
+    FacetSum value;
+    value.area = take_real(in);
+    value.moment = take_V3(in);
+    value.rounding = take_real(in);
+    return value;
+}
+OUTLINE void give_FacetSum(Output *out, FacetSum value) {
+    give_real(out, value.area);
+    give_V3(out, value.moment);
+    give_real(out, value.rounding);
 }
 
 INLINE Voxel take_Voxel(Input *in) {
@@ -647,17 +649,30 @@ __kernel void parity_outside_of(PARITY_ARGUMENTS) {
     give_real(&out, result);
 }
 
+__kernel void parity_integrate_function(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const real weight = take_real(&in);
+    const V3 center = take_V3(&in);
+    CellSums sums = take_CellSums(&in);
+    integrate_function(s, weight, center, &sums);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_polynomial(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 x = take_V3(&in);
+    const real result = polynomial(s, x);
+    give_real(&out, result);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_volume_is_above_bound(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const CellSums sums = take_CellSums(&in);
     const uint result = volume_is_above_bound(sums);
-    give_uint(&out, result);
-}
-
-__kernel void parity_facet_is_above_bound(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const FacetSum sum = take_FacetSum(&in);
-    const uint result = facet_is_above_bound(sum);
     give_uint(&out, result);
 }
 
@@ -726,6 +741,26 @@ __kernel void parity_add_tetrahedron(PARITY_ARGUMENTS) {
     give_CellSums(&out, part);
 }
 
+__kernel void parity_second_diagonal(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 h = take_V3(&in);
+    const V3 i = take_V3(&in);
+    const V3 v = take_V3(&in);
+    const V3 s = take_V3(&in);
+    const V3 result = second_diagonal(h, i, v, s);
+    give_V3(&out, result);
+}
+
+__kernel void parity_second_mixed(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 h = take_V3(&in);
+    const V3 i = take_V3(&in);
+    const V3 v = take_V3(&in);
+    const V3 s = take_V3(&in);
+    const V3 result = second_mixed(h, i, v, s);
+    give_V3(&out, result);
+}
+
 __kernel void parity_squares(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const real a = take_real(&in);
@@ -747,6 +782,21 @@ __kernel void parity_products(PARITY_ARGUMENTS) {
     give_real(&out, result);
 }
 
+__kernel void parity_reference_point(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 result = reference_point(s);
+    give_V3(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_facet_is_above_bound(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const FacetSum sum = take_FacetSum(&in);
+    const uint result = facet_is_above_bound(sum);
+    give_uint(&out, result);
+}
+
 __kernel void parity_add_triangle(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const Side f = take_Side(&in);
@@ -757,6 +807,16 @@ __kernel void parity_add_triangle(PARITY_ARGUMENTS) {
     FacetSum sum = take_FacetSum(&in);
     add_triangle(f, foot, at, sign, center, &sum);
     give_FacetSum(&out, sum);
+}
+
+__kernel void parity_area_of_triangle(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Side f = take_Side(&in);
+    const V3 to_foot = take_V3(&in);
+    const V3 to_vertex = take_V3(&in);
+    const real sign = take_real(&in);
+    const real result = area_of_triangle(f, to_foot, to_vertex, sign);
+    give_real(&out, result);
 }
 
 __kernel void parity_integrate_facet(PARITY_ARGUMENTS) {
@@ -774,7 +834,8 @@ __kernel void parity_integrate_facet(PARITY_ARGUMENTS) {
 __kernel void parity_reset_facets(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    reset_facets(s);
+    const uint flags = take_uint(&in);
+    reset_facets(s, flags);
     parity_dump(&out, s);
 }
 
@@ -788,11 +849,45 @@ __kernel void parity_add_boundary(PARITY_ARGUMENTS) {
     give_CellSums(&out, sums);
 }
 
-__kernel void parity_reference_point(PARITY_ARGUMENTS) {
+__kernel void parity_add_facet_seconds(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const V3 result = reference_point(s);
-    give_V3(&out, result);
+    const real weight = take_real(&in);
+    const V3 center = take_V3(&in);
+    const uint result = add_facet_seconds(s, weight, center);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_add_edge_second(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Side f = take_Side(&in);
+    const Side g = take_Side(&in);
+    const V3 position = take_V3(&in);
+    const real weight = take_real(&in);
+    const V3 center = take_V3(&in);
+    const uint result = add_edge_second(s, f, g, position, weight, center);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_add_triangle_second(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Side f = take_Side(&in);
+    const V3 foot = take_V3(&in);
+    const V3 position = take_V3(&in);
+    const real sign = take_real(&in);
+    add_triangle_second(s, f, foot, position, sign);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_center_facets(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 center = take_V3(&in);
+    center_facets(s, center);
     parity_dump(&out, s);
 }
 
@@ -900,11 +995,118 @@ __kernel void parity_cone_sign(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_filtered_sign(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 a = take_V3(&in);
+    const V3 b = take_V3(&in);
+    const V3 c = take_V3(&in);
+    const int result = filtered_sign(a, b, c);
+    give_int(&out, result);
+}
+
 __kernel void parity_magnitudes(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const V3 a = take_V3(&in);
     const V3 result = magnitudes(a);
     give_V3(&out, result);
+}
+
+__kernel void parity_surface_passes_by(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 low = take_V3(&in);
+    const V3 high = take_V3(&in);
+    const Voxel lo = take_Voxel(&in);
+    const Voxel hi = take_Voxel(&in);
+    int winding = take_int(&in);
+    const uint result = surface_passes_by(s, low, high, lo, hi, &winding);
+    give_uint(&out, result);
+    give_int(&out, winding);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_site_is_inside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint result = site_is_inside(s);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_voxel_passes_by(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Voxel voxel = take_Voxel(&in);
+    const Voxel lo = take_Voxel(&in);
+    const V3 low = take_V3(&in);
+    const V3 high = take_V3(&in);
+    int winding = take_int(&in);
+    const uint result = voxel_passes_by(s, voxel, lo, low, high, &winding);
+    give_uint(&out, result);
+    give_int(&out, winding);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_triangle_passes_by(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint t = take_uint(&in);
+    const Voxel apex = take_Voxel(&in);
+    const V3 low = take_V3(&in);
+    const V3 high = take_V3(&in);
+    int winding = take_int(&in);
+    const uint result = triangle_passes_by(s, t, apex, low, high, &winding);
+    give_uint(&out, result);
+    give_int(&out, winding);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_are_apart(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 a = take_V3(&in);
+    const V3 b = take_V3(&in);
+    const V3 c = take_V3(&in);
+    const V3 d = take_V3(&in);
+    const uint result = are_apart(a, b, c, d);
+    give_uint(&out, result);
+}
+
+__kernel void parity_plane_is_apart(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 a_in = take_V3(&in);
+    const V3 e = take_V3(&in);
+    const V3 f = take_V3(&in);
+    const uint result = plane_is_apart(s, a_in, e, f);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_least_of(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 a = take_V3(&in);
+    const V3 b = take_V3(&in);
+    const V3 c = take_V3(&in);
+    const V3 result = least_of(a, b, c);
+    give_V3(&out, result);
+}
+
+__kernel void parity_most_of(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 a = take_V3(&in);
+    const V3 b = take_V3(&in);
+    const V3 c = take_V3(&in);
+    const V3 result = most_of(a, b, c);
+    give_V3(&out, result);
+}
+
+__kernel void parity_is_first_voxel(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Voxel lowest = take_Voxel(&in);
+    const Voxel lo = take_Voxel(&in);
+    const Voxel voxel = take_Voxel(&in);
+    const uint result = is_first_voxel(lowest, lo, voxel);
+    give_uint(&out, result);
 }
 
 __kernel void parity_integrate_cell(PARITY_ARGUMENTS) {
@@ -914,6 +1116,19 @@ __kernel void parity_integrate_cell(PARITY_ARGUMENTS) {
     const uint interior_only = take_uint(&in);
     CellSums sums = take_CellSums(&in);
     const uint result = integrate_cell(s, flags, interior_only, &sums);
+    give_uint(&out, result);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_integrate_restricted(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 center = take_V3(&in);
+    const uint flags = take_uint(&in);
+    const uint interior_only = take_uint(&in);
+    CellSums sums = take_CellSums(&in);
+    const uint result = integrate_restricted(s, center, flags, interior_only, &sums);
     give_uint(&out, result);
     give_CellSums(&out, sums);
     parity_dump(&out, s);
@@ -970,6 +1185,30 @@ __kernel void parity_box_of_cell(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_outer_box_of_cell(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    V3 low = take_V3(&in);
+    V3 high = take_V3(&in);
+    outer_box_of_cell(s, &low, &high);
+    give_V3(&out, low);
+    give_V3(&out, high);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_voxels_of_box(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 low = take_V3(&in);
+    const V3 high = take_V3(&in);
+    Voxel lo = take_Voxel(&in);
+    Voxel hi = take_Voxel(&in);
+    voxels_of_box(s, low, high, &lo, &hi);
+    give_Voxel(&out, lo);
+    give_Voxel(&out, hi);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_voxels_of_cell(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -995,13 +1234,4 @@ __kernel void parity_add_cones(PARITY_ARGUMENTS) {
     give_uint(&out, touched);
     give_CellSums(&out, sums);
     parity_dump(&out, s);
-}
-
-__kernel void parity_is_first_voxel(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const Voxel lowest = take_Voxel(&in);
-    const Voxel lo = take_Voxel(&in);
-    const Voxel voxel = take_Voxel(&in);
-    const uint result = is_first_voxel(lowest, lo, voxel);
-    give_uint(&out, result);
 }

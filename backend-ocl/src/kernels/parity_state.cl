@@ -21,7 +21,7 @@ OUTLINE void give_FacetSum(Output *out, FacetSum value);
 // The words of each of `count` calls stand in a row. `table` begins with where its parts do.
 #define PARITY_ARGUMENTS \
     __global const Params *params, __global const real *domain_vertices, __global const uint *table, \
-    __global const ulong *inputs, uint input_width, __global ulong *outputs, uint output_width, uint count
+    __global const real *integrand, __global const ulong *inputs, uint input_width, __global ulong *outputs, uint output_width, uint count
 
 #define PARITY_CALL \
     const size_t number = get_global_id(0); \
@@ -38,7 +38,7 @@ OUTLINE void give_FacetSum(Output *out, FacetSum value);
     s->world = (World){ \
         .params = params, .domain_vertices = domain_vertices, .triangles = table + table[0], .lowest_voxels = table + table[1], \
         .list_offsets = table + table[2], .list_entries = table + table[3], \
-        .windings = (__global const int *)(table + table[4]), .surface_table = table + table[5] \
+        .windings = (__global const int *)(table + table[4]), .surface_table = table + table[5], .integrand = integrand \
     }; \
     const uint made = parity_store(s, &in); \
     give_uint(&out, made); \
@@ -53,9 +53,12 @@ __kernel void parity_prepare(__global Params *params, __global const real *numbe
         params->box_hi[axis] = numbers[3u + axis];
         params->domain_lo[axis] = numbers[axis];
         params->domain_dims[axis] = (uint)numbers[7u + axis];
+        params->origin[axis] = numbers[12u + axis];
     }
     params->domain_width = numbers[6];
     params->has_domain = 1u;
+    params->nodes = (uint)numbers[10];
+    params->degree = (uint)numbers[11];
 }
 
 // A cell in the middle of its life, made as `cells` makes it: clipped in single precision by the bisectors with some sites, then all its
@@ -93,7 +96,9 @@ OUTLINE uint parity_store(Store *s, Input *in) {
     }
     for (uint f = 0; f < CAP_P; f++) {
         const real x = (real)f;
-        store_set_facet(s, f, (FacetSum){ .area = x, .moment = (V3){ .x = x, .y = x, .z = x }, .rounding = x });
+        const V3 moment = (V3){ .x = x, .y = x, .z = x };
+        store_set_facet(s, f, (FacetSum){ .area = x, .moment = moment, .rounding = x });
+        store_set_facet_second(s, f, (FacetSecond){ .diagonal = moment, .mixed = moment });
     }
     store_set_plane(s, s->planes, plane);
     store_mark_conflicts(s, s->planes);
@@ -111,6 +116,9 @@ OUTLINE void parity_dump(Output *out, Store *s) {
         give_uint(out, is_there ? store_tag(s, f) : 0u);
         give_uint(out, is_there ? store_link(s, f) : 0u);
         give_FacetSum(out, is_there ? store_facet(s, f) : (FacetSum){ 0 });
+        const FacetSecond second = is_there ? store_facet_second(s, f) : (FacetSecond){ 0 };
+        give_V3(out, second.diagonal);
+        give_V3(out, second.mixed);
     }
     for (uint v = 0; v < CAP_V; v++) {
         const uint is_there = v < s->vertices;

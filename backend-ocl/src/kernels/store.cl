@@ -32,6 +32,9 @@ typedef struct {
 #if WITH_FACETS
     FacetSum facet[CAP_P];
 #endif
+#if WITH_FACET_SECOND
+    FacetSecond facet_second[CAP_P];
+#endif
     // Position and error radius.
     float4 rough[CAP_V];
     // Three indices of ten bits.

@@ -18,10 +18,6 @@ pub(super) fn run(lab: &mut Lab, count: u32) -> Result<String> {
         let mut none = None;
         for name in std::iter::once("none").chain(domains::names()) {
             let domain = if name == "none" { None } else { Some(domain(name)?) };
-            // Built once for a domain, not for an evaluation.
-            if let Some(domain) = &domain {
-                domain.grid();
-            }
             let diagram = diagram(&sites, &[], domain.as_ref())?;
             let (timing, output) = measure(lab.backend.as_ref(), &diagram, &Request::moments(), lab.repetitions)?;
             let own = timing.own();

@@ -5,7 +5,9 @@ pub mod closure;
 pub mod containers;
 pub mod epsilon;
 pub mod errors;
+pub mod facet_moments;
 pub mod facets;
+pub mod integrals;
 pub mod invariance;
 pub mod large;
 pub mod lattice;
@@ -55,6 +57,15 @@ pub const CHECKS: &[(&str, Check)] = &[
     law!(facets::mutual),
     law!(facets::distance),
     law!(facets::positive),
+    law!(facet_moments::mutual),
+    law!(facet_moments::like_the_oracle),
+    law!(facet_moments::flat),
+    law!(facet_moments::closure),
+    law!(integrals::sum),
+    law!(integrals::moments),
+    law!(integrals::like_the_oracle),
+    law!(integrals::translation),
+    law!(integrals::functions),
     law!(closure::areas),
     law!(closure::volume),
     law!(places::cell_barycenters),
@@ -77,6 +88,10 @@ pub const CHECKS: &[(&str, Check)] = &[
     law!(containers::touching),
     law!(epsilon::generous),
     law!(reproducible::again),
+    given!(facet_moments::rectangle),
+    given!(facet_moments::only_where_asked_for),
+    given!(integrals::converges),
+    given!(integrals::not_finite),
     given!(reproducible::any_number_of_threads),
     given!(epsilon::zero_is_seen),
     given!(lattice::equal_volumes),

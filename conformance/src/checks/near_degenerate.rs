@@ -242,7 +242,7 @@ pub fn untouched_cells_are_whole(_: &dyn Backend) -> Verdict {
     let mut random = Random::new(5);
     for shape in [Shape::BoxMesh, Shape::Sphere, Shape::Torus, Shape::NestedSpheres, Shape::Plate] {
         let Room::Mesh(_, domain) = domains::room(shape, Pose::Plain) else { return Err("no mesh".into()) };
-        let grid = domain.grid();
+        let grid = domain.grid(1);
         let [lo, hi] = [[0; 3], grid.dims()].map(|voxel| DVec3::from(grid.corner(voxel)));
         let mut pieces = 0;
         for _ in 0..CELLS {
@@ -283,7 +283,7 @@ pub fn face_in_line_with_corners(backend: &dyn Backend) -> Verdict {
         let sides = (0..n).map(|k| (k, (k + 1) % n)).flat_map(|(k, next)| [[k, n + k, next], [next, n + k, n + next]]);
         Domain::new(&vertices, &caps.chain(sides).collect::<Vec<_>>()).map_err(|e| e.to_string())
     };
-    let corner_of = |domain: &Domain| domain.grid().corner([0; 3]);
+    let corner_of = |domain: &Domain| domain.grid(300).corner([0; 3]);
     let [x, y, z] = corner_of(&prism(&[[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])?);
     let on_line = |t: f64| [x + t, z + (t + t / 1024.0)];
     let point = |[x, z]: [f64; 2], y: f64| v3(x, y, z);
@@ -299,7 +299,7 @@ pub fn face_in_line_with_corners(backend: &dyn Backend) -> Verdict {
         signs[(sign + 1) as usize] += 1;
         // Cells of a third of a voxel, where the face begins.
         let mut random = Random::new(6);
-        let width = domain.grid().voxel_width();
+        let width = domain.grid(300).voxel_width();
         let place = |at: DVec3| [2.0 * width * at.x, 0.4 + 2.0 * width * at.y, 2.0 * width * at.z];
         let sites: Vec<[f64; 3]> = (0..300).map(|_| place(random.point())).collect();
         sums_to(backend, &domain, &sites).map_err(|e| format!("{e}; {l} and {r} roundings off the line"))?;
@@ -316,7 +316,7 @@ pub fn vertices_in_line_with_corners(backend: &dyn Backend) -> Verdict {
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let cube: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     let alone = Domain::new(&corners, &cube).map_err(|e| e.to_string())?;
-    let [_, y, z] = alone.grid().corner([0, 6, 6]);
+    let [_, y, z] = alone.grid(300).corner([0, 6, 6]);
     let axes = [0, 1, 2].map(|k| if k == 0 { 0.375 } else { 0.25 });
     let tips = (0..6).map(|tip| {
         let mut at = [0.5, y, z];

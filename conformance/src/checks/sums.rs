@@ -37,7 +37,7 @@ pub fn boundary_area(backend: &dyn Backend, case: &Case) -> Verdict {
 /// Volumes are not negative where no winding number is, and sum to the container's.
 pub fn volumes(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     let mut sum = Sum::default();
-    let signed = has_negative_windings(&scene.room);
+    let signed = has_negative_windings(&scene.room, scene.len());
     for (i, &v) in output.volume.iter().enumerate() {
         ensure!(signed || v >= 0.0, "site {i} has volume {v:e}");
         sum.add(v);
@@ -65,7 +65,7 @@ pub fn first_moments(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict
 /// Where no winding number is negative, a barycenter is the mean of points of the container: within its bounding box. A cell
 /// that is so small that rounding could take its barycenter farther away than the container is large is nothing, and to be empty.
 pub fn barycenters(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
-    if has_negative_windings(&scene.room) {
+    if has_negative_windings(&scene.room, scene.len()) {
         return Ok(());
     }
     let (lo, hi) = scene.room.bounding_box();
@@ -147,9 +147,9 @@ fn second_moment_of(scene: &Scene, m: DVec3) -> [f64; 6] {
 }
 
 /// Whether the surface goes around some point the wrong way, as far as the corners of the domain's grid tell.
-fn has_negative_windings(room: &Room) -> bool {
+fn has_negative_windings(room: &Room, sites: usize) -> bool {
     let Room::Mesh(_, domain) = room else { return false };
-    let grid = domain.grid();
+    let grid = domain.grid(sites);
     let [nx, ny, nz] = grid.dims();
     (0..nz).any(|k| (0..ny).any(|j| (0..nx).any(|i| grid.winding([i, j, k]) < 0)))
 }

@@ -1,7 +1,8 @@
 //! Truncated cones over triangles, and the prisms behind them (paper §4, with exact signs).
 
 use super::clip::clip;
-use super::integrate::{CellSums, FacetSum, add_boundary, integrate, integrate_facet};
+use super::facet::{FacetSum, add_boundary, integrate_facet};
+use super::integrate::{CellSums, integrate};
 use super::plane::{Plane, cone_side, triangle_plane, wall_over_edge};
 use super::status::{
     COMPLETE, CUT, EMPTY, SEEN_CONFLICT, SEEN_KEEP, SIGN_UNKNOWN, TAG_CONE, TAG_TRIANGLE, UNCERTAIN, UNTOUCHED,
@@ -215,6 +216,16 @@ const CONE_SIGN_ERROR: Real = (7.0 + (56.0 * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF;
 
 /// The exact sign of `det(a − o, b − o, c − o)`, given the rounded differences.
 pub(super) fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: V3, c: V3) -> i32 {
+    let sign: i32 = filtered_sign(a, b, c);
+    if sign == SIGN_UNKNOWN {
+        return s.exact_cone_sign(t, apex);
+    }
+    return sign;
+}
+
+/// The sign of the determinant of three differences of points, given rounded; never 0, but `SIGN_UNKNOWN` where floating point cannot tell.
+#[inline]
+pub(super) fn filtered_sign(a: V3, b: V3, c: V3) -> i32 {
     let det: Real = dot(a, cross(b, c));
     let abs_b: V3 = magnitudes(b);
     let abs_c: V3 = magnitudes(c);
@@ -233,7 +244,7 @@ pub(super) fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: 
     if det < -bound {
         return -1;
     }
-    return s.exact_cone_sign(t, apex);
+    return SIGN_UNKNOWN;
 }
 
 #[inline(always)]

@@ -1,6 +1,8 @@
 //! Integrals over a convex cell by six signed tetrahedra per vertex (paper §3), and over its facets.
 
+use super::facet::{FacetSum, add_facet_seconds, add_triangle};
 use super::plane::Plane;
+use super::quadrature::integrate_function;
 use super::status::{COMPLETE, UNCERTAIN};
 use super::store::CellStore;
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, scale, smaller, sub, v3};
@@ -12,18 +14,10 @@ pub const VOLUME_ONLY: u32 = 0;
 pub const FACETS: u32 = 1;
 /// Also second moments.
 pub const SECOND_MOMENTS: u32 = 2;
-
-/// Sums over one facet.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FacetSum {
-    /// Area.
-    pub area: Real,
-    /// ∫ x dA, in the frame of the site.
-    pub moment: V3,
-    /// The largest that rounding may have added to one of the triangles that were added and subtracted.
-    pub rounding: Real,
-}
+/// Also every facet's second moments; with `FACETS`.
+pub const FACET_SECOND_MOMENTS: u32 = 4;
+/// Also the integral of the store's function.
+pub const INTEGRAL: u32 = 8;
 
 /// Sums over one restricted cell, in the frame of its site.
 #[repr(C)]
@@ -37,6 +31,8 @@ pub struct CellSums {
     pub second_diagonal: V3,
     /// ∫ xy, xz, yz dx.
     pub second_mixed: V3,
+    /// ∫ of the store's function.
+    pub integral: Real,
     /// What rounding may have added to the volume, at most.
     pub rounding: Real,
     /// The largest that rounding may have added to one of the pieces that were added and subtracted.
@@ -55,11 +51,6 @@ pub struct CellSums {
 /// vertex, eight for the determinant, the rest for the sum of up to some hundred terms of mixed sign.
 const ROUNDINGS: Real = 64.0;
 
-/// The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
-/// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
-/// quotient, halved; twice that for the sum. (What a foot is off, one triangle gains and its neighbour loses.)
-const ROUNDINGS_OF_TRIANGLE: Real = 8.0;
-
 /// Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
 /// correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
 /// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
@@ -70,7 +61,7 @@ const SHARE_OF_NOTHING: Real = 0.125;
 
 /// What is negative, where winding numbers are not, is made by rounding: by more than its bound only where nearly degenerate planes meet, and
 /// never by so many times.
-const NEGATIVE_ROUNDINGS: Real = 1024.0;
+pub(super) const NEGATIVE_ROUNDINGS: Real = 1024.0;
 
 /// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
 ///
@@ -81,19 +72,6 @@ pub fn volume_is_above_bound(sums: CellSums) -> u32 {
     if (sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding)))
         || (sums.volume < -(NEGATIVE_ROUNDINGS * sums.rounding))
     {
-        return 1;
-    }
-    return 0;
-}
-
-/// The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles
-/// leave of nothing is below this, but for one in some thousand, while the sum of their bounds would swallow thin facets that the
-/// other cell, cut by other cones, keeps.
-const SHARE_OF_NO_FACET: Real = 0.0625;
-
-/// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
-pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
-    if (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding)) {
         return 1;
     }
     return 0;
@@ -177,6 +155,15 @@ pub(crate) fn integrate<S: CellStore>(
         );
         sums.second_diagonal = add(sums.second_diagonal, add(scale(weight / 120.0, part.second_diagonal), diagonal));
         sums.second_mixed = add(sums.second_mixed, add(scale(weight / 120.0, part.second_mixed), mixed));
+    }
+    if (flags & FACET_SECOND_MOMENTS) != 0 {
+        if add_facet_seconds(s, weight, center) != COMPLETE {
+            return UNCERTAIN;
+        }
+    }
+    // A store without nodes says so when it is compiled: what is not asked for is not there.
+    if ((flags & INTEGRAL) != 0) && (s.nodes() != 0) {
+        integrate_function(s, weight, center, sums);
     }
     return COMPLETE;
 }
@@ -262,19 +249,29 @@ pub(super) fn add_tetrahedron(volume: Real, h: V3, i: V3, v: V3, flags: u32, par
     part.rounding = part.rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * volume.abs());
     part.first = add(part.first, scale(volume, sum));
     if (flags & SECOND_MOMENTS) != 0 {
-        let diagonal: V3 = v3(
-            squares(h.x, i.x, v.x) + (sum.x * sum.x),
-            squares(h.y, i.y, v.y) + (sum.y * sum.y),
-            squares(h.z, i.z, v.z) + (sum.z * sum.z),
-        );
-        let mixed: V3 = v3(
-            products(h.x, h.y, i.x, i.y, v.x, v.y) + (sum.x * sum.y),
-            products(h.x, h.z, i.x, i.z, v.x, v.z) + (sum.x * sum.z),
-            products(h.y, h.z, i.y, i.z, v.y, v.z) + (sum.y * sum.z),
-        );
-        part.second_diagonal = add(part.second_diagonal, scale(volume, diagonal));
-        part.second_mixed = add(part.second_mixed, scale(volume, mixed));
+        part.second_diagonal = add(part.second_diagonal, scale(volume, second_diagonal(h, i, v, sum)));
+        part.second_mixed = add(part.second_mixed, scale(volume, second_mixed(h, i, v, sum)));
     }
+}
+
+/// The diagonal of `hhᵀ + iiᵀ + vvᵀ + ssᵀ`.
+#[inline(always)]
+pub(super) fn second_diagonal(h: V3, i: V3, v: V3, s: V3) -> V3 {
+    return v3(
+        squares(h.x, i.x, v.x) + (s.x * s.x),
+        squares(h.y, i.y, v.y) + (s.y * s.y),
+        squares(h.z, i.z, v.z) + (s.z * s.z),
+    );
+}
+
+/// The entries xy, xz, yz of `hhᵀ + iiᵀ + vvᵀ + ssᵀ`.
+#[inline(always)]
+pub(super) fn second_mixed(h: V3, i: V3, v: V3, s: V3) -> V3 {
+    return v3(
+        products(h.x, h.y, i.x, i.y, v.x, v.y) + (s.x * s.y),
+        products(h.x, h.z, i.x, i.z, v.x, v.z) + (s.x * s.z),
+        products(h.y, h.z, i.y, i.z, v.y, v.z) + (s.y * s.z),
+    );
 }
 
 #[inline(always)]
@@ -285,77 +282,6 @@ pub(super) fn squares(a: Real, b: Real, c: Real) -> Real {
 #[inline(always)]
 pub(super) fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> Real {
     return ((a * b) + (c * d)) + (e * f);
-}
-
-/// Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
-/// `area·(H + I + v)/3`.
-#[inline(always)]
-pub(super) fn add_triangle(f: Side, foot: V3, at: Corner, sign: Real, center: V3, sum: &mut FacetSum) {
-    let to_foot: V3 = sub(foot, f.foot);
-    let to_vertex: V3 = sub(at.position, f.foot);
-    let normal: V3 = cross(to_foot, to_vertex);
-    let area: Real = ((0.5 * sign) * dot(normal, f.n)) / f.square.sqrt();
-    let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), at.position)), center);
-    sum.area = sum.area + area;
-    sum.moment = add(sum.moment, scale(area, middle));
-    let lost: Real = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
-    sum.rounding = larger(sum.rounding, lost + (at.radius * norm_1(sub(at.position, foot))));
-}
-
-/// The sums of the facet of plane `index` alone.
-pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
-    *sum = FacetSum::default();
-    let f: Side = side(s, index, center);
-    let mut v: u32 = 0;
-    while v < s.vertices() {
-        let mut t: Triplet = s.triplet(v);
-        if t.b == index {
-            t = Triplet { a: t.b, b: t.c, c: t.a };
-        } else if t.c == index {
-            t = Triplet { a: t.c, b: t.a, c: t.b };
-        }
-        if t.a == index {
-            // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
-            let at: Corner =
-                Corner { position: sub(s.position(v), center), distance: norm_1(s.position(v)), radius: s.radius(v) };
-            let b: Side = side(s, t.b, center);
-            let c: Side = side(s, t.c, center);
-            let mut foot: V3 = v3(0.0, 0.0, 0.0);
-            if foot_on_edge(s, f, b, center, &mut foot) != COMPLETE {
-                return UNCERTAIN;
-            }
-            add_triangle(f, foot, at, 1.0, center, sum);
-            if foot_on_edge(s, c, f, center, &mut foot) != COMPLETE {
-                return UNCERTAIN;
-            }
-            add_triangle(f, foot, at, -1.0, center, sum);
-        }
-        v += 1;
-    }
-    return COMPLETE;
-}
-
-/// Sets the facets' sums to zero.
-pub(crate) fn reset_facets<S: CellStore>(s: &mut S) {
-    let mut f: u32 = 0;
-    while f < s.planes() {
-        s.set_facet(f, FacetSum::default());
-        f += 1;
-    }
-}
-
-/// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
-/// keeps the domain's inside, −1 where it keeps its outside.
-pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
-    // The surface has no negative area.
-    if (facet_is_above_bound(sum) == 0) || (sum.area < 0.0) {
-        return;
-    }
-    let share: Real = (outward * sum.area) / dot(plane.n, plane.n).sqrt();
-    sums.boundary_area = sums.boundary_area + sum.area;
-    sums.boundary_moment = add(sums.boundary_moment, sum.moment);
-    sums.boundary_vector = sub(sums.boundary_vector, scale(share, plane.n));
-    sums.boundary_flux = sums.boundary_flux + (share * plane.d);
 }
 
 /// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.

@@ -11,7 +11,7 @@
 //! free functions; the first parameter may be the store, any other `&mut` is to a local; no slices, references into the
 //! store, tuples, `Option`, `match`, iterators, closures, operators on structs, or panics; locals carry types; float expressions are
 //! fully parenthesised, with `sqrt` and `fabs` alone and no fused operation; integers never wrap; functions return a `u32` status or
-//! a plain value. Only `store.rs` (the trait, and the plain store that tests use) is written by hand for each backend.
+//! a plain value. Only what is behind `store.rs` (the trait; `plain.rs` is the store that tests use) is written by hand for each backend.
 
 // The dialect says what C would say.
 #![allow(
@@ -26,10 +26,14 @@
 mod clip;
 mod cone;
 mod expansion;
+mod facet;
 mod integrate;
+mod near;
 #[cfg(feature = "test-util")]
 pub mod parity;
+mod plain;
 mod plane;
+mod quadrature;
 mod restrict;
 mod security;
 mod status;
@@ -39,14 +43,17 @@ mod vertex;
 mod wide;
 
 pub use clip::{begin, clip, compact_planes};
+pub use facet::{FacetSecond, FacetSum, facet_is_above_bound};
 pub use integrate::{
-    CellSums, FACETS, FacetSum, SECOND_MOMENTS, VOLUME_ONLY, facet_is_above_bound, volume_is_above_bound,
+    CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
 };
+pub use plain::PlainStore;
 pub use plane::{Plane, bisector};
+pub use quadrature::Node;
 pub use restrict::{integrate_cell, lies_outside};
 pub use security::{box_cannot_cut, farthest_vertex, security_reach};
 pub use status::*;
-pub use store::{CellStore, PlainStore, Triangle, Voxel};
+pub use store::{CellStore, Triangle, Voxel};
 pub use vector::{Real, UNIT_ROUNDOFF, V3, v3};
 pub use vertex::Triplet;
 
@@ -55,9 +62,15 @@ pub fn flags_of(request: &crate::Request) -> u32 {
     let mut flags = VOLUME_ONLY;
     if request.facets {
         flags |= FACETS;
+        if request.facet_second_moments {
+            flags |= FACET_SECOND_MOMENTS;
+        }
     }
     if request.second_moments {
         flags |= SECOND_MOMENTS;
+    }
+    if request.integral.is_some() {
+        flags |= INTEGRAL;
     }
     flags
 }

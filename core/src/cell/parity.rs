@@ -17,26 +17,26 @@ macro_rules! words {
 
 /// A function that takes its arguments and gives its results as words; where a store is named, on a cell.
 macro_rules! host {
-    (($($argument:ident: $type:ident),*) $module:ident::$name:ident $arguments:tt, [$($out:ident),*]) => {
+    (($($argument:ident: $type:ident $(in $all:ident)?),*) $module:ident::$name:ident $arguments:tt, [$($out:ident),*]) => {
         Function {
             name: stringify!($name),
             on_store: false,
             host: |words| {
-                $(#[allow(unused_mut)] let mut $argument: $type = words.take();)*
+                $(#[allow(unused_mut)] let mut $argument: $type = host!(take words $($all)?);)*
                 let result = $module::$name $arguments;
                 words.give(result);
                 $(words.give($out);)*
             },
         }
     };
-    ($s:ident, ($($argument:ident: $type:ident $(= $given:ident)?),*) $module:ident::$name:ident $arguments:tt, [$($out:ident),*]) => {
+    ($s:ident, ($($argument:ident: $type:ident $(= $given:ident)? $(in $all:ident)?),*) $module:ident::$name:ident $arguments:tt, [$($out:ident),*]) => {
         Function {
             name: stringify!($name),
             on_store: true,
             host: |words| {
                 #[allow(unused_mut)]
                 let mut $s = words.store();
-                $(#[allow(unused_mut)] let mut $argument: $type = host!(take words $($given)?);)*
+                $(#[allow(unused_mut)] let mut $argument: $type = host!(take words $(= $given)? $($all)?);)*
                 let result = $module::$name $arguments;
                 words.give(result);
                 $(words.give($out);)*
@@ -45,15 +45,20 @@ macro_rules! host {
         }
     };
     (take $words:ident) => { $words.take() };
-    (take $words:ident $given:ident) => { $words.given($given) };
+    (take $words:ident = $given:ident) => { $words.given($given) };
+    (take $words:ident $all:ident) => { $words.some_of($all) };
 }
 
 #[rustfmt::skip]
 mod table;
 
-use super::{COMPLETE, CellStore, FacetSum, PlainStore, Plane, Real, Triplet, V3, begin, bisector, clip, v3};
+use super::{
+    COMPLETE, CellStore, FACET_SECOND_MOMENTS, FACETS, FacetSecond, FacetSum, INTEGRAL, PlainStore, Plane, Real,
+    SECOND_MOMENTS, Triplet, V3, begin, bisector, clip, v3,
+};
 use crate::domain::Domain;
 use crate::domain_grid::DomainGrid;
+use crate::integrand::{FramedIntegrand, Integrand};
 use crate::shapes;
 
 pub use table::FUNCTIONS;
@@ -103,6 +108,9 @@ impl Function {
     }
 }
 
+/// The flags that a function may be given.
+const FLAGS: u32 = FACETS | SECOND_MOMENTS | FACET_SECOND_MOMENTS | INTEGRAL;
+
 /// Integers where there is no cell.
 const FEW: u32 = 4;
 
@@ -111,8 +119,10 @@ pub struct World {
     domain: Domain,
     /// Triangles, and voxels along each axis, that there are at least.
     indices: u32,
-    /// Minimum and maximum corner of the grid, width and number of its voxels.
+    /// Minimum and maximum corner of the grid, width and number of its voxels; number of nodes, degree and origin of the integrand.
     pub numbers: Vec<f64>,
+    /// A polynomial with all its coefficients.
+    pub integrand: FramedIntegrand,
     /// The domain's vertices.
     pub vertices: Vec<[f64; 3]>,
     /// Where each of the six parts begins, and they themselves: triangles, lowest voxels, offsets, entries, winding numbers, surface table.
@@ -129,11 +139,16 @@ impl World {
     /// A sphere of 80 triangles.
     pub fn new() -> Self {
         let domain = shapes::icosphere(1).domain();
-        let grid = domain.grid();
+        let grid = domain.grid(0);
         let (lo, hi) = (grid.corner([0; 3]), grid.corner(grid.dims()));
         let mut numbers = [lo, hi].concat();
         numbers.push(grid.voxel_width());
         numbers.extend(grid.dims().map(f64::from));
+        let powers = (0..27).map(|i| [i % 3, i / 3 % 3, i / 9]).filter(|powers| powers.iter().sum::<u32>() <= 2);
+        let terms: Vec<_> = powers.zip(1..).map(|(powers, i)| (powers, 1.0 / f64::from(i))).collect();
+        let integrand = Integrand::polynomial([0.1, -0.2, 0.3], &terms).and_then(|f| f.framed(domain.frame())).unwrap();
+        numbers.extend([integrand.nodes().len() as f64, f64::from(integrand.degree())]);
+        numbers.extend(integrand.origin());
         let windings: Vec<u32> = grid.windings().iter().map(|&winding| winding as u32).collect();
         let (triangles, lowest) = (grid.triangles().as_flattened(), grid.lowest_voxels().as_flattened());
         let parts = [triangles, lowest, grid.offsets(), grid.entries(), &windings, grid.surface_table()];
@@ -145,11 +160,11 @@ impl World {
         }
         table.extend(parts.concat());
         let indices = grid.dims().into_iter().fold(grid.triangles().len() as u32, u32::min);
-        Self { indices, numbers, vertices: grid.vertices().to_vec(), table, domain }
+        Self { indices, numbers, integrand, vertices: grid.vertices().to_vec(), table, domain }
     }
 
     fn grid(&self) -> &DomainGrid {
-        self.domain.grid()
+        self.domain.grid(0)
     }
 }
 
@@ -183,6 +198,12 @@ impl<'a> Words<'a> {
         value
     }
 
+    /// Some of the bits of a number.
+    fn some_of(&mut self, all: u32) -> u32 {
+        let some = self.random.below(all + 1);
+        self.given(some & all)
+    }
+
     /// The next result.
     fn give<T: Word>(&mut self, value: T) {
         value.give(&mut self.output);
@@ -206,7 +227,7 @@ impl<'a> Words<'a> {
         self.input.extend(sites.as_flattened().iter().map(|number| number.to_bits()));
         let [x, y, z, weight] = sites[0];
         let grid = self.world.grid();
-        let mut s = PlainStore::new([x, y, z], Some(grid));
+        let mut s = PlainStore::new([x, y, z], Some(grid)).with_integrand(Some(&self.world.integrand));
         let relative = |[cx, cy, cz]: [Real; 3]| v3(cx - x, cy - y, cz - z);
         begin(&mut s, relative(grid.corner([0; 3])), relative(grid.corner(grid.dims())));
         let mut plane = Plane::default();
@@ -219,6 +240,7 @@ impl<'a> Words<'a> {
         for f in 0..PLANES {
             let x = Real::from(f);
             s.set_facet(f, FacetSum { area: x, moment: v3(x, x, x), rounding: x });
+            s.set_facet_second(f, FacetSecond { diagonal: v3(x, x, x), mixed: v3(x, x, x) });
         }
         let k = s.planes();
         s.set_plane(k, plane);
@@ -239,6 +261,9 @@ impl<'a> Words<'a> {
             self.give(if is_there { s.tag(f) } else { 0 });
             self.give(if is_there { s.link(f) } else { 0 });
             self.give(if is_there { s.facet(f) } else { FacetSum::default() });
+            let second = if is_there { s.facet_second(f) } else { FacetSecond::default() };
+            self.give(second.diagonal);
+            self.give(second.mixed);
         }
         for v in 0..VERTICES {
             let is_there = v < s.vertices();

@@ -2,9 +2,11 @@
 
 use super::clip::compact_planes;
 use super::cone::{add_cone, add_surface};
+use super::facet::{add_boundary, center_facets, reset_facets};
 use super::integrate::{
-    CellSums, FACETS, VOLUME_ONLY, add_boundary, integrate, reference_point, reset_facets, volume_is_above_bound,
+    CellSums, FACET_SECOND_MOMENTS, FACETS, VOLUME_ONLY, integrate, reference_point, volume_is_above_bound,
 };
+use super::near::{is_first_voxel, surface_passes_by};
 use super::status::{BOUNDARY, COMPLETE, EMPTY, P_FULL, TAG_BOX};
 use super::store::{CellStore, Voxel};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, larger, norm_max, scale, smaller, sub, v3};
@@ -13,11 +15,27 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, add, larger, norm_max, scale, small
 /// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
 /// where the cell's voxels hold triangles.
 ///
-/// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards.
+/// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards, with
+/// `FACET_SECOND_MOMENTS` their second moments too.
 pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, sums: &mut CellSums) -> u32 {
     *sums = CellSums::default();
     compact_planes(s);
     let center: V3 = reference_point(s);
+    let status: u32 = integrate_restricted(s, center, flags, interior_only, sums);
+    if (status == COMPLETE) && ((flags & FACET_SECOND_MOMENTS) != 0) {
+        center_facets(s, center);
+    }
+    return status;
+}
+
+/// The same about a given point.
+pub(super) fn integrate_restricted<S: CellStore>(
+    s: &mut S,
+    center: V3,
+    flags: u32,
+    interior_only: u32,
+    sums: &mut CellSums,
+) -> u32 {
     if s.has_domain() == 0 {
         let status: u32 = integrate_whole(s, 1.0, center, flags, sums);
         if (status == COMPLETE) && ((flags & FACETS) != 0) {
@@ -27,11 +45,18 @@ pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, s
     }
     let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
     let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    voxels_of_cell(s, &mut lo, &mut hi);
+    let mut low: V3 = v3(0.0, 0.0, 0.0);
+    let mut high: V3 = v3(0.0, 0.0, 0.0);
+    outer_box_of_cell(s, &mut low, &mut high);
+    voxels_of_box(s, low, high, &mut lo, &mut hi);
     let winding: i32 = s.winding(lo);
+    // Where no triangle is near or meets the cell, the winding number is the same all over it.
     if s.surface_voxels(lo, hi) == 0 {
-        // No triangle near: the winding number is the same all over the cell.
         return integrate_whole(s, winding as Real, center, flags, sums);
+    }
+    let mut inner: i32 = winding;
+    if surface_passes_by(s, low, high, lo, hi, &mut inner) != 0 {
+        return integrate_whole(s, inner as Real, center, flags, sums);
     }
     if interior_only != 0 {
         return BOUNDARY;
@@ -41,7 +66,7 @@ pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, s
         return P_FULL;
     }
     if (flags & FACETS) != 0 {
-        reset_facets(s);
+        reset_facets(s, flags);
     }
     if winding != 0 {
         let status: u32 = integrate(s, winding as Real, center, 0.0, flags, sums);
@@ -139,7 +164,7 @@ pub(super) fn integrate_whole<S: CellStore>(
         return EMPTY;
     }
     if (flags & FACETS) != 0 {
-        reset_facets(s);
+        reset_facets(s, flags);
     }
     let status: u32 = integrate(s, weight, center, 0.0, flags, sums);
     if status != COMPLETE {
@@ -175,17 +200,31 @@ pub(super) fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> R
     return radius;
 }
 
+/// The bounding box of the cell, rounded outward.
+#[inline]
+pub(super) fn outer_box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) {
+    let radius: Real = box_of_cell(s, low, high);
+    // The vertices' error, and the rounding of moving them into the diagram's frame.
+    let margin: Real =
+        radius + ((4.0 * UNIT_ROUNDOFF) * (norm_max(s.site()) + larger(norm_max(*low), norm_max(*high))));
+    let outward: V3 = v3(margin, margin, margin);
+    *low = sub(*low, outward);
+    *high = add(*high, outward);
+}
+
+/// The voxels that a box in the frame of the site meets.
+#[inline]
+pub(super) fn voxels_of_box<S: CellStore>(s: &S, low: V3, high: V3, lo: &mut Voxel, hi: &mut Voxel) {
+    *lo = s.voxel_of(add(s.site(), low));
+    *hi = s.voxel_of(add(s.site(), high));
+}
+
 /// The voxels that the bounding box of the cell meets, rounded outward.
 pub(super) fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
     let mut low: V3 = v3(0.0, 0.0, 0.0);
     let mut high: V3 = v3(0.0, 0.0, 0.0);
-    let radius: Real = box_of_cell(s, &mut low, &mut high);
-    let site: V3 = s.site();
-    // The vertices' error, and the rounding of moving them into the diagram's frame.
-    let margin: Real = radius + ((4.0 * UNIT_ROUNDOFF) * (norm_max(site) + larger(norm_max(low), norm_max(high))));
-    let outward: V3 = v3(margin, margin, margin);
-    *lo = s.voxel_of(sub(add(site, low), outward));
-    *hi = s.voxel_of(add(add(site, high), outward));
+    outer_box_of_cell(s, &mut low, &mut high);
+    voxels_of_box(s, low, high, lo, hi);
 }
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
@@ -232,25 +271,4 @@ pub(super) fn add_cones<S: CellStore>(
         k += 1;
     }
     return COMPLETE;
-}
-
-/// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
-#[inline(always)]
-pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> u32 {
-    let mut i: u32 = lowest.i;
-    let mut j: u32 = lowest.j;
-    let mut k: u32 = lowest.k;
-    if lo.i > i {
-        i = lo.i;
-    }
-    if lo.j > j {
-        j = lo.j;
-    }
-    if lo.k > k {
-        k = lo.k;
-    }
-    if ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k) {
-        return 1;
-    }
-    return 0;
 }

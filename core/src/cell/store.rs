@@ -1,15 +1,16 @@
-//! Where a cell lives: the trait that the algorithm is written over, and the plain store of tests and of the oracle.
+//! Where a cell lives: the trait that the algorithm is written over.
 //!
 //! This file is the boundary of the dialect: every backend writes its own storage behind these names.
 
-use super::integrate::FacetSum;
+use super::facet::{FacetSecond, FacetSum};
 use super::plane::Plane;
+use super::quadrature::{Node, polynomial};
 use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, norm_1};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, norm_1, v3};
 use super::vertex::Triplet;
 use crate::domain_grid::DomainGrid;
 use crate::exact;
-use std::cell::Cell;
+use crate::integrand::FramedIntegrand;
 
 /// A triangle of the domain: the indices of its vertices, outward oriented.
 #[repr(C)]
@@ -102,6 +103,16 @@ pub trait CellStore {
     fn facet(&self, f: u32) -> FacetSum;
     /// Sets the sums of half-space `f`'s facet.
     fn set_facet(&mut self, f: u32, sum: FacetSum);
+    /// The second moments of half-space `f`'s facet. Asked for only with the flag `FACET_SECOND_MOMENTS`.
+    fn facet_second(&self, f: u32) -> FacetSecond;
+    /// Sets the second moments of half-space `f`'s facet.
+    fn set_facet_second(&mut self, f: u32, second: FacetSecond);
+
+    /// The function to be integrated, where there is one.
+    #[inline(always)]
+    fn integrand(&self) -> Option<&FramedIntegrand> {
+        None
+    }
 
     /// The domain's grid, where there is one.
     fn domain(&self) -> Option<&DomainGrid>;
@@ -189,6 +200,52 @@ pub trait CellStore {
         exact::sign_of_cone(a, b, c, self.corner(corner))
     }
 
+    /// Number of nodes of the quadrature rule; 0 where no function is to be integrated.
+    #[inline(always)]
+    fn nodes(&self) -> u32 {
+        self.integrand().map_or(0, |integrand| integrand.nodes().len() as u32)
+    }
+
+    /// Node `q` of the quadrature rule.
+    #[inline(always)]
+    fn node(&self, q: u32) -> Node {
+        self.integrand().map_or(Node::default(), |integrand| integrand.nodes()[q as usize])
+    }
+
+    /// The function at `x`, in the frame of the site. The door for a function of the caller's; all others, and on a device there are no such,
+    /// are polynomials (`quadrature.rs`).
+    #[inline(always)]
+    fn function(&self, x: V3) -> Real
+    where
+        Self: Sized,
+    {
+        match self.integrand().and_then(FramedIntegrand::function) {
+            Some(function) => function(add(self.site(), x)),
+            None => polynomial(self, x),
+        }
+    }
+
+    /// Total degree of the polynomial.
+    #[inline(always)]
+    fn degree(&self) -> u32 {
+        self.integrand().map_or(0, FramedIntegrand::degree)
+    }
+
+    /// The point that the polynomial's monomials are about, in the diagram's frame.
+    #[inline(always)]
+    fn origin(&self) -> V3 {
+        self.integrand().map_or(V3::default(), |integrand| {
+            let [x, y, z] = integrand.origin();
+            v3(x, y, z)
+        })
+    }
+
+    /// Coefficient `i` of the polynomial, in the order of [`FramedIntegrand::coefficients`].
+    #[inline(always)]
+    fn coefficient(&self, i: u32) -> Real {
+        self.integrand().map_or(0.0, |integrand| integrand.coefficients()[i as usize])
+    }
+
     /// Whether the cell is restricted to a domain (1) or to its initial box alone (0).
     #[inline(always)]
     fn has_domain(&self) -> u32 {
@@ -265,172 +322,5 @@ pub trait CellStore {
     fn triangle_point(&self, t: u32, corner: u32) -> V3 {
         let triangle = self.triangle(t);
         self.domain_point([triangle.a, triangle.b, triangle.c][corner as usize])
-    }
-}
-
-/// The plain store: growing arrays of structs, no capacities but `u32`. Slow and obvious; for tests, for the oracle, and to count
-/// what a cell needs.
-#[derive(Clone, Debug, Default)]
-pub struct PlainStore<'a> {
-    planes: Vec<(Plane, u32, u32, FacetSum)>,
-    plane_count: usize,
-    vertices: Vec<PlainVertex>,
-    vertex_count: usize,
-    saved: Vec<PlainVertex>,
-    domain: Option<&'a DomainGrid>,
-    site: V3,
-    room: Option<(u32, u32)>,
-    most_planes: u32,
-    most_vertices: u32,
-    triangles: Cell<u32>,
-    last_triangle: Cell<Option<u32>>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct PlainVertex {
-    triplet: Triplet,
-    position: V3,
-    radius: Real,
-    mark: u32,
-}
-
-impl<'a> PlainStore<'a> {
-    /// An empty store for the cell of `site` (in the diagram's frame).
-    pub fn new(site: [f64; 3], domain: Option<&'a DomainGrid>) -> Self {
-        let [x, y, z] = site;
-        Self { domain, site: V3 { x, y, z }, ..Self::default() }
-    }
-
-    /// The same store with room for so many half-spaces and vertices only.
-    #[must_use]
-    pub fn with_room(self, planes: u32, vertices: u32) -> Self {
-        Self { room: Some((planes, vertices)), ..self }
-    }
-
-    /// The most half-spaces that the cell has had at once, with the one being added and without those that no vertex lies on.
-    pub fn most_planes(&self) -> u32 {
-        self.most_planes
-    }
-
-    /// The most vertices that the cell has had at once.
-    pub fn most_vertices(&self) -> u32 {
-        self.most_vertices
-    }
-
-    /// Triangles that the cell has been cut by so far, or found not to be cut by. Each is tried once, with nothing between its parts.
-    pub fn triangles_tried(&self) -> u32 {
-        self.triangles.get()
-    }
-
-    fn plane_slot(&mut self, f: u32) -> &mut (Plane, u32, u32, FacetSum) {
-        let f = f as usize;
-        if f >= self.planes.len() {
-            self.planes.resize(f + 1, Default::default());
-        }
-        &mut self.planes[f]
-    }
-
-    fn vertex_slot(&mut self, v: u32) -> &mut PlainVertex {
-        let v = v as usize;
-        if v >= self.vertices.len() {
-            self.vertices.resize(v + 1, PlainVertex::default());
-        }
-        &mut self.vertices[v]
-    }
-}
-
-impl CellStore for PlainStore<'_> {
-    fn cap_p(&self) -> u32 {
-        self.room.map_or(u32::MAX >> 4, |room| room.0)
-    }
-    fn cap_v(&self) -> u32 {
-        self.room.map_or(u32::MAX >> 4, |room| room.1)
-    }
-    fn planes(&self) -> u32 {
-        self.plane_count as u32
-    }
-    fn set_planes(&mut self, count: u32) {
-        self.plane_count = count as usize;
-    }
-    fn vertices(&self) -> u32 {
-        self.vertex_count as u32
-    }
-    fn set_vertices(&mut self, count: u32) {
-        self.vertex_count = count as usize;
-        self.most_vertices = self.most_vertices.max(count);
-    }
-    fn plane(&self, f: u32) -> Plane {
-        self.planes[f as usize].0
-    }
-    fn set_plane(&mut self, f: u32, plane: Plane) {
-        if f == self.planes() {
-            // The cell is simple: of v vertices and v/2 + 2 faces.
-            self.most_planes = self.most_planes.max(self.vertices() / 2 + 2 + 1);
-        }
-        self.plane_slot(f).0 = plane;
-    }
-    fn tag(&self, f: u32) -> u32 {
-        self.planes[f as usize].1
-    }
-    fn set_tag(&mut self, f: u32, tag: u32) {
-        self.plane_slot(f).1 = tag;
-    }
-    fn link(&self, f: u32) -> u32 {
-        self.planes[f as usize].2
-    }
-    fn set_link(&mut self, f: u32, link: u32) {
-        self.plane_slot(f).2 = link;
-    }
-    fn triplet(&self, v: u32) -> Triplet {
-        self.vertices[v as usize].triplet
-    }
-    fn set_triplet(&mut self, v: u32, triplet: Triplet) {
-        self.vertex_slot(v).triplet = triplet;
-    }
-    fn position(&self, v: u32) -> V3 {
-        self.vertices[v as usize].position
-    }
-    fn radius(&self, v: u32) -> Real {
-        self.vertices[v as usize].radius
-    }
-    fn set_position(&mut self, v: u32, position: V3, radius: Real) {
-        let slot = self.vertex_slot(v);
-        slot.position = position;
-        slot.radius = radius;
-    }
-    fn mark(&self, v: u32) -> u32 {
-        self.vertices[v as usize].mark
-    }
-    fn set_mark(&mut self, v: u32, mark: u32) {
-        self.vertex_slot(v).mark = mark;
-    }
-    fn save(&mut self) {
-        self.saved.clear();
-        self.saved.extend_from_slice(&self.vertices[..self.vertex_count]);
-    }
-    fn restore(&mut self) {
-        self.vertices.clone_from(&self.saved);
-        self.vertex_count = self.saved.len();
-    }
-    fn facet(&self, f: u32) -> FacetSum {
-        self.planes[f as usize].3
-    }
-    fn set_facet(&mut self, f: u32, sum: FacetSum) {
-        self.plane_slot(f).3 = sum;
-    }
-    fn domain(&self) -> Option<&DomainGrid> {
-        self.domain
-    }
-    fn site(&self) -> V3 {
-        self.site
-    }
-    fn triangle(&self, t: u32) -> Triangle {
-        if self.last_triangle.replace(Some(t)) != Some(t) {
-            self.triangles.set(self.triangles.get() + 1);
-        }
-        self.domain.map_or(Triangle::default(), |grid| {
-            let [a, b, c] = grid.triangles()[t as usize];
-            Triangle { a, b, c }
-        })
     }
 }

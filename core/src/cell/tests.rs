@@ -1,7 +1,7 @@
 //! Laws of the cell alone: combinatorics, exactness of signs, integrals of shapes known in closed form.
 
 use super::*;
-use super::{integrate::integrate, integrate::reset_facets};
+use super::{facet::reset_facets, integrate::integrate};
 
 fn unit_box<'a>() -> PlainStore<'a> {
     let mut store = PlainStore::new([0.0; 3], None);
@@ -35,7 +35,7 @@ fn a_corner_cut_off() {
     assert_eq!(clip(&mut store, Plane { n: v3(-1.0, -1.0, -1.0), d: 1.0 }, 7), CUT);
     assert_simple(&store);
     let mut sums = CellSums::default();
-    reset_facets(&mut store);
+    reset_facets(&mut store, FACETS);
     assert_eq!(integrate(&mut store, 1.0, v3(0.1, -0.2, 0.05), 0.0, FACETS | SECOND_MOMENTS, &mut sums), COMPLETE);
     let leg: f64 = 0.5;
     let corner = leg.powi(3) / 6.0;

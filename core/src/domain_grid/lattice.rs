@@ -1,6 +1,6 @@
 //! Where the voxels are.
 
-/// Cubic voxels whose corners `lo + i·width` are exact in f64: both are multiples of 2⁻⁴⁰ and `i < 2⁸`.
+/// Cubic voxels whose corners `lo + i·width` are exact in f64: both are multiples of 2⁻⁴⁰ and their sum is below 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lattice {
     pub(super) lo: [f64; 3],

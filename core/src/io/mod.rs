@@ -32,11 +32,11 @@ pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, 
 pub use results::{write_cells, write_facets};
 pub use sites::{SitesFile, parse_sites, read_sites, write_sites};
 pub use vtu::{CellMesh, write_vtu};
-pub use weights::{parse_weights, read_weights};
+pub use weights::{parse_weights, read_weights, write_weights};
 
 /// Endings that [`read_sites`] and [`write_sites`] know.
 pub const SITES_ENDINGS: &[&str] = &[".xyz", ".txt", ".csv", ".npy", ".ply"];
-/// Endings that [`read_weights`] knows.
+/// Endings that [`read_weights`] and [`write_weights`] know.
 pub const WEIGHTS_ENDINGS: &[&str] = &[".txt", ".csv", ".npy"];
 /// Endings that [`Domain::load`](crate::Domain::load) knows.
 pub const MESH_ENDINGS: &[&str] = &[".obj", ".off", ".ply", ".stl"];

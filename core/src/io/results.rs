@@ -126,6 +126,7 @@ mod tests {
                 area: vec![0.7, 0.7],
                 barycenter: vec![[0.5; 3]; 2],
                 distance: vec![0.5, 0.5],
+                second_moment: None,
             }),
             boundary: Some(vec![
                 Boundary { area: 3.0, barycenter: [0.125, 0.5, 0.5], ..Boundary::default() },

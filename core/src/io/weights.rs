@@ -3,9 +3,11 @@
 use std::io::BufRead;
 use std::path::Path;
 
+use npyz::WriterBuilder;
+
 use super::lines::{Lines, finite, is_name};
 use super::npy::Array;
-use super::{WEIGHTS_ENDINGS, ending, open};
+use super::{WEIGHTS_ENDINGS, atomic, ending, open};
 use crate::{Error, Result};
 
 /// Reads weights (length²), one for each site and in the order of the sites, by the file's ending.
@@ -30,6 +32,25 @@ pub fn read_weights(path: impl AsRef<Path>) -> Result<Vec<f64>> {
 pub fn parse_weights(bytes: &[u8], name: impl AsRef<Path>) -> Result<Vec<f64>> {
     let name = name.as_ref();
     parse(bytes, bytes.len() as u64, ending(name, WEIGHTS_ENDINGS)?).map_err(|e| e.at(name.display()))
+}
+
+/// Writes weights (length²), by the file's ending, so that [`read_weights`] reads the same numbers.
+///
+/// # Errors
+/// `Input` for an unknown ending; `Io` where writing failed (nothing is left then).
+pub fn write_weights(path: impl AsRef<Path>, weights: &[f64]) -> Result<()> {
+    let path = path.as_ref();
+    let format = ending(path, WEIGHTS_ENDINGS)?;
+    atomic::write_whole(path, |w| {
+        if format == ".npy" {
+            let options = npyz::WriteOptions::<f64>::new().default_dtype();
+            let mut npy = options.shape(&[weights.len() as u64]).writer(w).begin_nd()?;
+            npy.extend(weights.iter().copied())?;
+            return npy.finish();
+        }
+        // `{:?}` is the shortest text that reads back to the same number.
+        weights.iter().try_for_each(|weight| writeln!(w, "{weight:?}"))
+    })
 }
 
 fn parse(reader: impl BufRead, length: u64, format: &str) -> Result<Vec<f64>> {
@@ -82,6 +103,19 @@ mod tests {
         for text in ["1\n-2.5\n3e-5\n", "# w\r\n 1 # one\r\n\r\n-2.5\r\n3e-5", "\u{feff}weight\n1\n-2.5\n3e-5\n"] {
             assert_eq!(parse_weights(text.as_bytes(), "w.txt").unwrap(), [1.0, -2.5, 3e-5], "{text:?}");
         }
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let folder = super::super::scratch("weights");
+        let weights = [0.1 + 0.2, -1e-300, 5e59, 0.0];
+        for name in ["w.txt", "w.csv", "w.npy"] {
+            write_weights(folder.join(name), &weights).unwrap();
+            assert_eq!(read_weights(folder.join(name)).unwrap(), weights, "{name}");
+        }
+        assert!(
+            write_weights(folder.join("w.xyz"), &weights).unwrap_err().to_string().contains("unknown ending '.xyz'")
+        );
     }
 
     #[test]

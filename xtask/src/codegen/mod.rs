@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The files of the algorithm, each after what it uses by value.
-const FILES: [&str; 12] = [
+const FILES: [&str; 15] = [
     "vector",
     "status",
     "plane",
@@ -21,8 +21,11 @@ const FILES: [&str; 12] = [
     "expansion",
     "clip",
     "security",
+    "quadrature",
     "integrate",
+    "facet",
     "cone",
+    "near",
     "restrict",
 ];
 

@@ -58,7 +58,7 @@ pub(crate) fn parity(units: &[Unit]) -> Result<Parity, String> {
     Ok(Parity {
         kernels: format!("{text}{kernels}"),
         table: format!(
-            "\nuse super::{{Function, Word, Words}};\nuse crate::cell::{{TAG_CONE{imports}}};\n\n{}\n\
+            "\nuse super::{{FLAGS, Function, Word, Words}};\nuse crate::cell::{{TAG_CONE{imports}}};\n\n{}\n\
              /// Every function that other modules can see.\npub static FUNCTIONS: &[Function] = &[\n{functions}];\n",
             structs.concat()
         ),
@@ -220,8 +220,12 @@ impl<'a> Signature<'a> {
         let mut takes = Vec::new();
         for p in self.parameters.iter().filter(|p| !p.is_store) {
             let ty = type_name_in_rust(p.ty);
-            // A tag says where a device keeps the plane: not with the sites.
-            let given = if p.name == "tag" { " = TAG_CONE" } else { "" };
+            let given = match p.name.as_str() {
+                // A tag says where a device keeps the plane: not with the sites.
+                "tag" => " = TAG_CONE",
+                "flags" => " in FLAGS",
+                _ => "",
+            };
             takes.push(format!("{}: {ty}{given}", p.name));
         }
         let store = if self.on_store() { "s, " } else { "" };

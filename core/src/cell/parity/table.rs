@@ -1,17 +1,17 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
-use super::{Function, Word, Words};
-use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, security, integrate, cone, restrict, vector::V3, plane::Plane, vertex::Triplet, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::FacetSum, integrate::Side, integrate::Corner, store::Voxel, cone::TruncatedCone};
+use super::{FLAGS, Function, Word, Words};
+use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, security, quadrature, integrate, facet, cone, near, restrict, vector::V3, plane::Plane, vertex::Triplet, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
 
 words!(V3 { x, y, z });
 words!(Plane { n, d });
 words!(Triplet { a, b, c });
 words!(Wide { hi, lo });
 words!(Expansion { terms, count });
-words!(CellSums { volume, first, second_diagonal, second_mixed, rounding, largest_rounding, boundary_area, boundary_moment, boundary_vector, boundary_flux });
-words!(FacetSum { area, moment, rounding });
+words!(CellSums { volume, first, second_diagonal, second_mixed, integral, rounding, largest_rounding, boundary_area, boundary_moment, boundary_vector, boundary_flux });
 words!(Side { index, n, d, square, foot });
 words!(Corner { position, distance, radius });
+words!(FacetSum { area, moment, rounding });
 words!(Voxel { i, j, k });
 words!(TruncatedCone { sign, reach, end, side_0, side_1, side_2 });
 
@@ -70,21 +70,30 @@ pub static FUNCTIONS: &[Function] = &[
     host!((r: f64, dw: f64) security::security_reach(r, dw), []),
     host!(s, (lo: V3, hi: V3, dw: f64) security::box_cannot_cut(&s, lo, hi, dw), []),
     host!((x: f64, lo: f64, hi: f64) security::outside_of(x, lo, hi), []),
+    host!(s, (weight: f64, center: V3, sums: CellSums) quadrature::integrate_function(&s, weight, center, &mut sums), [sums]),
+    host!(s, (x: V3) quadrature::polynomial(&s, x), []),
     host!((sums: CellSums) integrate::volume_is_above_bound(sums), []),
-    host!((sum: FacetSum) integrate::facet_is_above_bound(sum), []),
-    host!(s, (weight: f64, center: V3, reach: f64, flags: u32, sums: CellSums) integrate::integrate(&mut s, weight, center, reach, flags, &mut sums), [sums]),
+    host!(s, (weight: f64, center: V3, reach: f64, flags: u32 in FLAGS, sums: CellSums) integrate::integrate(&mut s, weight, center, reach, flags, &mut sums), [sums]),
     host!(s, (f: u32, center: V3) integrate::side(&s, f, center), []),
-    host!(s, (f: Side, g: Side, at: Corner, weight: f64, center: V3, flags: u32, part: CellSums) integrate::add_edge(&mut s, f, g, at, weight, center, flags, &mut part), [part]),
+    host!(s, (f: Side, g: Side, at: Corner, weight: f64, center: V3, flags: u32 in FLAGS, part: CellSums) integrate::add_edge(&mut s, f, g, at, weight, center, flags, &mut part), [part]),
     host!(s, (f: Side, g: Side, center: V3, foot: V3) integrate::foot_on_edge(&mut s, f, g, center, &mut foot), [foot]),
-    host!((volume: f64, h: V3, i: V3, v: V3, flags: u32, part: CellSums) integrate::add_tetrahedron(volume, h, i, v, flags, &mut part), [part]),
+    host!((volume: f64, h: V3, i: V3, v: V3, flags: u32 in FLAGS, part: CellSums) integrate::add_tetrahedron(volume, h, i, v, flags, &mut part), [part]),
+    host!((h: V3, i: V3, v: V3, s: V3) integrate::second_diagonal(h, i, v, s), []),
+    host!((h: V3, i: V3, v: V3, s: V3) integrate::second_mixed(h, i, v, s), []),
     host!((a: f64, b: f64, c: f64) integrate::squares(a, b, c), []),
     host!((a: f64, b: f64, c: f64, d: f64, e: f64, f: f64) integrate::products(a, b, c, d, e, f), []),
-    host!((f: Side, foot: V3, at: Corner, sign: f64, center: V3, sum: FacetSum) integrate::add_triangle(f, foot, at, sign, center, &mut sum), [sum]),
-    host!(s, (index: u32, center: V3, sum: FacetSum) integrate::integrate_facet(&mut s, index, center, &mut sum), [sum]),
-    host!(s, () integrate::reset_facets(&mut s), []),
-    host!((sum: FacetSum, plane: Plane, outward: f64, sums: CellSums) integrate::add_boundary(sum, plane, outward, &mut sums), [sums]),
     host!(s, () integrate::reference_point(&s), []),
-    host!(s, (t: u32, apex: Voxel, center: V3, flags: u32, touched: u32, sums: CellSums) cone::add_cone(&mut s, t, apex, center, flags, &mut touched, &mut sums), [touched, sums]),
+    host!((sum: FacetSum) facet::facet_is_above_bound(sum), []),
+    host!((f: Side, foot: V3, at: Corner, sign: f64, center: V3, sum: FacetSum) facet::add_triangle(f, foot, at, sign, center, &mut sum), [sum]),
+    host!((f: Side, to_foot: V3, to_vertex: V3, sign: f64) facet::area_of_triangle(f, to_foot, to_vertex, sign), []),
+    host!(s, (index: u32, center: V3, sum: FacetSum) facet::integrate_facet(&mut s, index, center, &mut sum), [sum]),
+    host!(s, (flags: u32 in FLAGS) facet::reset_facets(&mut s, flags), []),
+    host!((sum: FacetSum, plane: Plane, outward: f64, sums: CellSums) facet::add_boundary(sum, plane, outward, &mut sums), [sums]),
+    host!(s, (weight: f64, center: V3) facet::add_facet_seconds(&mut s, weight, center), []),
+    host!(s, (f: Side, g: Side, position: V3, weight: f64, center: V3) facet::add_edge_second(&mut s, f, g, position, weight, center), []),
+    host!(s, (f: Side, foot: V3, position: V3, sign: f64) facet::add_triangle_second(&mut s, f, foot, position, sign), []),
+    host!(s, (center: V3) facet::center_facets(&mut s, center), []),
+    host!(s, (t: u32, apex: Voxel, center: V3, flags: u32 in FLAGS, touched: u32, sums: CellSums) cone::add_cone(&mut s, t, apex, center, flags, &mut touched, &mut sums), [touched, sums]),
     host!(s, (cone: TruncatedCone) cone::clip_by_sides(&mut s, cone), []),
     host!(s, (t: u32, apex: Voxel, center: V3, sums: CellSums) cone::add_surface(&mut s, t, apex, center, &mut sums), [sums]),
     host!(s, (k: u32, plane: Plane) cone::all_in_conflict(&mut s, k, plane), []),
@@ -93,14 +102,26 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (t: u32, apex: Voxel, prism: TruncatedCone) cone::make_prism(&mut s, t, apex, &mut prism), [prism]),
     host!((i: u32, j: u32, p: V3, q: V3, o: V3, o_in: V3, sign: f64) cone::side_over_edge(i, j, p, q, o, o_in, sign), []),
     host!(s, (t: u32, apex: Voxel, a: V3, b: V3, c: V3) cone::cone_sign(&mut s, t, apex, a, b, c), []),
+    host!((a: V3, b: V3, c: V3) cone::filtered_sign(a, b, c), []),
     host!((a: V3) cone::magnitudes(a), []),
-    host!(s, (flags: u32, interior_only: u32, sums: CellSums) restrict::integrate_cell(&mut s, flags, interior_only, &mut sums), [sums]),
+    host!(s, (low: V3, high: V3, lo: Voxel, hi: Voxel, winding: i32) near::surface_passes_by(&mut s, low, high, lo, hi, &mut winding), [winding]),
+    host!(s, () near::site_is_inside(&s), []),
+    host!(s, (voxel: Voxel, lo: Voxel, low: V3, high: V3, winding: i32) near::voxel_passes_by(&mut s, voxel, lo, low, high, &mut winding), [winding]),
+    host!(s, (t: u32, apex: Voxel, low: V3, high: V3, winding: i32) near::triangle_passes_by(&mut s, t, apex, low, high, &mut winding), [winding]),
+    host!((a: V3, b: V3, c: V3, d: V3) near::are_apart(a, b, c, d), []),
+    host!(s, (a_in: V3, e: V3, f: V3) near::plane_is_apart(&s, a_in, e, f), []),
+    host!((a: V3, b: V3, c: V3) near::least_of(a, b, c), []),
+    host!((a: V3, b: V3, c: V3) near::most_of(a, b, c), []),
+    host!((lowest: Voxel, lo: Voxel, voxel: Voxel) near::is_first_voxel(lowest, lo, voxel), []),
+    host!(s, (flags: u32 in FLAGS, interior_only: u32, sums: CellSums) restrict::integrate_cell(&mut s, flags, interior_only, &mut sums), [sums]),
+    host!(s, (center: V3, flags: u32 in FLAGS, interior_only: u32, sums: CellSums) restrict::integrate_restricted(&mut s, center, flags, interior_only, &mut sums), [sums]),
     host!(s, (sums: CellSums) restrict::settle(&s, &sums), []),
     host!(s, () restrict::lies_outside(&s), []),
-    host!(s, (weight: f64, center: V3, flags: u32, sums: CellSums) restrict::integrate_whole(&mut s, weight, center, flags, &mut sums), [sums]),
+    host!(s, (weight: f64, center: V3, flags: u32 in FLAGS, sums: CellSums) restrict::integrate_whole(&mut s, weight, center, flags, &mut sums), [sums]),
     host!(s, (sums: CellSums) restrict::add_box_faces(&s, &mut sums), [sums]),
     host!(s, (low: V3, high: V3) restrict::box_of_cell(&s, &mut low, &mut high), [low, high]),
+    host!(s, (low: V3, high: V3) restrict::outer_box_of_cell(&s, &mut low, &mut high), [low, high]),
+    host!(s, (low: V3, high: V3, lo: Voxel, hi: Voxel) restrict::voxels_of_box(&s, low, high, &mut lo, &mut hi), [lo, hi]),
     host!(s, (lo: Voxel, hi: Voxel) restrict::voxels_of_cell(&s, &mut lo, &mut hi), [lo, hi]),
-    host!(s, (lo: Voxel, hi: Voxel, center: V3, flags: u32, touched: u32, sums: CellSums) restrict::add_cones(&mut s, lo, hi, center, flags, &mut touched, &mut sums), [touched, sums]),
-    host!((lowest: Voxel, lo: Voxel, voxel: Voxel) restrict::is_first_voxel(lowest, lo, voxel), []),
+    host!(s, (lo: Voxel, hi: Voxel, center: V3, flags: u32 in FLAGS, touched: u32, sums: CellSums) restrict::add_cones(&mut s, lo, hi, center, flags, &mut touched, &mut sums), [touched, sums]),
 ];

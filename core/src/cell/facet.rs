@@ -1,0 +1,202 @@
+//! Sums over the facets of a convex cell: areas, moments, second moments, and what of them is the domain's boundary.
+
+use super::integrate::{
+    CellSums, Corner, FACET_SECOND_MOMENTS, NEGATIVE_ROUNDINGS, Side, foot_on_edge, second_diagonal, second_mixed, side,
+};
+use super::plane::Plane;
+use super::status::{COMPLETE, UNCERTAIN};
+use super::store::CellStore;
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, scale, sub, v3};
+use super::vertex::Triplet;
+
+/// Sums over one facet.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FacetSum {
+    /// Area.
+    pub area: Real,
+    /// ∫ x dA, in the frame of the site.
+    pub moment: V3,
+    /// The largest that rounding may have added to one of the triangles that were added and subtracted.
+    pub rounding: Real,
+}
+
+/// Second moments of one facet: while sums are added up about the point that the tetrahedra share, afterwards about the facet's own
+/// barycenter.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FacetSecond {
+    /// ∫ x², y², z² dA.
+    pub diagonal: V3,
+    /// ∫ xy, xz, yz dA.
+    pub mixed: V3,
+}
+
+/// The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
+/// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
+/// quotient, halved; twice that for the sum. (What a foot is off, one triangle gains and its neighbour loses.)
+const ROUNDINGS_OF_TRIANGLE: Real = 8.0;
+
+/// The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles
+/// leave of nothing is below this, but for one in some thousand, while the sum of their bounds would swallow thin facets that the
+/// other cell, cut by other cones, keeps.
+const SHARE_OF_NO_FACET: Real = 0.0625;
+
+/// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
+pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
+    if (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding)) {
+        return 1;
+    }
+    return 0;
+}
+
+/// Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
+/// `area·(H + I + v)/3`.
+#[inline(always)]
+pub(super) fn add_triangle(f: Side, foot: V3, at: Corner, sign: Real, center: V3, sum: &mut FacetSum) {
+    let to_foot: V3 = sub(foot, f.foot);
+    let to_vertex: V3 = sub(at.position, f.foot);
+    let area: Real = area_of_triangle(f, to_foot, to_vertex, sign);
+    let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), at.position)), center);
+    sum.area = sum.area + area;
+    sum.moment = add(sum.moment, scale(area, middle));
+    let lost: Real = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
+    sum.rounding = larger(sum.rounding, lost + (at.radius * norm_1(sub(at.position, foot))));
+}
+
+/// `sign·½ (I − H)×(v − H)·n/|n|`, given the two sides at H.
+#[inline(always)]
+pub(super) fn area_of_triangle(f: Side, to_foot: V3, to_vertex: V3, sign: Real) -> Real {
+    let normal: V3 = cross(to_foot, to_vertex);
+    return ((0.5 * sign) * dot(normal, f.n)) / f.square.sqrt();
+}
+
+/// The sums of the facet of plane `index` alone.
+pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
+    *sum = FacetSum::default();
+    let f: Side = side(s, index, center);
+    let mut v: u32 = 0;
+    while v < s.vertices() {
+        let mut t: Triplet = s.triplet(v);
+        if t.b == index {
+            t = Triplet { a: t.b, b: t.c, c: t.a };
+        } else if t.c == index {
+            t = Triplet { a: t.c, b: t.a, c: t.b };
+        }
+        if t.a == index {
+            // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
+            let at: Corner =
+                Corner { position: sub(s.position(v), center), distance: norm_1(s.position(v)), radius: s.radius(v) };
+            let b: Side = side(s, t.b, center);
+            let c: Side = side(s, t.c, center);
+            let mut foot: V3 = v3(0.0, 0.0, 0.0);
+            if foot_on_edge(s, f, b, center, &mut foot) != COMPLETE {
+                return UNCERTAIN;
+            }
+            add_triangle(f, foot, at, 1.0, center, sum);
+            if foot_on_edge(s, c, f, center, &mut foot) != COMPLETE {
+                return UNCERTAIN;
+            }
+            add_triangle(f, foot, at, -1.0, center, sum);
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+/// Sets the facets' sums to zero.
+pub(crate) fn reset_facets<S: CellStore>(s: &mut S, flags: u32) {
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        s.set_facet(f, FacetSum::default());
+        if (flags & FACET_SECOND_MOMENTS) != 0 {
+            s.set_facet_second(f, FacetSecond::default());
+        }
+        f += 1;
+    }
+}
+
+/// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
+/// keeps the domain's inside, −1 where it keeps its outside.
+pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
+    // The surface has no negative area.
+    if (facet_is_above_bound(sum) == 0) || (sum.area < 0.0) {
+        return;
+    }
+    let share: Real = (outward * sum.area) / dot(plane.n, plane.n).sqrt();
+    sums.boundary_area = sums.boundary_area + sum.area;
+    sums.boundary_moment = add(sums.boundary_moment, sum.moment);
+    sums.boundary_vector = sub(sums.boundary_vector, scale(share, plane.n));
+    sums.boundary_flux = sums.boundary_flux + (share * plane.d);
+}
+
+/// Adds the triangles that `integrate` adds to the facets to their second moments. By itself: few ask for it, and what all do is not to pay
+/// for that.
+#[cold]
+pub(super) fn add_facet_seconds<S: CellStore>(s: &mut S, weight: Real, center: V3) -> u32 {
+    let mut v: u32 = 0;
+    while v < s.vertices() {
+        let t: Triplet = s.triplet(v);
+        let position: V3 = sub(s.position(v), center);
+        let a: Side = side(s, t.a, center);
+        let b: Side = side(s, t.b, center);
+        let c: Side = side(s, t.c, center);
+        if add_edge_second(s, a, b, position, weight, center) != COMPLETE {
+            return UNCERTAIN;
+        }
+        if add_edge_second(s, b, c, position, weight, center) != COMPLETE {
+            return UNCERTAIN;
+        }
+        if add_edge_second(s, c, a, position, weight, center) != COMPLETE {
+            return UNCERTAIN;
+        }
+        v += 1;
+    }
+    return COMPLETE;
+}
+
+/// Adds the two triangles of one vertex and its edge (f, g).
+pub(super) fn add_edge_second<S: CellStore>(
+    s: &mut S,
+    f: Side,
+    g: Side,
+    position: V3,
+    weight: Real,
+    center: V3,
+) -> u32 {
+    let mut foot: V3 = v3(0.0, 0.0, 0.0);
+    if foot_on_edge(s, f, g, center, &mut foot) != COMPLETE {
+        return UNCERTAIN;
+    }
+    add_triangle_second(s, g, foot, position, -weight);
+    add_triangle_second(s, f, foot, position, weight);
+    return COMPLETE;
+}
+
+/// Adds the triangle (H, I, v) to the second moments of the facet of plane `f`: `area·(HHᵀ + IIᵀ + vvᵀ + ssᵀ)/12`, `s = H + I + v`,
+/// about the point that all are relative to.
+pub(super) fn add_triangle_second<S: CellStore>(s: &mut S, f: Side, foot: V3, position: V3, sign: Real) {
+    let share: Real = area_of_triangle(f, sub(foot, f.foot), sub(position, f.foot), sign) / 12.0;
+    let sum: V3 = add(add(f.foot, foot), position);
+    let mut second: FacetSecond = s.facet_second(f.index);
+    second.diagonal = add(second.diagonal, scale(share, second_diagonal(f.foot, foot, position, sum)));
+    second.mixed = add(second.mixed, scale(share, second_mixed(f.foot, foot, position, sum)));
+    s.set_facet_second(f.index, second);
+}
+
+/// Moves the facets' second moments from `center` to the facets' own barycenters: `∫ (x − b)(x − b)ᵀ = ∫ xxᵀ − mmᵀ/A`, `m = ∫ x`.
+pub(super) fn center_facets<S: CellStore>(s: &mut S, center: V3) {
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        let sum: FacetSum = s.facet(f);
+        if facet_is_above_bound(sum) != 0 {
+            let m: V3 = sub(sum.moment, scale(sum.area, center));
+            let b: V3 = scale(1.0 / sum.area, m);
+            let mut second: FacetSecond = s.facet_second(f);
+            second.diagonal = sub(second.diagonal, v3(m.x * b.x, m.y * b.y, m.z * b.z));
+            second.mixed = sub(second.mixed, v3(m.x * b.y, m.x * b.z, m.y * b.z));
+            s.set_facet_second(f, second);
+        }
+        f += 1;
+    }
+}

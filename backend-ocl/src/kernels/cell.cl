@@ -53,7 +53,7 @@ INLINE real farthest_vertex(Store *s);
 INLINE real security_reach(real r, real dw);
 INLINE uint box_cannot_cut(Store *s, V3 lo, V3 hi, real dw);
 INLINE real outside_of(real x, real lo, real hi);
-OUTLINE void integrate_function(Store *s, real weight, V3 center, CellSums *sums);
+OUTLINE real integrate_function(Store *s, V3 center);
 OUTLINE void add_fans_at_edge(Store *s, uint v, uint f, uint g, V3 center, Wide *sum);
 OUTLINE uint first_vertex_on(Store *s, uint f, uint g, uint end);
 OUTLINE void add_quadrature(Store *s, real volume, V3 a, V3 b, V3 c, V3 center, Wide *sum);
@@ -855,9 +855,8 @@ INLINE real outside_of(real x, real lo, real hi) {
 
 // core/src/cell/quadrature.rs
 
-// Adds `weight` times the integral of the store's function over the present polytope to `sums`; `center` is the point that the
-// tetrahedra share.
-OUTLINE void integrate_function(Store *s, real weight, V3 center, CellSums *sums) {
+// The integral of the store's function over the present polytope; `center` is the point that the tetrahedra share.
+OUTLINE real integrate_function(Store *s, V3 center) {
     Wide sum = (Wide){ .hi = REAL(0.0), .lo = REAL(0.0) };
     uint v = 0;
     while (v < store_vertices(s)) {
@@ -868,7 +867,7 @@ OUTLINE void integrate_function(Store *s, real weight, V3 center, CellSums *sums
         v += 1;
     }
     // Of sixfold volumes.
-    sums->integral = sums->integral + ((weight / REAL(6.0)) * (sum.hi + sum.lo));
+    return (sum.hi + sum.lo) / REAL(6.0);
 }
 
 // Adds the tetrahedra over the triangles that the edge (f, g) of vertex `v` has in its two facets; each edge at its later vertex.
@@ -1019,7 +1018,7 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
     }
     // A store without nodes says so when it is compiled: what is not asked for is not there.
     if (((flags & INTEGRAL) != 0) && (store_nodes(s) != 0)) {
-        integrate_function(s, weight, center, sums);
+        sums->integral = sums->integral + (weight * integrate_function(s, center));
     }
     return COMPLETE;
 }

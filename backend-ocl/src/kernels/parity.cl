@@ -652,11 +652,9 @@ __kernel void parity_outside_of(PARITY_ARGUMENTS) {
 __kernel void parity_integrate_function(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const real weight = take_real(&in);
     const V3 center = take_V3(&in);
-    CellSums sums = take_CellSums(&in);
-    integrate_function(s, weight, center, &sums);
-    give_CellSums(&out, sums);
+    const real result = integrate_function(s, center);
+    give_real(&out, result);
     parity_dump(&out, s);
 }
 

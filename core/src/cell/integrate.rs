@@ -163,7 +163,7 @@ pub(crate) fn integrate<S: CellStore>(
     }
     // A store without nodes says so when it is compiled: what is not asked for is not there.
     if ((flags & INTEGRAL) != 0) && (s.nodes() != 0) {
-        integrate_function(s, weight, center, sums);
+        sums.integral = sums.integral + (weight * integrate_function(s, center));
     }
     return COMPLETE;
 }

@@ -4,7 +4,6 @@
 //! even defined: each facet is divided into a fan of triangles about its first vertex, and each triangle makes a tetrahedron with the
 //! reference point. Where that is in the cell, all nodes are, and no volume is negative; there are a third as many tetrahedra.
 
-use super::integrate::CellSums;
 use super::store::CellStore;
 use super::vector::{Real, V3, add, cross, dot, scale, sub};
 use super::vertex::Triplet;
@@ -20,11 +19,10 @@ pub struct Node {
     pub weight: Real,
 }
 
-/// Adds `weight` times the integral of the store's function over the present polytope to `sums`; `center` is the point that the
-/// tetrahedra share.
+/// The integral of the store's function over the present polytope; `center` is the point that the tetrahedra share.
 // Few ask for it: not to be inlined into what all do.
 #[cold]
-pub(crate) fn integrate_function<S: CellStore>(s: &S, weight: Real, center: V3, sums: &mut CellSums) {
+pub(crate) fn integrate_function<S: CellStore>(s: &S, center: V3) -> Real {
     let mut sum: Wide = Wide { hi: 0.0, lo: 0.0 };
     let mut v: u32 = 0;
     while v < s.vertices() {
@@ -35,7 +33,7 @@ pub(crate) fn integrate_function<S: CellStore>(s: &S, weight: Real, center: V3, 
         v += 1;
     }
     // Of sixfold volumes.
-    sums.integral = sums.integral + ((weight / 6.0) * (sum.hi + sum.lo));
+    return (sum.hi + sum.lo) / 6.0;
 }
 
 /// Adds the tetrahedra over the triangles that the edge (f, g) of vertex `v` has in its two facets; each edge at its later vertex.

@@ -70,7 +70,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!((r: f64, dw: f64) security::security_reach(r, dw), []),
     host!(s, (lo: V3, hi: V3, dw: f64) security::box_cannot_cut(&s, lo, hi, dw), []),
     host!((x: f64, lo: f64, hi: f64) security::outside_of(x, lo, hi), []),
-    host!(s, (weight: f64, center: V3, sums: CellSums) quadrature::integrate_function(&s, weight, center, &mut sums), [sums]),
+    host!(s, (center: V3) quadrature::integrate_function(&s, center), []),
     host!(s, (x: V3) quadrature::polynomial(&s, x), []),
     host!((sums: CellSums) integrate::volume_is_above_bound(sums), []),
     host!(s, (weight: f64, center: V3, reach: f64, flags: u32 in FLAGS, sums: CellSums) integrate::integrate(&mut s, weight, center, reach, flags, &mut sums), [sums]),

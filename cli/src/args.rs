@@ -33,6 +33,9 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Sample(SampleArgs),
     Demo(DemoArgs),
+    Lloyd(crate::lloyd::LloydArgs),
+    Fluid(crate::fluid::FluidArgs),
+    Transport(crate::transport::TransportArgs),
     Tune(TuneArgs),
     Bench(BenchArgs),
     Devices(DevicesArgs),
@@ -298,10 +301,6 @@ pub(crate) struct PaperArgs {
     /// Which experiments
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_values = ["fig9", "fig10", "fig11", "precision"])]
     pub(crate) only: Vec<Experiment>,
-
-    /// Fixed-point steps towards equal volumes
-    #[arg(long, value_name = "N", default_value_t = 20)]
-    pub(crate) steps: u32,
 
     /// Where to write the text, between marker comments; standard output unless given
     #[arg(long, value_name = "FILE")]

@@ -1,68 +1,218 @@
-//! Lloyd's algorithm: sites moved to the barycenters of their cells, again and again.
+//! `laguerre lloyd`: sites moved until each is the barycenter of its cell.
 
-use laguerre::{Backend, CellStatus, Output, PowerDiagram, Request, Result};
+use std::path::PathBuf;
+use std::time::Instant;
 
-use crate::evaluate::evaluate;
+use clap::{Args as ClapArgs, ValueEnum};
+use laguerre::io::{self, SITES_ENDINGS};
+use laguerre::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_solvers::lloyd::{self, Iteration, Options, Relaxation};
+use serde::Serialize;
 
-/// How far the sites were moved.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Relaxation {
-    pub(crate) steps: usize,
-    /// Standard deviation of the cells' volumes over their mean.
-    pub(crate) spread: f64,
+use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
+use crate::container::{Container, Whole};
+use crate::evaluate::{evaluate, open};
+use crate::outcome::{Outcome, note, print};
+use crate::report::grouped;
+use crate::sites;
+
+pub(crate) use laguerre_solvers::lloyd::relative_deviation;
+
+/// Moves sites until each is the barycenter of its cell: a centroidal tessellation. Weights stay as they are.
+///
+/// The energy is the sum over all cells of the integral of ‖x − p_i‖² − w_i. The gradient that --tolerance bounds has no scale: it is
+/// the mean distance (root of the mean square, by volume) of sites from barycenters over the size of the mean cell.
+/// Without --domain or --box, the cells are cut by the bounding box that the sites have at the start.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct LloydArgs {
+    #[command(flatten)]
+    sites: SitesArgs,
+
+    #[command(flatten)]
+    container: ContainerArgs,
+
+    /// How
+    #[arg(long, value_name = "METHOD", default_value = "lbfgs")]
+    method: Method,
+
+    /// Iterations at most
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    iterations: u32,
+
+    /// Stop where the gradient is not above G
+    #[arg(long, value_name = "G", default_value_t = 1e-3, allow_hyphen_values = true, value_parser = parse_tolerance)]
+    tolerance: f64,
+
+    /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    backend: BackendArgs,
+
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
 }
 
-/// Moves the sites of a diagram until the volumes of its cells vary by less than `spread`, at most `most_steps` times.
-/// A site whose barycenter `accept` refuses, or whose cell is empty, stays where it is.
-///
-/// # Errors
-/// As [`Backend::evaluate`].
-pub(crate) fn relax(
-    backend: &dyn Backend,
-    diagram: &mut PowerDiagram,
-    spread: f64,
-    most_steps: usize,
-    accept: impl Fn([f64; 3]) -> bool,
-) -> Result<Relaxation> {
-    let mut steps = 0;
-    loop {
-        let output = evaluate(backend, diagram, &Request::moments())?;
-        let found = relative_deviation(&output.volume);
-        if found < spread || steps == most_steps {
-            return Ok(Relaxation { steps, spread: found });
+const EXAMPLES: &str = "\
+Examples:
+  laguerre lloyd sites.xyz --domain bunny.obj -o even.xyz
+  laguerre lloyd sites.npy --box 0,0,0,1,1,1 --method lloyd --iterations 20 --json";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// Each site to the barycenter of its cell
+    Lloyd,
+    /// Quasi-Newton on the energy: far fewer diagrams for the same energy
+    Lbfgs,
+}
+
+/// The object of `--json`.
+#[derive(Debug, Serialize)]
+struct Report {
+    sites: usize,
+    method: &'static str,
+    iterations: usize,
+    /// The last gradient.
+    residual: f64,
+    converged: bool,
+    energy: f64,
+    /// The energy for cells of equal volume, without scale: energy over 3·n·(V/n)^(5/3); 0.0785 for the best lattice.
+    normalized_energy: f64,
+    evaluations: usize,
+    empty: usize,
+    seconds: f64,
+    backend: &'static str,
+    device: String,
+    precision: &'static str,
+    threads: usize,
+    history: Vec<Row>,
+}
+
+/// One iteration, the start being the first.
+#[derive(Debug, Serialize)]
+struct Row {
+    energy: f64,
+    gradient: f64,
+    evaluations: usize,
+}
+
+pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
+    match &args.output {
+        Some(path) => io::check_output(path, SITES_ENDINGS)?,
+        None if !args.json => note("only the energies are printed; name a file with -o to keep the sites"),
+        None => {}
+    }
+    let backend = open(&args.backend)?;
+    let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
+    let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
+    let whole = Whole::of(&diagram).map_err(of_sites)?;
+
+    let method = match args.method {
+        Method::Lloyd => lloyd::Method::Lloyd,
+        Method::Lbfgs => lloyd::Method::Lbfgs,
+    };
+    let options = Options::default().by(method).until(args.iterations as usize, args.tolerance);
+    let start = Instant::now();
+    let mut count = 0;
+    let mut table = |done: &Iteration| {
+        if !args.json {
+            // Where nobody reads, the work goes on.
+            let _ =
+                print(&format!("{count:9}  {:8}  {:12.6e}  {:12.4e}\n", done.evaluations, done.energy, done.gradient));
         }
-        let moved = step(diagram, &output, &accept);
-        let weights = diagram.weights().to_vec();
-        diagram.set_sites(&moved, &weights)?;
-        steps += 1;
+        count += 1;
+    };
+    let relaxed = lloyd::relax(&WithBar(backend.as_ref()), &mut diagram, &options, &mut table).map_err(of_sites)?;
+    let seconds = start.elapsed().as_secs_f64();
+
+    if let Some(path) = &args.output {
+        io::write_sites(path, diagram.positions(), diagram.weights())?;
+    }
+    let report = Report::new(&relaxed, args.method, &whole, backend.info(), seconds);
+    if args.json {
+        let json = serde_json::to_string(&report).map_err(|e| Error::input(format!("--json: {e}")))?;
+        print(&format!("{json}\n"))?;
+    } else {
+        print(&report.summary())?;
+    }
+    if report.empty > 0 {
+        note(&format!("{} of {} sites have empty cells, and stayed where they were", report.empty, report.sites));
+    }
+    Ok(Outcome::Done)
+}
+
+impl Report {
+    fn new(relaxed: &Relaxation, method: Method, whole: &Whole, info: BackendInfo, seconds: f64) -> Self {
+        let history: Vec<Row> = relaxed
+            .iterations
+            .iter()
+            .map(|&Iteration { energy, gradient, evaluations }| Row { energy, gradient, evaluations })
+            .collect();
+        let (energy, residual, evaluations) =
+            history.last().map_or((0.0, 0.0, 0), |last| (last.energy, last.gradient, last.evaluations));
+        let sites = relaxed.output.volume.len();
+        let empty = relaxed.output.count(CellStatus::Empty);
+        let cells = (sites - empty) as f64;
+        Self {
+            sites,
+            method: if method == Method::Lloyd { "lloyd" } else { "lbfgs" },
+            iterations: history.len().saturating_sub(1),
+            residual,
+            converged: relaxed.converged,
+            energy,
+            normalized_energy: energy / (3.0 * whole.volume) / (whole.volume / cells).powf(2.0 / 3.0),
+            evaluations,
+            empty,
+            seconds,
+            backend: info.backend,
+            device: info.device,
+            precision: info.precision,
+            threads: info.threads,
+            history,
+        }
+    }
+
+    /// A few lines for people.
+    fn summary(&self) -> String {
+        let end = if self.converged { "the gradient is within its bound" } else { "no more iterations" };
+        format!(
+            "sites        {}\n\
+             energy       {:e}, {:.6} for cells of size 1\n\
+             gradient     {:.3e} of a cell: {end}\n\
+             compute      {:.3} s, {} iterations, {} diagrams ({}, {}, {})\n",
+            grouped(self.sites as u64),
+            self.energy,
+            self.normalized_energy,
+            self.residual,
+            self.seconds,
+            self.iterations,
+            self.evaluations,
+            self.backend,
+            self.precision,
+            self.device,
+        )
     }
 }
 
-fn step(diagram: &PowerDiagram, output: &Output, accept: impl Fn([f64; 3]) -> bool) -> Vec<[f64; 3]> {
-    let sites = diagram.positions().iter().enumerate();
-    sites
-        .map(|(i, &old)| {
-            let new = output.barycenter[i];
-            if output.status[i] != CellStatus::Empty && accept(new) { new } else { old }
-        })
-        .collect()
+/// A backend that draws its progress, where there is a terminal.
+pub(crate) struct WithBar<'a>(pub(crate) &'a dyn Backend);
+
+impl Backend for WithBar<'_> {
+    fn info(&self) -> BackendInfo {
+        self.0.info()
+    }
+
+    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        evaluate(self.0, diagram, request)
+    }
 }
 
-/// Standard deviation over mean. Two passes, so that plain sums suffice for a figure that is compared with a tenth.
-pub(crate) fn relative_deviation(volumes: &[f64]) -> f64 {
-    let n = volumes.len() as f64;
-    let mean = volumes.iter().sum::<f64>() / n;
-    let variance = volumes.iter().map(|v| (v / mean - 1.0).powi(2)).sum::<f64>() / n;
-    variance.sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn deviation_is_relative() {
-        assert_eq!(relative_deviation(&[3.0, 3.0]), 0.0);
-        assert_eq!(relative_deviation(&[1e-200, 3e-200]), 0.5);
+fn parse_tolerance(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(bound) if bound.is_finite() && bound >= 0.0 => Ok(bound),
+        _ => Err("a finite number, 0 or larger, is needed".into()),
     }
 }

@@ -8,6 +8,7 @@ mod demo;
 mod devices;
 mod domains;
 mod evaluate;
+mod fluid;
 mod inside;
 mod integrate;
 mod lloyd;
@@ -20,6 +21,7 @@ mod sample;
 mod sites;
 mod slice;
 mod timing;
+mod transport;
 mod tune;
 mod verify;
 
@@ -37,6 +39,9 @@ fn main() -> ExitCode {
             Command::Verify(args) => verify::run(&args),
             Command::Sample(args) => sample::run(&args),
             Command::Demo(args) => demo::run(&args),
+            Command::Lloyd(args) => lloyd::run(&args),
+            Command::Transport(args) => transport::run(&args),
+            Command::Fluid(args) => fluid::run(&args),
             Command::Tune(args) => tune::run(&args),
             Command::Bench(args) => bench::run(&args),
             Command::Devices(_) => devices::run(),

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use laguerre::{Error, ErrorKind, Result};
 
@@ -14,19 +15,22 @@ pub(crate) enum Outcome {
     Uncertified,
     /// Results were looked at, and some cells are wrong.
     Refuted,
+    /// Ctrl-C came, and what was done until then is written.
+    Interrupted,
 }
 
 const WRONG_INPUT: u8 = 2;
 const UNAVAILABLE: u8 = 3;
 const UNCERTIFIED: u8 = 4;
 /// What shells say of a program that Ctrl-C ended.
-const INTERRUPTED: i32 = 130;
+const INTERRUPTED: u8 = 130;
 
 /// The exit code, after saying on standard error in one line why it is not 0.
 pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Uncertified | Outcome::Refuted) => UNCERTIFIED.into(),
+        Ok(Outcome::Interrupted) => INTERRUPTED.into(),
         Err(error) => {
             say(&error.to_string());
             match error.kind() {
@@ -37,14 +41,33 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
     }
 }
 
+/// Whether a command ends by itself when Ctrl-C comes, and whether it came.
+static ENDS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
+static CAME: AtomicBool = AtomicBool::new(false);
+
 /// Makes Ctrl-C (and on Unix SIGTERM and SIGHUP) remove what is half-written and exit with code 130.
 pub(crate) fn leave_nothing_when_interrupted() {
     let interrupted = || {
+        let is_first = !CAME.swap(true, Ordering::SeqCst);
+        if is_first && ENDS_BY_ITSELF.load(Ordering::SeqCst) {
+            return;
+        }
         laguerre::io::abandon_writing();
-        std::process::exit(INTERRUPTED);
+        std::process::exit(INTERRUPTED.into());
     };
     // `try`: a signal that the caller has set aside (`nohup`, a job in the background) stays set aside, and nothing else is lost.
     let _ = ctrlc::try_set_handler(interrupted);
+}
+
+/// From now on the first Ctrl-C only makes [`is_interrupted`] true, for a command that looks often and then ends well. The second does as
+/// before.
+pub(crate) fn end_well_when_interrupted() {
+    ENDS_BY_ITSELF.store(true, Ordering::SeqCst);
+}
+
+/// Whether Ctrl-C came.
+pub(crate) fn is_interrupted() -> bool {
+    CAME.load(Ordering::SeqCst)
 }
 
 /// What clap has to say: help and version as they are, errors in one line.

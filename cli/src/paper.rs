@@ -29,7 +29,6 @@ const FILES: &[&str] = &[".md"];
 struct Lab {
     backend: Box<dyn Backend>,
     repetitions: u32,
-    steps: u32,
     sites: HashMap<(Distribution, u32), Rc<Vec<[f64; 3]>>>,
     bunny: Domain,
     power: Option<Rc<equal::Inside>>,
@@ -41,8 +40,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<Outcome> {
     let backend = open(&args.backend)?;
     let info = backend.info();
     let bunny = domains::in_unit_cube(&domains::bunny()?)?;
-    let mut lab =
-        Lab { backend, repetitions: args.repetitions, steps: args.steps, sites: HashMap::new(), bunny, power: None };
+    let mut lab = Lab { backend, repetitions: args.repetitions, sites: HashMap::new(), bunny, power: None };
     let key = key(info.backend, &args.only);
     let (machine, threads) = machine();
     let computed_by = match info.backend {
@@ -97,7 +95,7 @@ impl Lab {
             return Ok(power.clone());
         }
         let sites = self.sites(Distribution::Blue, count)?;
-        let power = Rc::new(equal::inside(self.backend.as_ref(), &sites, &self.bunny, self.steps)?);
+        let power = Rc::new(equal::inside(self.backend.as_ref(), &sites, &self.bunny)?);
         self.power = Some(power.clone());
         Ok(power)
     }

@@ -42,9 +42,32 @@ const PALETTE: [[u8; 3]; 12] = [
 /// `Input` where there is no domain or the plane misses it; `Io` where writing failed.
 pub(crate) fn draw(path: &Path, diagram: &PowerDiagram, output: &Output, plane: &SlicePlane, width: u32) -> Result<()> {
     let domain = diagram.domain().ok_or_else(|| Error::input("a picture needs a domain"))?;
+    let colors = palette_indices(diagram.positions().len(), output.facets.as_ref());
+    let colors: Vec<[u8; 3]> = colors.into_iter().map(|c| PALETTE[usize::from(c)]).collect();
+    save(path, &paint(domain, diagram, &colors, plane, width)?)
+}
+
+/// The cells of `diagram`, each in its colour, where `plane` cuts a domain; the given width in pixels.
+///
+/// # Errors
+/// `Input` where the plane misses the domain, or the picture is too large.
+pub(crate) fn paint(
+    domain: &Domain,
+    diagram: &PowerDiagram,
+    colors: &[[u8; 3]],
+    plane: &SlicePlane,
+    width: u32,
+) -> Result<Pixmap> {
     let view =
         View::of(domain, plane, width).ok_or_else(|| Error::input("the plane of the picture misses the domain"))?;
-    let picture = view.paint(diagram, output).ok_or_else(|| Error::input("the picture is too large"))?;
+    view.paint(diagram, colors).ok_or_else(|| Error::input("the picture is too large"))
+}
+
+/// Writes a picture as PNG.
+///
+/// # Errors
+/// `Io` where writing failed.
+pub(crate) fn save(path: &Path, picture: &Pixmap) -> Result<()> {
     let png = picture.encode_png().map_err(|e| Error::input(format!("{}: cannot encode: {e}", path.display())))?;
     io::write_whole(path, |w| w.write_all(&png))
 }
@@ -77,7 +100,7 @@ impl View {
         drawable.then_some(Self { plane: *plane, curves, corner, scale, width, height: height as u32 })
     }
 
-    fn paint(&self, diagram: &PowerDiagram, output: &Output) -> Option<Pixmap> {
+    fn paint(&self, diagram: &PowerDiagram, colors: &[[u8; 3]]) -> Option<Pixmap> {
         let outline = self.outline()?;
         let mut mask = Mask::new(self.width, self.height)?;
         // Winding, as in the integrals: shells that overlap are all inside.
@@ -85,7 +108,7 @@ impl View {
         let mut picture = Pixmap::new(self.width, self.height)?;
         picture.fill(Color::WHITE);
 
-        let cells = Cells::new(diagram, output)?;
+        let cells = Cells::new(diagram, colors)?;
         let width = self.width as usize;
         let rows = picture.pixels_mut().par_chunks_mut(width).zip(mask.data().par_chunks(width)).enumerate();
         rows.for_each(|(y, (pixels, mask))| {
@@ -128,19 +151,18 @@ struct Cells<'a> {
     /// Sites lifted to the height `√(W − w)`, `W` the largest weight: squared distances to points at height 0 are then power
     /// distances plus `W`.
     tree: ImmutableKdTree<f64, 4>,
-    /// Index into the palette of each site.
-    colors: Vec<u8>,
+    /// The colour of each site's cell.
+    colors: &'a [[u8; 3]],
 }
 
 impl<'a> Cells<'a> {
-    fn new(diagram: &'a PowerDiagram, output: &Output) -> Option<Self> {
+    fn new(diagram: &'a PowerDiagram, colors: &'a [[u8; 3]]) -> Option<Self> {
         let weights = diagram.weights();
         let largest = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let lift = |i: usize| weights.get(i).map_or(0.0, |w| (largest - w).sqrt());
         let sites = diagram.positions().iter().enumerate();
         let lifted: Vec<[f64; 4]> = sites.map(|(i, &[x, y, z])| [x, y, z, lift(i)]).collect();
         let tree = ImmutableKdTree::new_from_slice(&lifted).ok()?;
-        let colors = palette_indices(lifted.len(), output.facets.as_ref());
         Some(Self { diagram, tree, colors })
     }
 
@@ -164,7 +186,7 @@ impl<'a> Cells<'a> {
             })
             .fold(f64::INFINITY, f64::min);
         let line = (BORDER + 0.5 - border * view.scale).clamp(0.0, 1.0);
-        mixed(PALETTE[usize::from(self.colors[owner.item as usize])], INK, BORDER_DARKNESS * line)
+        mixed(self.colors[owner.item as usize], INK, BORDER_DARKNESS * line)
     }
 }
 
@@ -191,7 +213,7 @@ fn palette_indices(sites: usize, facets: Option<&FacetList>) -> Vec<u8> {
 }
 
 /// `share` of `over` on the rest of `under`.
-fn mixed(under: [u8; 3], over: [u8; 3], share: f64) -> [u8; 3] {
+pub(crate) fn mixed(under: [u8; 3], over: [u8; 3], share: f64) -> [u8; 3] {
     std::array::from_fn(|k| (f64::from(under[k]) * (1.0 - share) + f64::from(over[k]) * share).round() as u8)
 }
 

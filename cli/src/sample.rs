@@ -2,6 +2,7 @@
 
 use laguerre::io::{self, SITES_ENDINGS};
 use laguerre::{Backend, Domain, Error, PowerDiagram, Result};
+use laguerre_solvers::lloyd::{Equalized, equalize};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -9,7 +10,7 @@ use crate::args::{Corners, Distribution, SampleArgs};
 use crate::container::Container;
 use crate::evaluate::open_default;
 use crate::inside::InsideTest;
-use crate::lloyd::{Relaxation, relax};
+use crate::lloyd::WithBar;
 use crate::outcome::{Outcome, note};
 
 /// Blue noise: the volumes vary by less than this.
@@ -104,7 +105,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// White, relaxed by Lloyd's algorithm until the volumes vary by less than `spread`.
-    pub(crate) fn blue(&mut self, count: u32, spread: f64, most_steps: usize) -> Result<(Vec<[f64; 3]>, Relaxation)> {
+    pub(crate) fn blue(&mut self, count: u32, spread: f64, most_steps: usize) -> Result<(Vec<[f64; 3]>, Equalized)> {
         let white = self.white(count)?;
         let diagram = PowerDiagram::new(&white, &[])?;
         let mut diagram = match &self.inside {
@@ -113,8 +114,8 @@ impl<'a> Sampler<'a> {
         };
         let accept = |p: [f64; 3]| self.accepts(p);
         let done = match self.backend {
-            Some(backend) => relax(backend, &mut diagram, spread, most_steps, accept)?,
-            None => relax(open_default()?.as_ref(), &mut diagram, spread, most_steps, accept)?,
+            Some(backend) => equalize(&WithBar(backend), &mut diagram, spread, most_steps, accept)?,
+            None => equalize(&WithBar(open_default()?.as_ref()), &mut diagram, spread, most_steps, accept)?,
         };
         Ok((diagram.positions().to_vec(), done))
     }

@@ -19,7 +19,7 @@ const MOST_SITES: u32 = 1_000_000;
 pub(super) fn run(lab: &mut Lab, count: u32, picture: Option<&Path>) -> Result<String> {
     let count = count.min(MOST_SITES);
     let mut text = format!(
-        "**Fig. 9**: what the cells in the bunny need, of {} sites in the cube; the power cells are of nearly equal volume. K: sites \
+        "**Fig. 9**: what the cells in the bunny need, of {} sites in the cube; the power cells are of equal volume. K: sites \
          visited (by the search on the host); P, V: the most half-spaces and vertices at once; T: triangles tried, of cells that try any. Median, 95 % (the \
          capacity proposed), most.\n\n",
         grouped(count.into())
@@ -29,7 +29,7 @@ pub(super) fn run(lab: &mut Lab, count: u32, picture: Option<&Path>) -> Result<S
     let distributions = [Distribution::Blue, Distribution::Perturbed, Distribution::White, Distribution::Lattice];
     for (color, distribution) in distributions.into_iter().enumerate() {
         let sites = lab.sites(distribution, count)?;
-        let inside = equal::inside(lab.backend.as_ref(), &sites, &lab.bunny, lab.steps)?;
+        let inside = equal::inside(lab.backend.as_ref(), &sites, &lab.bunny)?;
         for (name, sites, weights) in [("Voronoi", &*sites, &[][..]), ("power", &inside.sites, &inside.weights)] {
             let counts = of_cells(lab, &diagram(sites, weights, Some(&lab.bunny))?)?;
             text.push_str(&row(&cells(word(distribution), name, &counts)));

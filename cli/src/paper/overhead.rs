@@ -12,9 +12,9 @@ pub(super) fn run(lab: &mut Lab, count: u32) -> Result<String> {
     let sites = lab.sites(Distribution::Blue, count)?;
     let inside = lab.power(count)?;
     let mut text = format!(
-        "**Fig. 11**: blue noise in the bunny. The weights of the power diagram, for the sites with cells in it, come from {} fixed-point \
-         steps towards equal volumes.\n\n",
-        lab.steps
+        "**Fig. 11**: blue noise in the bunny. The weights of the power diagram, for the sites with cells in it, are those of optimal \
+         transport to equal volumes ({} Newton steps).\n\n",
+        inside.steps
     );
     text.push_str(&head(&[
         "diagram",

@@ -5,8 +5,11 @@ mod bad_sites;
 mod command_line;
 #[cfg(feature = "ocl")]
 mod devices;
+mod fluid;
 mod formats;
+mod lloyd;
 mod measures;
 mod outputs;
 mod results;
 mod support;
+mod transport;

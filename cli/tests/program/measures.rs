@@ -96,7 +96,7 @@ fn bench_says_what_it_does_not_know() {
 #[test]
 fn the_papers_experiments_are_text_between_markers() {
     let folder = inputs();
-    let args = ["paper", "--sites", "300", "--backend", "cpu", "--repetitions", "1", "--steps", "3"];
+    let args = ["paper", "--sites", "300", "--backend", "cpu", "--repetitions", "1"];
     runs(folder.path(), &[&args[..], &["--markdown", "paper.md", "--picture", "counts.svg"]].concat());
     assert!(folder.path().join("counts.svg").exists());
     let text = fs::read_to_string(folder.path().join("paper.md")).unwrap();

@@ -127,7 +127,12 @@ fn a_full_device_is_an_error() {
 
 /// Starts the program with its signals as a terminal has them, sends it a signal once `ready`, and returns how it ended.
 #[cfg(target_os = "linux")]
-fn interrupted(folder: &Path, signal: &str, args: &[&str], ready: impl Fn() -> bool) -> std::process::Output {
+pub(crate) fn interrupted(
+    folder: &Path,
+    signal: &str,
+    args: &[&str],
+    ready: impl Fn() -> bool,
+) -> std::process::Output {
     // A test that runs in the background has its interrupts ignored, and hands that on.
     let mut command = Command::new("env");
     command.args(["--default-signal=INT,TERM,HUP", PROGRAM]).current_dir(folder).args(args);

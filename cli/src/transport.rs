@@ -1,0 +1,272 @@
+//! `laguerre transport`: weights such that each cell has the mass asked for.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args as ClapArgs;
+use laguerre::io::{self, CELLS_ENDINGS, WEIGHTS_ENDINGS};
+use laguerre::{BackendInfo, Error, ErrorKind, Result};
+use laguerre_solvers::density::Density;
+use laguerre_solvers::transport::{self, End, Iteration, Options, Solution};
+use serde::Serialize;
+
+use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
+use crate::container::Container;
+use crate::evaluate::open;
+use crate::integrate::same_file;
+use crate::lloyd::WithBar;
+use crate::outcome::{Outcome, note, print, say};
+use crate::report::grouped;
+use crate::sites;
+
+/// Finds weights such that each cell has the mass asked for: semi-discrete optimal transport, by a damped Newton.
+///
+/// What the sites or --weights give is where it starts. The residual is the largest relative error of a cell's mass.
+/// Without --domain or --box, the cells are cut by the bounding box of the sites. Exits with 4 where the residual is not within the
+/// tolerance at the end; the weights are still written.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct TransportArgs {
+    #[command(flatten)]
+    sites: SitesArgs,
+
+    #[command(flatten)]
+    container: ContainerArgs,
+
+    /// The masses asked for, one for each site: .txt or .csv (one a line) or .npy; all equal unless given
+    #[arg(long, value_name = "FILE")]
+    masses: Option<PathBuf>,
+
+    /// The density c + gx·x + gy·y + gz·z; 1 unless given
+    #[arg(long, value_name = "c,gx,gy,gz", allow_hyphen_values = true, value_parser = parse_density)]
+    density: Option<Density>,
+
+    /// Largest relative error of a cell's mass that is good enough
+    #[arg(long, value_name = "T", default_value_t = 1e-9, allow_hyphen_values = true, value_parser = parse_tolerance)]
+    tolerance: f64,
+
+    /// Newton steps at most
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    iterations: u32,
+
+    /// Where to write the weights: .txt or .csv (one a line) or .npy; integrate and transport read them with --weights
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Where to write the cells: .csv (site,volume,x,y,z,facets,status) or .npy (volume, barycenter)
+    #[arg(long, value_name = "FILE")]
+    cells: Option<PathBuf>,
+
+    #[command(flatten)]
+    backend: BackendArgs,
+
+    /// Print one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  laguerre transport sites.xyz --domain bunny.obj -o weights.txt
+  laguerre integrate sites.xyz --weights weights.txt --domain bunny.obj -o cells.csv
+  laguerre transport sites.npy --box 0,0,0,1,1,1 --density 1,0,0,0.5 --masses masses.npy --json";
+
+/// The object of `--json`.
+#[derive(Debug, Serialize)]
+struct Report {
+    sites: usize,
+    /// Newton steps.
+    iterations: usize,
+    /// Largest relative error of a cell's mass.
+    residual: f64,
+    converged: bool,
+    /// Σ ∫ ρ ‖x − p_i‖² over the cells.
+    cost: Option<f64>,
+    evaluations: usize,
+    linear_iterations: usize,
+    seconds: f64,
+    diagram_seconds: f64,
+    solver_seconds: f64,
+    backend: &'static str,
+    device: String,
+    precision: &'static str,
+    threads: usize,
+    history: Vec<Row>,
+}
+
+/// One Newton step, the start being the first.
+#[derive(Debug, Serialize)]
+struct Row {
+    residual: f64,
+    step: f64,
+    evaluations: usize,
+    linear_iterations: usize,
+    diagram_seconds: f64,
+    solver_seconds: f64,
+}
+
+pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
+    check(args)?;
+    let backend = open(&args.backend)?;
+    let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
+    let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
+    let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
+    let options = Options {
+        density: args.density.unwrap_or_default(),
+        tolerance: args.tolerance,
+        most_iterations: args.iterations as usize,
+        ..Options::default()
+    };
+    options.density.check(&diagram.container().map_err(of_sites)?).map_err(|e| e.at("--density"))?;
+    if let Some(path) = &args.masses {
+        transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
+    }
+    let mut row = |done: &Iteration| {
+        if !args.json {
+            // Where nobody reads, the work goes on.
+            let _ = print(&line(done));
+        }
+    };
+    if !args.json {
+        print("iteration  residual      step  diagrams  linear  seconds: diagram   solver\n")?;
+    }
+    // The solver's threads are as many as the backend's.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.backend.threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|e| Error::new(ErrorKind::Unavailable, format!("cannot start threads: {e}")))?;
+    let start = Instant::now();
+    let solution = pool
+        .install(|| transport::solve(&WithBar(backend.as_ref()), &mut diagram, &masses, &options, &mut row))
+        .map_err(of_sites)?;
+    let seconds = start.elapsed().as_secs_f64();
+
+    if let Some(path) = &args.output {
+        io::write_weights(path, &solution.weights)?;
+    }
+    if let Some(path) = &args.cells {
+        io::write_cells(path, &diagram, &solution.output)?;
+    }
+    let report = Report::new(&solution, backend.info(), seconds);
+    if args.json {
+        let json = serde_json::to_string(&report).map_err(|e| Error::input(format!("--json: {e}")))?;
+        print(&format!("{json}\n"))?;
+    } else {
+        print(&report.summary())?;
+    }
+    let why = match solution.end {
+        End::Converged => return Ok(Outcome::Done),
+        End::Stalled => {
+            "no shorter step makes it smaller: rounding is all that is left, or the masses are out of reach"
+        }
+        End::MostIterations => "give more --iterations, or these weights back with --weights",
+    };
+    let Solution { residual, .. } = solution;
+    say(&format!("the residual is {residual:.1e} and not within the tolerance of {:.1e}; {why}", args.tolerance));
+    Ok(Outcome::Uncertified)
+}
+
+/// What can be said before the work.
+fn check(args: &TransportArgs) -> Result<()> {
+    args.output.iter().try_for_each(|path| io::check_output(path, WEIGHTS_ENDINGS))?;
+    args.cells.iter().try_for_each(|path| io::check_output(path, CELLS_ENDINGS))?;
+    if let (Some(path), true) = (&args.output, args.output == args.cells) {
+        return Err(Error::input(format!("{}: named for weights and for cells; give two files", path.display())));
+    }
+    let inputs =
+        [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref(), args.masses.as_ref()];
+    for path in args.output.iter().chain(&args.cells) {
+        if inputs.into_iter().flatten().any(|input| same_file(path, input)) {
+            return Err(Error::input(format!(
+                "{}: would be written over, but is read; name another file",
+                path.display()
+            )));
+        }
+    }
+    if args.output.is_none() && !args.json {
+        note("the weights are not kept; name a file with -o for them");
+    }
+    Ok(())
+}
+
+impl Report {
+    fn new(solution: &Solution, info: BackendInfo, seconds: f64) -> Self {
+        let history: Vec<Row> = solution.iterations.iter().map(Row::from).collect();
+        Self {
+            sites: solution.weights.len(),
+            iterations: history.len().saturating_sub(1),
+            residual: solution.residual,
+            converged: solution.end == End::Converged,
+            cost: solution.cost,
+            evaluations: history.iter().map(|row| row.evaluations).sum(),
+            linear_iterations: history.iter().map(|row| row.linear_iterations).sum(),
+            seconds,
+            diagram_seconds: history.iter().map(|row| row.diagram_seconds).sum(),
+            solver_seconds: history.iter().map(|row| row.solver_seconds).sum(),
+            backend: info.backend,
+            device: info.device,
+            precision: info.precision,
+            threads: info.threads,
+            history,
+        }
+    }
+
+    /// A few lines for people.
+    fn summary(&self) -> String {
+        let cost = self.cost.map_or_else(|| "not computed".into(), |cost| format!("{cost:e}"));
+        format!(
+            "sites        {}\n\
+             residual     {:.1e} after {} Newton steps\n\
+             cost         {cost}\n\
+             compute      {:.3} s: {} diagrams {:.3} s, solver {:.3} s ({}, {}, {})\n",
+            grouped(self.sites as u64),
+            self.residual,
+            self.iterations,
+            self.seconds,
+            self.evaluations,
+            self.diagram_seconds,
+            self.solver_seconds,
+            self.backend,
+            self.precision,
+            self.device,
+        )
+    }
+}
+
+impl From<&Iteration> for Row {
+    fn from(done: &Iteration) -> Self {
+        let Iteration { residual, step, linear_iterations, diagram_seconds, solver_seconds, .. } = *done;
+        let evaluations = done.diagram_evaluations;
+        Self { residual, step, evaluations, linear_iterations, diagram_seconds, solver_seconds }
+    }
+}
+
+/// A row of the table.
+fn line(done: &Iteration) -> String {
+    format!(
+        "{:9}  {:8.2e}  {:8.2e}  {:8}  {:6}  {:16.3}  {:7.3}\n",
+        done.number,
+        done.residual,
+        done.step,
+        done.diagram_evaluations,
+        done.linear_iterations,
+        done.diagram_seconds,
+        done.solver_seconds
+    )
+}
+
+fn parse_density(text: &str) -> std::result::Result<Density, String> {
+    let number = |word: &str| match word.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("'{}' is not a finite number", word.trim())),
+    };
+    match *text.split(',').map(number).collect::<std::result::Result<Vec<_>, _>>()?.as_slice() {
+        [value, x, y, z] => Ok(Density::Linear { value, gradient: [x, y, z] }),
+        ref numbers => Err(format!("{} numbers; 4 are needed: c,gx,gy,gz", numbers.len())),
+    }
+}
+
+fn parse_tolerance(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(bound) if bound.is_finite() && bound > 0.0 => Ok(bound),
+        _ => Err("a finite number above 0 is needed".into()),
+    }
+}

@@ -1,0 +1,211 @@
+//! Derivatives of masses and barycenters with respect to weights and positions, as sparse rows.
+//!
+//! The facet of sites i and j, at distance d, lies where both powers are equal. A point x of it moves out of cell i along its normal by `1/(2d)`
+//! for each unit of `w_i` and by `−1/(2d)` for each of `w_j`; by `(x − p_i)/d · δp_i` and `(p_j − x)/d · δp_j`. Hence, with ρ the density,
+//! `m_i` the mass and `b_i` the barycenter of the restricted cell,
+//!
+//! - `∂m_i/∂w_j = −∫ ρ / (2d)`, `∂m_i/∂p_j = ∫ ρ (p_j − x)ᵀ / d` over their facet;
+//! - `∂m_i/∂w_i = Σ_j ∫ ρ / (2d)`, `∂m_i/∂p_i = Σ_j ∫ ρ (x − p_i)ᵀ / d` over all of i's facets;
+//! - the same for `∂b_i` with `ρ (x − b_i) / m_i` in place of ρ.
+//!
+//! The domain's boundary stays where it is and adds nothing. The integrals take the facets' areas, barycenters and second moments, and
+//! are exact. They are derivatives where no facet is about to appear on a triangle of the surface, all over that triangle; there, as where two sites
+//! coincide, masses have none.
+
+use crate::density::Density;
+use laguerre_core::{CellStatus, Error, FacetList, Output, PowerDiagram, Request, Result};
+use rayon::prelude::*;
+
+/// Sparse rows, one for each cell, of blocks of `N` numbers: those of row `i` are `offsets[i]..offsets[i + 1]`, sorted by column. A row has its
+/// neighbours' columns and its own; that of an empty cell has none. (`values.as_flattened()` are the numbers alone.)
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rows<const N: usize> {
+    /// Row starts; one more than sites.
+    pub offsets: Vec<usize>,
+    /// The site that the derivative is with respect to.
+    pub columns: Vec<u32>,
+    /// The derivative.
+    pub values: Vec<[f64; N]>,
+}
+
+impl<const N: usize> Rows<N> {
+    /// Columns and values of row `i`.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, [f64; N])> {
+        let row = self.offsets[i]..self.offsets[i + 1];
+        self.columns[row.clone()].iter().map(|&j| j as usize).zip(self.values[row].iter().copied())
+    }
+}
+
+/// The derivatives at an evaluated diagram.
+#[derive(Clone, Copy, Debug)]
+pub struct Derivatives<'a> {
+    positions: &'a [[f64; 3]],
+    output: &'a Output,
+    facets: &'a FacetList,
+    facet_moments: &'a [[f64; 6]],
+    density: &'a Density,
+}
+
+/// One facet, as its cell `i` sees it.
+struct Facet {
+    i: usize,
+    j: usize,
+    distance: f64,
+    area: f64,
+    barycenter: [f64; 3],
+    second: [f64; 6],
+}
+
+impl<'a> Derivatives<'a> {
+    /// What is to be asked of a backend.
+    pub fn request(density: &Density) -> Request {
+        let request = Request::moments().with_facet_second_moments();
+        match density {
+            Density::Uniform => request,
+            // For the barycenters of mass.
+            Density::Linear { .. } => request.with_second_moments(),
+        }
+    }
+
+    /// Of what a backend made of `diagram`, asked for [`Derivatives::request`].
+    ///
+    /// # Errors
+    /// `Input` where `output` is not of `diagram`, or lacks what is needed.
+    pub fn new(diagram: &'a PowerDiagram, output: &'a Output, density: &'a Density) -> Result<Self> {
+        let positions = diagram.positions();
+        if output.status.len() != positions.len() {
+            return Err(Error::input(format!(
+                "derivatives: {} cells of {} sites",
+                output.status.len(),
+                positions.len()
+            )));
+        }
+        let facets = output.facets.as_ref();
+        let (Some(facets), Some(facet_moments), Some(_)) =
+            (facets, facets.and_then(|f| f.second_moment.as_deref()), density.centers(output))
+        else {
+            return Err(Error::input("derivatives: the cells are without moments: evaluate `Derivatives::request`"));
+        };
+        Ok(Self { positions, output, facets, facet_moments, density })
+    }
+
+    /// `∂m_i/∂w_j` (mass per length²): symmetric, and every row and column sums to 0. It is minus the weighted Laplacian.
+    pub fn masses_by_weights(&self) -> Rows<1> {
+        self.rows(|facet| {
+            let flow = self.mass(facet) / (2.0 * facet.distance);
+            ([-flow], [flow])
+        })
+    }
+
+    /// `∂m_i/∂p_j` (mass per length), one number for each coordinate of `p_j`; every column sums to 0.
+    pub fn masses_by_positions(&self) -> Rows<3> {
+        self.rows(|facet| {
+            let over = |x| self.moment(facet, x).map(|m| m / facet.distance);
+            (over(self.positions[facet.j]).map(|m| -m), over(self.positions[facet.i]))
+        })
+    }
+
+    /// `∂b_i/∂w_j` (per length), one number for each coordinate of the barycenter (of mass).
+    pub fn barycenters_by_weights(&self) -> Rows<3> {
+        let (masses, centers) = self.cells();
+        self.rows(|facet| {
+            let flow = self.moment(facet, centers[facet.i]).map(|m| m / (2.0 * facet.distance * masses[facet.i]));
+            (flow.map(|m| -m), flow)
+        })
+    }
+
+    /// `∂b_i/∂p_j`: number `3 r + c` is that of the barycenter's coordinate `r` with respect to the position's coordinate `c`.
+    ///
+    /// # Errors
+    /// `Input` where the density is not uniform: it would take third moments of the facets.
+    pub fn barycenters_by_positions(&self) -> Result<Rows<9>> {
+        if *self.density != Density::Uniform {
+            return Err(Error::input(
+                "derivatives of barycenters with respect to positions are there for the uniform density alone",
+            ));
+        }
+        let (masses, centers) = self.cells();
+        Ok(self.rows(|facet| {
+            let (b, share) = (facet.barycenter, facet.distance * masses[facet.i]);
+            // ∫ (x − b_i)(x − p)ᵀ dA.
+            let over = |p: [f64; 3]| {
+                std::array::from_fn(|k| {
+                    let (r, c) = (k / 3, k % 3);
+                    let arms = (b[r] - centers[facet.i][r]) * (b[c] - p[c]);
+                    (facet.area * arms + entry(&facet.second, r, c)) / share
+                })
+            };
+            let other: [f64; 9] = over(self.positions[facet.j]);
+            (other.map(|m| -m), over(self.positions[facet.i]))
+        }))
+    }
+
+    /// Masses and their barycenters.
+    fn cells(&self) -> (Vec<f64>, Vec<[f64; 3]>) {
+        (self.density.masses(self.output), self.density.centers(self.output).unwrap_or_default())
+    }
+
+    /// `∫ ρ` over a facet.
+    fn mass(&self, facet: &Facet) -> f64 {
+        self.density.at(facet.barycenter) * facet.area
+    }
+
+    /// `∫ ρ (x − o)` over a facet.
+    fn moment(&self, facet: &Facet, o: [f64; 3]) -> [f64; 3] {
+        let (mass, b) = (self.mass(facet), facet.barycenter);
+        let gradient = match *self.density {
+            Density::Uniform => [0.0; 3],
+            Density::Linear { gradient, .. } => gradient,
+        };
+        std::array::from_fn(|r| {
+            let pulled: f64 = (0..3).map(|c| entry(&facet.second, r, c) * gradient[c]).sum();
+            mass * (b[r] - o[r]) + pulled
+        })
+    }
+
+    /// Rows made of what each facet adds to its neighbour's column, and to its cell's own.
+    fn rows<const N: usize>(&self, of: impl Fn(&Facet) -> ([f64; N], [f64; N]) + Sync) -> Rows<N> {
+        let row = |i: usize| {
+            let mut row = Vec::new();
+            if self.output.status[i] == CellStatus::Empty {
+                return row;
+            }
+            let mut own = [0.0; N];
+            let all = self.facets.offsets[i]..self.facets.offsets[i + 1];
+            for k in all {
+                let facet = self.facet(i, k);
+                let (other, to_own) = of(&facet);
+                (0..N).for_each(|n| own[n] += to_own[n]);
+                row.push((facet.j as u32, other));
+            }
+            let place = row.partition_point(|(j, _)| (*j as usize) < i);
+            row.insert(place, (i as u32, own));
+            row
+        };
+        let rows: Vec<Vec<(u32, [f64; N])>> = (0..self.positions.len()).into_par_iter().map(row).collect();
+        let mut made = Rows { offsets: Vec::with_capacity(rows.len() + 1), columns: Vec::new(), values: Vec::new() };
+        made.offsets.push(0);
+        for row in rows {
+            made.columns.extend(row.iter().map(|(j, _)| j));
+            made.values.extend(row.iter().map(|(_, value)| value));
+            made.offsets.push(made.columns.len());
+        }
+        made
+    }
+
+    fn facet(&self, i: usize, k: usize) -> Facet {
+        Facet {
+            i,
+            j: self.facets.neighbor[k].site as usize,
+            distance: self.facets.distance[k],
+            area: self.facets.area[k],
+            barycenter: self.facets.barycenter[k],
+            second: self.facet_moments[k],
+        }
+    }
+}
+
+/// Entry (r, c) of a second moment.
+fn entry(second: &[f64; 6], r: usize, c: usize) -> f64 {
+    second[if r == c { r } else { r + c + 2 }]
+}

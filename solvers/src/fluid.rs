@@ -1,0 +1,350 @@
+//! Incompressible fluid by power particles (Gallouët, Mérigot, "A Lagrangian scheme à la Brenier for the incompressible Euler equations",
+//! 2018; de Goes, Wallez, Huang, Pavlov, Desbrun, "Power particles", 2015).
+//!
+//! Each particle `p_i` of density `ρ_i` owns a cell of the same volume `V`, its power cell with the weights that optimal transport finds. It is
+//! tied to the barycenter `b_i` of that cell by a spring, whose stiffness keeps it near a motion of constant volumes; with gravity `g`
+//! and the mean density `ρ̄`
+//!
+//! `ρ_i dv_i/dt = (b_i − p_i)/ε² + (ρ_i − ρ̄) g`.
+//!
+//! (Gravity on the mean density would do no more than add to the pressure of a fluid that fills a closed container.) These are the equations of
+//! motion of the Hamiltonian
+//!
+//! `H = Σ ρ_i V ‖v_i‖²/2 + (1/2ε²) Σ_i ∫_cell i ‖x − p_i‖² dx − Σ (ρ_i − ρ̄) V g·p_i`,
+//!
+//! because the middle sum, the cost of transport, has the gradient `2V (p_i − b_i)`: weights that are the best do not matter to first order. They are
+//! integrated by the velocity form of Störmer and Verlet, which is symplectic and asks for one transport a step. The cost is the least of
+//! many functions `‖p‖² + …`, so no spring swings faster than `1/(ε√ρ)`: steps below `2ε√ρ` are stable.
+//!
+//! Viscosity, if any, is a step of its own: `ρ_i V dv_i/dt = ρ̄ν Σ_j (A_ij / ‖p_i − p_j‖) (v_j − v_i)` over the facets, of area `A_ij`, by the implicit Euler
+//! method. It conserves momentum, never adds energy, and leaves the walls slippery.
+
+mod cells;
+mod scene;
+mod viscosity;
+mod warm;
+
+use laguerre_core::diagram::Container;
+use laguerre_core::summation::Sum;
+use laguerre_core::{Backend, Error, PowerDiagram, Result};
+
+use cells::{Cells, equal_volumes, within};
+pub use cells::{VOLUME_TOLERANCE, settle};
+pub use scene::{Scene, Start, lattice};
+
+/// What the fluid is moved by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// `ε`, the time scale of the springs: small is stiff.
+    pub epsilon: f64,
+    /// Kinematic viscosity `ν` (length²/time) of fluid of the mean density; 0 for none.
+    pub viscosity: f64,
+    /// Gravity.
+    pub gravity: Gravity,
+    /// The time step; `None` for one that follows the springs and the fastest particle.
+    pub time_step: Option<f64>,
+}
+
+/// Acceleration that acts on density.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gravity {
+    /// The one that stays (length/time²).
+    pub steady: [f64; 3],
+    /// The one at the top of a shake; zero for none.
+    pub shake: [f64; 3],
+    /// How long one swing to and fro takes.
+    pub period: f64,
+    /// Number of swings, from time 0.
+    pub swings: f64,
+}
+
+impl Gravity {
+    /// At some time.
+    pub fn at(&self, time: f64) -> [f64; 3] {
+        let phase = time / self.period;
+        let swing = if phase < self.swings { (std::f64::consts::TAU * phase).sin() } else { 0.0 };
+        std::array::from_fn(|k| self.steady[k] + swing * self.shake[k])
+    }
+}
+
+/// All that the motion depends on at one time, beside the container and [`Settings`]: what a checkpoint has to hold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Steps so far.
+    pub steps: u64,
+    /// Time.
+    pub time: f64,
+    /// Positions `p_i`.
+    pub positions: Vec<[f64; 3]>,
+    /// Velocities `v_i`.
+    pub velocities: Vec<[f64; 3]>,
+    /// Densities `ρ_i`.
+    pub densities: Vec<f64>,
+    /// Weights of the cells of equal volume.
+    pub weights: Vec<f64>,
+    /// How fast the weights changed in the last step (length²/time).
+    pub weight_rates: Vec<f64>,
+    /// The Hamiltonian at the start.
+    pub hamiltonian_at_start: f64,
+    /// Energy that gravity's change brought in, less what viscosity took out: what the Hamiltonian may differ by from its start.
+    pub brought_in: f64,
+}
+
+/// The parts of the Hamiltonian (mass·length²/time²).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// `Σ ρ_i V ‖v_i‖²/2`.
+    pub kinetic: f64,
+    /// The cost of transport over `2ε²`. Cells of equal volume have more than none.
+    pub spring: f64,
+    /// `−Σ (ρ_i − ρ̄) V g·p_i`.
+    pub potential: f64,
+}
+
+impl Energy {
+    /// The Hamiltonian.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.spring + self.potential
+    }
+}
+
+/// What one step took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport {
+    /// The time step.
+    pub time_step: f64,
+    /// Largest relative error of a volume.
+    pub residual: f64,
+    /// Newton steps of the transport.
+    pub iterations: usize,
+    /// Diagrams.
+    pub evaluations: usize,
+}
+
+/// Step of the fastest spring, in units of `ε√ρ`: an eighth of what is stable. The energy then swings by the square of it.
+const SPRING_STEP: f64 = 0.25;
+/// How far the fastest particle goes in a step, in mean cell sizes: most cells then keep their neighbours, and the weights are good to start from.
+const FASTEST_STEP: f64 = 0.5;
+
+/// A fluid in its container.
+#[derive(Clone, Debug)]
+pub struct Fluid {
+    diagram: PowerDiagram,
+    settings: Settings,
+    state: State,
+    cells: Cells,
+    /// Volume of each cell.
+    volume: f64,
+    mean_density: f64,
+    lightest: f64,
+}
+
+impl Fluid {
+    /// Particles in a container.
+    ///
+    /// # Errors
+    /// `Input` where lengths differ, a density or setting is not positive, or no cells of equal volume are found; as [`transport::solve`](crate::transport::solve).
+    pub fn new(backend: &dyn Backend, container: &Container, start: Start, settings: Settings) -> Result<Self> {
+        let Start { positions, velocities, densities } = start;
+        let weight_rates = vec![0.0; positions.len()];
+        let state = State { positions, velocities, densities, weight_rates, ..State::default() };
+        let mut fluid = Self::with(container, state, settings)?;
+        let (cells, _) = equal_volumes(backend, &mut fluid.diagram)?;
+        fluid.state.weights = fluid.diagram.weights().to_vec();
+        fluid.cells = cells;
+        fluid.state.hamiltonian_at_start = fluid.energy().total();
+        Ok(fluid)
+    }
+
+    /// A fluid that goes on from a state: with the same container and settings it takes the same steps, to the last bit, as the one that the
+    /// state is of.
+    ///
+    /// # Errors
+    /// `Input` where lengths differ, or a density or setting is not positive.
+    pub fn resume(backend: &dyn Backend, container: &Container, state: State, settings: Settings) -> Result<Self> {
+        let n = state.positions.len();
+        if [state.weights.len(), state.weight_rates.len()] != [n; 2] {
+            return Err(Error::input(format!("{n} particles: a weight and its rate are needed for each")));
+        }
+        let mut fluid = Self::with(container, state, settings)?;
+        fluid.cells = Cells::again(backend, &fluid.diagram)?;
+        Ok(fluid)
+    }
+
+    fn with(container: &Container, state: State, settings: Settings) -> Result<Self> {
+        let diagram = within(PowerDiagram::new(&state.positions, &state.weights)?, container)?;
+        let n = state.positions.len();
+        if state.velocities.len() != n || state.densities.len() != n {
+            return Err(Error::input(format!("{n} particles: a velocity and a density are needed for each")));
+        }
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        if let Some(i) = state.densities.iter().position(|&d| !positive(d)) {
+            return Err(Error::input(format!("particle {i}: density {} is not a positive number", state.densities[i])));
+        }
+        if let Some(i) = state.velocities.iter().position(|v| v.iter().any(|x| !x.is_finite())) {
+            return Err(Error::input(format!("particle {i}: velocity {:?} is not finite", state.velocities[i])));
+        }
+        let Settings { epsilon, viscosity, time_step, .. } = settings;
+        let are_positive = positive(epsilon) && positive(time_step.unwrap_or(epsilon));
+        if !(are_positive && viscosity >= 0.0 && viscosity.is_finite()) {
+            return Err(Error::input(format!(
+                "epsilon {epsilon}, time step {time_step:?}, viscosity {viscosity}: positive numbers are needed"
+            )));
+        }
+        let whole = match diagram.container()? {
+            Container::Domain(domain) => domain.volume(),
+            Container::Box(lo, hi) => (0..3).map(|k| hi[k] - lo[k]).product(),
+        };
+        let mut sum = Sum::default();
+        sum.extend(state.densities.iter().copied());
+        let lightest = state.densities.iter().copied().fold(f64::INFINITY, f64::min);
+        let volume = whole / n as f64;
+        Ok(Self {
+            diagram,
+            settings,
+            state,
+            cells: Cells::default(),
+            volume,
+            mean_density: sum.total() / n as f64,
+            lightest,
+        })
+    }
+
+    /// One step.
+    ///
+    /// # Errors
+    /// As [`transport::solve`](crate::transport::solve), and `Input` where no cells of equal volume are found; the state is then that before the step.
+    pub fn step(&mut self, backend: &dyn Backend) -> Result<StepReport> {
+        let h = self.time_step();
+        let (state, weights) = (self.state.clone(), self.diagram.weights().to_vec());
+        let result = self.try_step(backend, h);
+        if result.is_err() {
+            self.diagram.set_sites(&state.positions, &weights)?;
+            self.state = state;
+        }
+        result
+    }
+
+    fn try_step(&mut self, backend: &dyn Backend, h: f64) -> Result<StepReport> {
+        self.kick(h / 2.0);
+        let State { positions, velocities, weights, weight_rates, .. } = &self.state;
+        let moved = |from: &[[f64; 3]]| -> Vec<[f64; 3]> {
+            from.iter().zip(velocities).map(|(&p, &v)| along(p, h, v)).collect()
+        };
+        let (positions, expected) = (moved(positions), moved(&self.cells.barycenters));
+        let mut start: Vec<f64> = weights.iter().zip(weight_rates).map(|(w, rate)| w + h * rate).collect();
+        warm::mend(&mut start, &positions, &expected, &self.cells.facets, self.cell_size());
+        self.diagram.set_sites(&positions, &start)?;
+        let (cells, report) = equal_volumes(backend, &mut self.diagram)?;
+
+        let [old, new] = [self.state.time, self.state.time + h].map(|t| self.settings.gravity.at(t));
+        if old != new {
+            // What the potential gains at rest, halfway.
+            let halfway = |i: usize| along(self.state.positions[i], h / 2.0, self.state.velocities[i]);
+            self.state.brought_in += self.potential(std::array::from_fn(|k| new[k] - old[k]), halfway);
+        }
+        let weights = self.diagram.weights().to_vec();
+        self.state.weight_rates = weights.iter().zip(&self.state.weights).map(|(new, old)| (new - old) / h).collect();
+        (self.state.weights, self.state.positions, self.cells) = (weights, positions, cells);
+        self.state.time += h;
+        self.state.steps += 1;
+        self.kick(h / 2.0);
+        if self.settings.viscosity > 0.0 {
+            let before = self.energy().kinetic;
+            let masses: Vec<f64> = self.state.densities.iter().map(|d| d * self.volume).collect();
+            let strength = h * self.mean_density * self.settings.viscosity;
+            viscosity::slow(&self.cells.facets, &masses, strength, &mut self.state.velocities)?;
+            self.state.brought_in -= before - self.energy().kinetic;
+        }
+        Ok(StepReport { time_step: h, ..report })
+    }
+
+    /// What a checkpoint has to hold.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The cells of equal volume of the particles.
+    pub fn diagram(&self) -> &PowerDiagram {
+        &self.diagram
+    }
+
+    /// The barycenters `b_i` of these cells.
+    pub fn barycenters(&self) -> &[[f64; 3]] {
+        &self.cells.barycenters
+    }
+
+    /// The size of a cell, `V^⅓`.
+    pub fn cell_size(&self) -> f64 {
+        self.volume.cbrt()
+    }
+
+    /// The mean density.
+    pub fn mean_density(&self) -> f64 {
+        self.mean_density
+    }
+
+    /// The parts of the Hamiltonian now.
+    pub fn energy(&self) -> Energy {
+        let state = &self.state;
+        let mut kinetic = Sum::default();
+        kinetic.extend(state.velocities.iter().zip(&state.densities).map(|(v, d)| 0.5 * d * self.volume * dot(*v, *v)));
+        Energy {
+            kinetic: kinetic.total(),
+            spring: self.cells.cost / (2.0 * self.settings.epsilon * self.settings.epsilon),
+            potential: self.potential(self.settings.gravity.at(state.time), |i| state.positions[i]),
+        }
+    }
+
+    /// How far the Hamiltonian is from what it was at the start, less what came in and went out.
+    pub fn drift(&self) -> f64 {
+        self.energy().total() - self.state.hamiltonian_at_start - self.state.brought_in
+    }
+
+    /// The next time step. Unless given it is `ε√ρ/4` of the lightest particles, halved until the fastest goes no farther than half a cell: it
+    /// then changes seldom, which the energy is the better for.
+    fn time_step(&self) -> f64 {
+        if let Some(given) = self.settings.time_step {
+            return given;
+        }
+        let fastest = self.state.velocities.iter().map(|&v| dot(v, v)).fold(0.0, f64::max).sqrt();
+        let mut h = SPRING_STEP * self.settings.epsilon * self.lightest.sqrt();
+        while h * fastest > FASTEST_STEP * self.cell_size() && h.is_normal() {
+            h /= 2.0;
+        }
+        h
+    }
+
+    /// Velocities after the time `h` under the forces of now.
+    fn kick(&mut self, h: f64) {
+        let gravity = self.settings.gravity.at(self.state.time);
+        let (stiffness, mean) = (self.settings.epsilon.powi(-2), self.mean_density);
+        let State { positions, velocities, densities, .. } = &mut self.state;
+        for (i, v) in velocities.iter_mut().enumerate() {
+            let (p, b, density) = (positions[i], self.cells.barycenters[i], densities[i]);
+            let force: [f64; 3] = std::array::from_fn(|k| (b[k] - p[k]) * stiffness + (density - mean) * gravity[k]);
+            *v = along(*v, h / density, force);
+        }
+    }
+
+    /// `−Σ (ρ_i − ρ̄) V g·p_i`.
+    fn potential(&self, gravity: [f64; 3], position: impl Fn(usize) -> [f64; 3]) -> f64 {
+        let mut sum = Sum::default();
+        let heavier = self.state.densities.iter().map(|density| density - self.mean_density).enumerate();
+        sum.extend(heavier.map(|(i, excess)| -excess * self.volume * dot(gravity, position(i))));
+        sum.total()
+    }
+}
+
+fn along(p: [f64; 3], t: f64, v: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| p[k] + t * v[k])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

@@ -1,0 +1,95 @@
+//! Cells of equal volume.
+
+use laguerre_core::diagram::Container;
+use laguerre_core::{Backend, Error, ErrorKind, FacetList, Output, PowerDiagram, Request, Result};
+
+use super::StepReport;
+use crate::density::Density;
+use crate::transport;
+
+/// Largest relative error of a volume that a step is content with.
+pub const VOLUME_TOLERANCE: f64 = 1e-6;
+/// The same while particles still settle.
+const SETTLED: f64 = 1e-2;
+/// Newton steps for one transport; a handful are usual.
+const MOST_ITERATIONS: usize = 100;
+/// Places for particles to begin at rest from: `rounds` times, cells of equal volume are found and every particle is moved to its
+/// cell's barycenter (de Goes, Breeden, Ostromoukhov, Desbrun, "Blue noise through optimal transport", 2012).
+///
+/// # Errors
+/// As [`transport::solve`].
+pub fn settle(
+    backend: &dyn Backend,
+    container: &Container,
+    positions: &[[f64; 3]],
+    rounds: usize,
+) -> Result<Vec<[f64; 3]>> {
+    let mut positions = positions.to_vec();
+    let mut diagram = within(PowerDiagram::new(&positions, &[])?, container)?;
+    for _ in 0..rounds {
+        let options = transport::Options { tolerance: SETTLED, second_moments: false, ..Default::default() };
+        let solved = transport::solve(backend, &mut diagram, &[], &options, &mut |_| {})?;
+        positions = solved.output.barycenter;
+        diagram.set_sites(&positions, &solved.weights)?;
+    }
+    Ok(positions)
+}
+
+/// What the forces need of the cells of equal volume.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cells {
+    /// `b_i`.
+    pub(super) barycenters: Vec<[f64; 3]>,
+    /// Their facets.
+    pub(super) facets: FacetList,
+    /// The cost of transport, `Σ_i ∫_cell i ‖x − p_i‖² dx`.
+    pub(super) cost: f64,
+}
+
+impl Cells {
+    /// Those of a diagram whose weights are known: the same as when they were found, for a diagram has the same output whenever it
+    /// is computed.
+    pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram) -> Result<Self> {
+        let output = backend.evaluate(diagram, &Request::moments().with_facets().with_second_moments())?;
+        let cost = Density::Uniform.cost(diagram.positions(), &output);
+        Self::of(output, cost)
+    }
+
+    fn of(output: Output, cost: Option<f64>) -> Result<Self> {
+        let (Some(facets), Some(cost)) = (output.facets, cost) else {
+            return Err(Error::new(ErrorKind::Device, "the backend gave no facets or second moments though asked to"));
+        };
+        Ok(Self { barycenters: output.barycenter, facets, cost })
+    }
+}
+
+/// Changes the weights of a diagram for cells of equal volume, and returns these.
+pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -> Result<(Cells, StepReport)> {
+    let options = transport::Options {
+        tolerance: VOLUME_TOLERANCE,
+        most_iterations: MOST_ITERATIONS,
+        ..transport::Options::default()
+    };
+    let solved = transport::solve(backend, diagram, &[], &options, &mut |_| {})?;
+    let report = StepReport {
+        time_step: 0.0,
+        residual: solved.residual,
+        iterations: solved.iterations.len().saturating_sub(1),
+        evaluations: solved.iterations.iter().map(|i| i.diagram_evaluations).sum(),
+    };
+    if solved.residual.is_nan() || solved.residual > VOLUME_TOLERANCE {
+        return Err(Error::input(format!(
+            "volumes differ by {:.1e} of the mean after {} Newton steps; take smaller time steps or another epsilon",
+            report.residual, report.iterations
+        )));
+    }
+    Ok((Cells::of(solved.output, solved.cost)?, report))
+}
+
+/// Restricts a diagram to a container.
+pub(super) fn within(diagram: PowerDiagram, container: &Container) -> Result<PowerDiagram> {
+    match container {
+        Container::Domain(domain) => Ok(diagram.restricted_to(domain)),
+        Container::Box(lo, hi) => diagram.in_box(*lo, *hi),
+    }
+}

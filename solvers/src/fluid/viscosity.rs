@@ -1,0 +1,108 @@
+//! Viscosity: velocities of neighbouring cells drawn together, by the implicit Euler method.
+
+use laguerre_core::{Error, ErrorKind, FacetList, Neighbor, Result};
+use rayon::prelude::*;
+
+use crate::lloyd::dot;
+
+/// What the residual of the linear system may be, of its right-hand side: what is left is momentum that is not conserved.
+const RELATIVE: f64 = 1e-12;
+/// Iterations of the conjugate gradient; the matrix is a diagonal and little more, and takes a dozen.
+const MOST_ITERATIONS: usize = 1000;
+
+/// Solves `m_i (u_i − v_i) = strength · Σ_j (A_ij / ‖p_i − p_j‖) (u_j − u_i)` and puts `u` in the place of `v`.
+///
+/// # Errors
+/// `Device` where the solution is not found, which valid facets leave no room for.
+pub(super) fn slow(facets: &FacetList, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
+    let ties = ties(facets, strength);
+    let row = |i: usize| facets.offsets[i]..facets.offsets[i + 1];
+    let diagonal: Vec<f64> = (0..masses.len()).map(|i| masses[i] + ties[row(i)].iter().sum::<f64>()).collect();
+    let apply = |u: &[[f64; 3]]| -> Vec<[f64; 3]> {
+        let product = |i: usize| {
+            let mut sum = u[i].map(|x| diagonal[i] * x);
+            for k in row(i) {
+                let other = u[facets.neighbor[k].site as usize];
+                (0..3).for_each(|c| sum[c] -= ties[k] * other[c]);
+            }
+            sum
+        };
+        (0..masses.len()).into_par_iter().map(product).collect()
+    };
+    let scaled = |r: &[[f64; 3]]| -> Vec<[f64; 3]> { r.iter().zip(&diagonal).map(|(r, d)| r.map(|x| x / d)).collect() };
+    // The conjugate gradient from `v`, which is `u` but for the residual `−L v`.
+    let right: Vec<[f64; 3]> = v.iter().zip(masses).map(|(v, m)| v.map(|x| m * x)).collect();
+    let bound = RELATIVE * dot(&right, &right).sqrt();
+    let image = apply(v);
+    let mut residual: Vec<[f64; 3]> = right;
+    add(&mut residual, -1.0, &image);
+    let mut better = scaled(&residual);
+    let mut direction = better.clone();
+    let mut slope = dot(&residual, &better);
+    for _ in 0..MOST_ITERATIONS {
+        if dot(&residual, &residual).sqrt() <= bound {
+            return Ok(());
+        }
+        let image = apply(&direction);
+        let step = slope / dot(&direction, &image);
+        add(v, step, &direction);
+        add(&mut residual, -step, &image);
+        better = scaled(&residual);
+        let next = dot(&residual, &better);
+        let turn = next / slope;
+        slope = next;
+        direction.iter_mut().zip(&better).for_each(|(d, b)| *d = std::array::from_fn(|c| b[c] + turn * d[c]));
+    }
+    Err(Error::new(ErrorKind::Device, "the velocities after viscosity were not found: are the facets finite?"))
+}
+
+/// `strength · A / distance` of each facet, the mean of both its sides, so that what one cell loses the other has; 0 where only
+/// one side has it, being below its rounding bound.
+fn ties(facets: &FacetList, strength: f64) -> Vec<f64> {
+    let tie = |k: usize| strength * facets.area[k] / facets.distance[k];
+    let of_row = |i: usize| {
+        let row = facets.offsets[i]..facets.offsets[i + 1];
+        row.map(move |k| {
+            let other = facets.neighbor[k].site as usize;
+            let theirs = facets.offsets[other]..facets.offsets[other + 1];
+            let back = Neighbor { site: i as u32, image: facets.neighbor[k].image.map(|x| -x) };
+            let found = facets.neighbor[theirs.clone()].binary_search(&back);
+            found.map_or(0.0, |at| (tie(k) + tie(theirs.start + at)) / 2.0)
+        })
+    };
+    (0..facets.offsets.len().saturating_sub(1)).flat_map(of_row).collect()
+}
+
+fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {
+    a.iter_mut().zip(b).for_each(|(a, b)| (0..3).for_each(|c| a[c] += factor * b[c]));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use laguerre_core::{Backend, PowerDiagram, Request};
+    use laguerre_cpu::Cpu;
+
+    use super::*;
+    use crate::fluid::lattice;
+
+    /// A wave between slippery walls is an eigenvector of the lattice's Laplacian: one implicit step divides it by `1 + τνλ`.
+    #[test]
+    fn a_wave_decays_as_it_must() {
+        let (n, strength) = (8, 0.3);
+        let sites = lattice([1.0, 1.0, 0.25], n * n * n / 4);
+        let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0, 1.0, 0.25]).unwrap();
+        let facets = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_facets()).unwrap().facets;
+        let h = 1.0 / n as f64;
+        let masses = vec![h.powi(3); sites.len()];
+        let wave = |p: &[f64; 3]| [(PI * p[1]).cos(), 0.0, 0.5];
+        let mut v: Vec<[f64; 3]> = sites.iter().map(wave).collect();
+        slow(&facets.unwrap(), &masses, strength, &mut v).unwrap();
+        let factor = 1.0 + strength * (2.0 - 2.0 * (PI * h).cos()) / (h * h);
+        for (p, v) in sites.iter().zip(&v) {
+            let [x, y, z] = wave(p);
+            assert!((v[0] - x / factor).abs() < 1e-10 && (v[1] - y).abs() < 1e-10 && (v[2] - z).abs() < 1e-10, "{v:?}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Weights to start the next transport from: no cell may be empty.
+//!
+//! Where two particles pass close by each other, their bisector turns quickly, and weights of a moment ago put it beyond one of the two
+//! cells. One empty cell makes transport start from nothing, at several times the cost.
+
+use laguerre_core::FacetList;
+
+/// How deep the place where a barycenter is expected has to be in its cell, in cell sizes.
+const DEPTH: f64 = 0.1;
+
+/// Changes `weights` for sites at `positions` as little as it takes for `expected`, where the cells' barycenters are expected, to be in their cells: for
+/// each pair of neighbours of the last diagram the bisector is moved between the two, or to their middle where they are in the wrong
+/// order. `size` is a cell's.
+pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64; 3]], facets: &FacetList, size: f64) {
+    let found = weights.to_vec();
+    let depth = |i: usize, j: usize, distance: f64| {
+        let power = |k: usize| squared(expected[i], positions[k]) - found[k];
+        (power(j) - power(i)) / (2.0 * distance)
+    };
+    for i in 0..positions.len() {
+        for neighbor in &facets.neighbor[facets.offsets[i]..facets.offsets[i + 1]] {
+            let j = neighbor.site as usize;
+            let distance = squared(positions[i], positions[j]).sqrt();
+            let [mine, theirs] = [depth(i, j, distance), depth(j, i, distance)];
+            // Both have it where there is room for both, else half of what there is.
+            let wanted = (DEPTH * size).min((mine + theirs) / 2.0);
+            if mine < wanted {
+                // Each side gives half; a facet stands once in the rows of both, but only one of them is short of depth.
+                let change = distance * (wanted - mine);
+                weights[i] += change;
+                weights[j] -= change;
+            }
+        }
+    }
+}
+
+fn squared(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use laguerre_core::Neighbor;
+
+    use super::*;
+
+    #[test]
+    fn a_bisector_is_put_between_the_barycenters() {
+        let neighbor = |site| Neighbor { site, image: [0; 3] };
+        let facets =
+            FacetList { offsets: vec![0, 1, 2], neighbor: vec![neighbor(1), neighbor(0)], ..FacetList::default() };
+        let positions = [[0.0; 3], [0.01, 0.0, 0.0]];
+        // Where along x the bisector is.
+        let at = |w: &[f64]| (w[0] - w[1] + 0.01 * 0.01) / (2.0 * 0.01);
+        let mended = |first: f64, second: f64, weight: f64| {
+            let mut weights = [weight, 0.0];
+            mend(&mut weights, &positions, &[[first, 0.0, 0.0], [second, 0.0, 0.0]], &facets, 1.0);
+            at(&weights)
+        };
+        // Deep enough on both sides: as it was. Too near to one: as far as it must be. No room: between.
+        assert_eq!(mended(-0.5, 0.5, 0.002), at(&[0.002, 0.0]));
+        assert!((mended(-0.5, 0.5, 0.02) - 0.4).abs() < 1e-12);
+        assert!((mended(-0.5, 0.5, -0.02) + 0.4).abs() < 1e-12);
+        assert!((mended(-0.05, 0.03, 0.02) + 0.01).abs() < 1e-12);
+        assert!((mended(0.3, -0.1, 0.02) - 0.1).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,103 @@
+//! Limited-memory quasi-Newton directions (Nocedal, Wright, "Numerical Optimization", algorithm 7.4), the start given by the caller.
+
+use std::collections::VecDeque;
+
+use rayon::prelude::*;
+
+/// Steps that are remembered. Liu et al. take 7; with more the directions hardly change, and each costs six numbers a site.
+const DEPTH: usize = 10;
+/// Sites whose products are summed one after the other: sums then do not depend on the number of threads.
+const AT_ONCE: usize = 4096;
+
+type Vectors = Vec<[f64; 3]>;
+
+/// One step, and how the gradient changed along it.
+struct Pair {
+    step: Vectors,
+    change: Vectors,
+    /// `step · change`, positive.
+    curvature: f64,
+}
+
+/// The last steps.
+#[derive(Default)]
+pub(super) struct Memory {
+    pairs: VecDeque<Pair>,
+}
+
+impl Memory {
+    pub(super) fn clear(&mut self) {
+        self.pairs.clear();
+    }
+
+    /// Remembers a step, unless the energy is not convex along it, or so little that rounding decides.
+    pub(super) fn learn(&mut self, step: Vectors, change: Vectors) {
+        let curvature = dot(&step, &change);
+        let flat = f64::EPSILON * (dot(&step, &step) * dot(&change, &change)).sqrt();
+        if curvature <= flat {
+            return;
+        }
+        if self.pairs.len() == DEPTH {
+            self.pairs.pop_front();
+        }
+        self.pairs.push_back(Pair { step, change, curvature });
+    }
+
+    /// `−H·gradient`, `H` the inverse of the Hessian as far as it is known; without memory that is `scale(i)` for site `i`, with memory
+    /// this start is scaled to the curvature of the last step.
+    pub(super) fn direction(&self, gradient: &[[f64; 3]], scale: impl Fn(usize) -> f64) -> Vectors {
+        let mut q = gradient.to_vec();
+        let mut shares = Vec::with_capacity(self.pairs.len());
+        for pair in self.pairs.iter().rev() {
+            let share = dot(&pair.step, &q) / pair.curvature;
+            add(&mut q, -share, &pair.change);
+            shares.push(share);
+        }
+        let start = self.pairs.back().map_or(1.0, |last| {
+            let scaled: Vectors = last.change.iter().enumerate().map(|(i, y)| y.map(|x| scale(i) * x)).collect();
+            last.curvature / dot(&last.change, &scaled)
+        });
+        q.iter_mut().enumerate().for_each(|(i, q)| *q = q.map(|x| -start * scale(i) * x));
+        for (pair, share) in self.pairs.iter().zip(shares.into_iter().rev()) {
+            let back = dot(&pair.change, &q) / pair.curvature;
+            add(&mut q, -share - back, &pair.step);
+        }
+        q
+    }
+}
+
+/// `Σ a·b`, in an order that depends on the length alone.
+pub(crate) fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    let inner = |(a, b): (&[[f64; 3]], &[[f64; 3]])| {
+        a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1] + a[2] * b[2]).sum::<f64>()
+    };
+    let parts: Vec<f64> = a.par_chunks(AT_ONCE).zip(b.par_chunks(AT_ONCE)).map(inner).collect();
+    parts.iter().sum()
+}
+
+fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {
+    a.par_iter_mut().zip(b).for_each(|(a, b)| (0..3).for_each(|k| a[k] += factor * b[k]));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a quadratic function, with exact steps, as many pairs as there are eigenvalues give Newton's step.
+    #[test]
+    fn a_quadratic_is_learnt() {
+        let curvature = [[1.0, 4.0, 9.0]];
+        let slope = |x: &[[f64; 3]]| vec![std::array::from_fn(|k| curvature[0][k] * x[0][k])];
+        let mut memory = Memory::default();
+        for k in 0..3 {
+            let mut step = [0.0; 3];
+            step[k] = 0.5;
+            memory.learn(vec![step], slope(&[step]));
+        }
+        let at = [[3.0, -2.0, 1.0]];
+        let direction = memory.direction(&slope(&at), |_| 0.3);
+        assert!((0..3).all(|k| (direction[0][k] + at[0][k]).abs() < 1e-14), "{direction:?}");
+        memory.learn(vec![[1.0; 3]], vec![[-1.0; 3]]);
+        assert_eq!(memory.pairs.len(), 3, "what is not convex is not learnt");
+    }
+}

@@ -1,0 +1,35 @@
+//! The Laplacian of transport, from the facets of a diagram.
+
+use laguerre_core::{FacetList, Neighbor};
+
+use super::sparse::Matrix;
+use crate::density::Density;
+
+/// `∂m_i/∂w_j = −a_ij` with `a_ij = ∫_facet ρ / (2 ‖p_i − p_j‖)`, and `Σ_j a_ij` on the diagonal: rows and columns in `order`, the
+/// diagonal first in each row. Both sides of a facet have the mean of what the two cells found, so that the matrix is symmetric to the
+/// last bit; a facet that one of them has alone is below its rounding bound, and left out.
+pub(super) fn laplacian(facets: &FacetList, density: &Density, order: &[u32], place: &[u32]) -> Matrix {
+    let coefficient = |k: usize| density.at(facets.barycenter[k]) * facets.area[k] / (2.0 * facets.distance[k]);
+    Matrix::from_rows(
+        order.len(),
+        || (),
+        |row, (), columns, values| {
+            let site = order[row];
+            let diagonal = columns.len();
+            columns.push(row as u32);
+            values.push(0.0);
+            for k in facets.offsets[site as usize]..facets.offsets[site as usize + 1] {
+                let Neighbor { site: other, image } = facets.neighbor[k];
+                let back = Neighbor { site, image: image.map(|x| -x) };
+                let theirs = facets.offsets[other as usize]..facets.offsets[other as usize + 1];
+                let Ok(found) = facets.neighbor[theirs.clone()].binary_search(&back) else { continue };
+                let a = (coefficient(k) + coefficient(theirs.start + found)) / 2.0;
+                if other != site && a > 0.0 {
+                    columns.push(place[other as usize]);
+                    values.push(-a);
+                    values[diagonal] += a;
+                }
+            }
+        },
+    )
+}

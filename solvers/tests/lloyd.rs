@@ -1,0 +1,171 @@
+//! Laws of the centroidal tessellations.
+
+use laguerre_core::shapes::{cuboid, double_torus};
+use laguerre_core::{Backend, CellStatus, Domain, PowerDiagram};
+use laguerre_cpu::Cpu;
+use laguerre_solvers::lloyd::{Method, Options, energy, energy_request, equalize, gradient, relative_deviation, relax};
+
+/// Numbers in [0, 1) that are spread evenly and look random: multiples of irrational numbers.
+fn spread(count: usize) -> Vec<[f64; 3]> {
+    // Powers of the root of x⁴ = x + 1.
+    let steps = [0.819_172_513_396_164_5, 0.671_043_606_703_789_2, 0.549_700_477_901_970_4];
+    (0..count).map(|i| steps.map(|s| ((i * i + 7 * i) as f64 * s + 0.37).fract())).collect()
+}
+
+fn cube(sites: &[[f64; 3]], weights: &[f64]) -> PowerDiagram {
+    PowerDiagram::new(sites, weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap()
+}
+
+fn cpu() -> Cpu {
+    Cpu::new(Some(2)).unwrap()
+}
+
+#[test]
+fn the_gradient_is_that_of_the_energy() {
+    let sites = spread(60);
+    let weights: Vec<f64> = sites.iter().map(|p| 0.01 * p[0] * p[1]).collect();
+    let slab = double_torus().domain();
+    let in_slab: Vec<[f64; 3]> = sites.iter().map(|p| [5.0 * p[0], 3.0 * p[1], p[2]]).collect();
+    let diagrams =
+        [cube(&sites, &[]), cube(&sites, &weights), PowerDiagram::new(&in_slab, &[]).unwrap().restricted_to(&slab)];
+    for mut diagram in diagrams {
+        let (positions, weights) = (diagram.positions().to_vec(), diagram.weights().to_vec());
+        let output = cpu().evaluate(&diagram, &energy_request()).unwrap();
+        let slopes = gradient(&diagram, &output);
+        let largest = slopes.iter().flatten().fold(0.0, |a: f64, x| a.max(x.abs()));
+        for (i, k) in [(0, 0), (7, 1), (23, 2), (41, 0), (59, 1)] {
+            // The difference of third order is of the order of the step squared.
+            let step = 1e-4;
+            let mut at = |by: f64| {
+                let mut moved = positions.clone();
+                moved[i][k] += by;
+                diagram.set_sites(&moved, &weights).unwrap();
+                energy(&diagram, &cpu().evaluate(&diagram, &energy_request()).unwrap())
+            };
+            let measured = (at(step) - at(-step)) / (2.0 * step);
+            assert!((measured - slopes[i][k]).abs() < 1e-5 * largest, "{i} {k}: {measured} {}", slopes[i][k]);
+        }
+    }
+}
+
+#[test]
+fn no_step_raises_the_energy() {
+    let domain = double_torus().domain();
+    let sites: Vec<[f64; 3]> = spread(400).iter().map(|p| [5.0 * p[0], 3.0 * p[1], p[2]]).collect();
+    let start = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
+    let mut ends = Vec::new();
+    for method in [Method::Lloyd, Method::Lbfgs] {
+        let mut diagram = start.clone();
+        let mut told = Vec::new();
+        let options = Options::default().by(method).until(40, 0.0);
+        let relaxed = relax(&cpu(), &mut diagram, &options, &mut |i| told.push(*i)).unwrap();
+        assert_eq!(told, relaxed.iterations);
+        let energies: Vec<f64> = told.iter().map(|i| i.energy).collect();
+        assert!(energies.windows(2).all(|e| e[1] <= e[0] * (1.0 + 1e-14)), "{method:?}: {energies:?}");
+        let empty = |d: &PowerDiagram| cpu().evaluate(d, &energy_request()).unwrap().count(CellStatus::Empty);
+        assert!(empty(&diagram) <= empty(&start));
+        ends.push(told[40]);
+    }
+    assert!(ends[1].energy < ends[0].energy && ends[1].gradient < 0.7 * ends[0].gradient, "{ends:?}");
+}
+
+#[test]
+fn quasi_newton_needs_a_quarter_of_the_diagrams() {
+    let start = cube(&spread(1000), &[]);
+    let run = |method, iterations| {
+        let options = Options::default().by(method).until(iterations, 0.0);
+        relax(&cpu(), &mut start.clone(), &options, &mut |_| {}).unwrap().iterations
+    };
+    let lloyd = run(Method::Lloyd, 100);
+    let goal = lloyd.last().unwrap();
+    let lbfgs = run(Method::Lbfgs, 25);
+    let reached = lbfgs.iter().find(|i| i.energy <= goal.energy).expect("the energy of 100 Lloyd steps");
+    assert!(reached.evaluations <= 25, "{reached:?}");
+}
+
+/// Eight sites find the lattice, to the last digits, and its energy is 8 cubes' of edge ½: each a⁵/4.
+#[test]
+fn a_known_optimum_is_found() {
+    let near: Vec<[f64; 3]> = (0..8)
+        .zip(spread(8))
+        .map(|(i, p)| std::array::from_fn(|k| 0.25 + 0.5 * f64::from(i >> k & 1) + 0.2 * (p[k] - 0.5)))
+        .collect();
+    let mut diagram = cube(&near, &[]);
+    let options = Options::default().until(100, 1e-12);
+    let relaxed = relax(&cpu(), &mut diagram, &options, &mut |_| {}).unwrap();
+    assert!(relaxed.converged, "{:?}", relaxed.iterations.last());
+    assert!((relaxed.iterations.last().unwrap().energy - 1.0 / 16.0).abs() < 1e-15);
+    for (i, p) in diagram.positions().iter().enumerate() {
+        assert!((0..3).all(|k| (p[k] - 0.25 - 0.5 * f64::from(i as u32 >> k & 1)).abs() < 1e-11), "{p:?}");
+    }
+}
+
+#[test]
+fn unit_and_place_change_nothing() {
+    let run = |scale: f64, shift: f64| {
+        let sites: Vec<[f64; 3]> = spread(200).iter().map(|p| p.map(|x| scale * x + shift)).collect();
+        let mut diagram = PowerDiagram::new(&sites, &[]).unwrap();
+        diagram = diagram.in_box([shift; 3], [scale + shift; 3]).unwrap();
+        relax(&cpu(), &mut diagram, &Options::default().until(10, 0.0), &mut |_| {}).unwrap().iterations
+    };
+    let (one, other) = (run(1.0, 0.0), run(1e-6, 3e-6));
+    for (a, b) in one.iter().zip(&other) {
+        assert!((a.gradient - b.gradient).abs() < 1e-6 * a.gradient, "{a:?} {b:?}");
+        assert!((a.energy - b.energy * 1e30).abs() < 1e-8 * a.energy, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn empty_cells_stay_and_harm_nobody() {
+    let mut sites = spread(100);
+    sites.extend_from_within(..10);
+    // Hidden by the heavier ones, whose cells are smaller than this.
+    let weights: Vec<f64> = (0..110).map(|i| if i < 100 { 0.2 } else { 0.0 }).collect();
+    let mut diagram = cube(&sites, &weights);
+    let relaxed = relax(&cpu(), &mut diagram, &Options::default().until(20, 0.0), &mut |_| {}).unwrap();
+    let empty = |i: &usize| relaxed.output.status[*i] == CellStatus::Empty;
+    assert!((0..100).all(|i| !empty(&i)), "no step empties a cell");
+    assert!((100..110).any(|i| empty(&i)) && (100..110).filter(empty).all(|i| diagram.positions()[i] == sites[i]));
+    assert!(relaxed.iterations.iter().all(|i| i.energy.is_finite() && i.gradient.is_finite()));
+}
+
+#[test]
+fn the_same_bits_for_any_number_of_threads() {
+    let run = |threads| {
+        let mut diagram = cube(&spread(5000), &[]);
+        let options = Options::default().until(6, 0.0);
+        let backend = Cpu::new(Some(threads)).unwrap();
+        let relaxed = relax(&backend, &mut diagram, &options, &mut |_| {}).unwrap();
+        (diagram.positions().to_vec(), relaxed.iterations)
+    };
+    let first = run(1);
+    assert!(first == run(3) && first == run(3));
+}
+
+#[test]
+fn volumes_are_equalized_and_refused_places_not_entered() {
+    let mut diagram = cube(&spread(500), &[]);
+    let done = equalize(&cpu(), &mut diagram, 0.1, 60, |p| p[0] < 0.9).unwrap();
+    assert!(done.steps > 0 && done.steps <= 60, "{done:?}");
+    let volumes = cpu().evaluate(&diagram, &energy_request()).unwrap().volume;
+    assert_eq!(relative_deviation(&volumes), done.spread);
+    let before = spread(500);
+    assert!(diagram.positions().iter().zip(&before).all(|(p, q)| p[0] < 0.9 || p == q));
+}
+
+#[test]
+fn wrong_bounds_are_refused() {
+    let mut diagram = cube(&spread(10), &[]);
+    for bound in [-1.0, f64::NAN] {
+        let error = relax(&cpu(), &mut diagram, &Options::default().until(1, bound), &mut |_| {}).unwrap_err();
+        assert!(error.to_string().contains("a number from 0"), "{error}");
+    }
+    // Nothing to be done at the optimum.
+    let mut middle = PowerDiagram::new(&[[0.5; 3]], &[]).unwrap().restricted_to(&box_domain());
+    let relaxed = relax(&cpu(), &mut middle, &Options::default(), &mut |_| {}).unwrap();
+    assert!(relaxed.converged && relaxed.iterations.len() == 1);
+}
+
+fn box_domain() -> Domain {
+    cuboid([0.0; 3], [1.0; 3]).domain()
+}

@@ -1,0 +1,226 @@
+//! Laws of optimal transport: what is asked for is found, and what cannot be is said.
+
+use laguerre_core::shapes;
+use laguerre_core::{Backend, Domain, PowerDiagram, Request};
+use laguerre_cpu::Cpu;
+use laguerre_solvers::density::Density;
+use laguerre_solvers::transport::{End, Iteration, Options, Solution, solve, targets};
+
+/// White noise in a box: a linear congruential generator (Knuth's MMIX) is random enough.
+fn white(count: usize, lo: [f64; 3], hi: [f64; 3], seed: u64) -> Vec<[f64; 3]> {
+    let mut state = seed;
+    let mut unit = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    (0..count).map(|_| std::array::from_fn(|k| lo[k] + unit() * (hi[k] - lo[k]))).collect()
+}
+
+fn cpu() -> Cpu {
+    Cpu::new(None).unwrap()
+}
+
+fn solved(diagram: &mut PowerDiagram, masses: &[f64], options: &Options) -> Solution {
+    let mut seen: Vec<Iteration> = Vec::new();
+    let solution = solve(&cpu(), diagram, masses, options, &mut |done| seen.push(*done)).unwrap();
+    assert_eq!(seen, solution.iterations);
+    assert_eq!(solution.end, End::Converged, "{:?}", solution.iterations);
+    assert_eq!(diagram.weights(), solution.weights);
+    solution
+}
+
+/// Holds the masses of a fresh evaluation against those asked for.
+fn check(diagram: &PowerDiagram, solution: &Solution, masses: &[f64], density: &Density) {
+    let output = cpu().evaluate(diagram, &Request::moments()).unwrap();
+    for (i, mass) in density.masses(&output).iter().enumerate() {
+        assert!((mass / masses[i] - 1.0).abs() <= 1e-9, "cell {i}: {mass} for {}", masses[i]);
+    }
+    assert!(solution.residual <= 1e-9);
+    assert!(solution.output.facets.is_some());
+    let sum: f64 = solution.weights.iter().sum();
+    assert!(sum.abs() <= 1e-12 * solution.weights.iter().map(|w| w.abs()).sum::<f64>());
+}
+
+fn bunny() -> Domain {
+    Domain::from_obj(include_bytes!("../../fixtures/meshes/bunny.obj")).unwrap()
+}
+
+#[test]
+fn weights_of_a_known_diagram_are_recovered() {
+    let n = 2000;
+    let sites = white(n, [0.0; 3], [1.0; 3], 1);
+    // Differences of a tenth of a squared cell size: no cell is empty.
+    let size2 = (n as f64).powf(-2.0 / 3.0);
+    let mut known: Vec<f64> = white(n, [0.0; 3], [0.1 * size2; 3], 2).iter().map(|p| p[0]).collect();
+    let mut diagram = PowerDiagram::new(&sites, &known).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let masses = cpu().evaluate(&diagram, &Request::moments()).unwrap().volume;
+    assert!(masses.iter().all(|&m| m > 0.0));
+    diagram.set_sites(&sites, &[]).unwrap();
+    let options = Options { tolerance: 1e-11, ..Options::default() };
+    let solution = solved(&mut diagram, &masses, &options);
+    let mean = known.iter().sum::<f64>() / n as f64;
+    known.iter_mut().for_each(|w| *w -= mean);
+    let largest = known.iter().zip(&solution.weights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest <= 1e-8 * size2, "{largest:e} of {size2:e}");
+    // From there, there is nothing to do.
+    let again = solved(&mut diagram, &masses, &options);
+    assert_eq!(again.iterations.len(), 1);
+}
+
+#[test]
+fn cells_of_equal_mass_in_a_bunny_and_the_end_is_quadratic() {
+    let domain = bunny();
+    let (lo, hi) = domain.bounding_box();
+    let all = white(4000, lo, hi, 3);
+    let cells = cpu().evaluate(&PowerDiagram::new(&all, &[]).unwrap().restricted_to(&domain), &Request::moments());
+    let cells = cells.unwrap();
+    let mean = (0..3).map(|k| hi[k] - lo[k]).product::<f64>() / 4000.0;
+    // Well in the domain; and with sites outside of it whose cells are slivers.
+    for (least, most_steps) in [(0.3, 8), (0.0, 25)] {
+        let sites: Vec<[f64; 3]> = (0..all.len()).filter(|&i| cells.volume[i] > least * mean).map(|i| all[i]).collect();
+        let n = sites.len();
+        let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
+        let solution = solved(&mut diagram, &[], &Options::default());
+        check(&diagram, &solution, &vec![domain.volume() / n as f64; n], &Density::Uniform);
+        let residuals: Vec<f64> = solution.iterations.iter().map(|done| done.residual).collect();
+        assert!(residuals.len() <= most_steps + 1, "{least}: {residuals:?}");
+        // The last steps but one square the residual, up to a factor.
+        let [.., a, b, _] = residuals[..] else { panic!("{residuals:?}") };
+        assert!(b <= 10.0 * a * a && a < 0.1, "{residuals:?}");
+    }
+}
+
+#[test]
+fn sites_outside_of_the_domain_get_cells_too() {
+    let domain = shapes::double_torus().domain();
+    let sites = white(300, [-1.0; 3], [4.0, 3.0, 2.0], 5);
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
+    let empty = cpu().evaluate(&diagram, &Request::moments()).unwrap().volume.iter().filter(|&&v| v == 0.0).count();
+    assert!(empty > 50, "{empty}");
+    let solution = solved(&mut diagram, &[], &Options::default());
+    check(&diagram, &solution, &[13.0 / 300.0; 300], &Density::Uniform);
+    // In a plate so thin that no cell of the first lattices is free of its surface.
+    let plate = shapes::plate().domain();
+    let sites = white(60, [0.0, 0.0, 0.1], [2.0, 2.0, 0.6], 6);
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&plate);
+    let solution = solved(&mut diagram, &[], &Options::default());
+    check(&diagram, &solution, &[plate.volume() / 60.0; 60], &Density::Uniform);
+}
+
+#[test]
+fn weights_that_empty_cells_are_no_start() {
+    let sites = white(200, [0.0; 3], [1.0; 3], 7);
+    let mut weights = vec![0.0; 200];
+    weights[17] = 0.5;
+    let mut diagram = PowerDiagram::new(&sites, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let solution = solved(&mut diagram, &[], &Options::default());
+    check(&diagram, &solution, &[1.0 / 200.0; 200], &Density::Uniform);
+    assert_eq!(solution.iterations[0].diagram_evaluations, 2);
+}
+
+#[test]
+fn parts_that_do_not_touch_exchange_mass() {
+    let domain = shapes::two_components(1).domain();
+    let mut sites = white(70, [-1.0, -0.5, -0.5], [0.0, 0.5, 0.5], 8);
+    sites.extend(white(130, [1.2, -0.3, -0.3], [1.8, 0.3, 0.3], 9));
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
+    let solution = solved(&mut diagram, &[], &Options::default());
+    check(&diagram, &solution, &[domain.volume() / 200.0; 200], &Density::Uniform);
+}
+
+#[test]
+fn linear_densities_are_exact() {
+    let density = Density::Linear { value: 1.0, gradient: [0.5, -0.25, 2.0] };
+    let options = Options { density, ..Options::default() };
+    let (lo, hi) = ([0.0; 3], [1.0, 2.0, 1.0]);
+    let sites = white(500, lo, hi, 11);
+    let total = 2.0 * (1.0 + 0.25 - 0.25 + 1.0);
+    // Asked for: masses of three kinds.
+    let share = |i: usize| [1.0, 2.0, 5.0][i % 3];
+    let sum: f64 = (0..500).map(share).sum();
+    let masses: Vec<f64> = (0..500).map(|i| total * share(i) / sum).collect();
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box(lo, hi).unwrap();
+    let solution = solved(&mut diagram, &masses, &options);
+    check(&diagram, &solution, &masses, &density);
+    // The centres of mass are those of the whole.
+    let centers = density.centers(&solution.output).unwrap();
+    let first: [f64; 3] = std::array::from_fn(|k| (0..500).map(|i| solution.masses[i] * centers[i][k]).sum());
+    // ∫ρx over the box, by hand: the mean of x² is a third of the squared edge.
+    let right = [2.0 * (0.5 * 1.75 + 0.5 / 3.0), 2.0 * (2.25 - 0.25 * 4.0 / 3.0), 2.0 * (0.5 + 2.0 / 3.0)];
+    for k in 0..3 {
+        assert!((first[k] - right[k]).abs() < 1e-12, "{first:?} {right:?}");
+    }
+    // The cost is the least of all: that of other weights with the same cells' masses is more. For one cell it is known.
+    let mut one = PowerDiagram::new(&[[0.5, 1.0, 0.5]], &[]).unwrap().in_box(lo, hi).unwrap();
+    let cost = solved(&mut one, &[], &options).cost.unwrap();
+    // About the centre odd terms vanish: ρ(centre) times the second moments.
+    let right = 2.0 * 2.0 * (1.0 / 12.0 + 4.0 / 12.0 + 1.0 / 12.0);
+    assert!((cost - right).abs() < 1e-13 * right, "{cost} {right}");
+    // A density that is nearly uniform costs nearly the same, by the other formula.
+    let nearly = Density::Linear { value: 1.0, gradient: [1e-14, 0.0, 0.0] };
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box(lo, hi).unwrap();
+    let uniform = solved(&mut diagram, &[], &Options::default()).cost.unwrap();
+    let linear = solved(&mut diagram, &[], &Options { density: nearly, ..Options::default() }).cost.unwrap();
+    assert!((linear / uniform - 1.0).abs() < 1e-10, "{linear} {uniform}");
+}
+
+#[test]
+fn the_result_is_the_same_to_the_last_bit() {
+    let sites = white(6000, [0.0; 3], [1.0; 3], 13);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        let backend = Cpu::new(Some(threads)).unwrap();
+        pool.install(|| solve(&backend, &mut diagram, &[], &Options::default(), &mut |_| {})).unwrap().weights
+    };
+    let one = run(1);
+    assert!(one == run(1));
+    assert!(one == run(2));
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let sites = white(10, [0.0; 3], [1.0; 3], 17);
+    let said = |sites: &[[f64; 3]], masses: &[f64], options: &Options| {
+        let mut diagram = PowerDiagram::new(sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        solve(&cpu(), &mut diagram, masses, options, &mut |_| {}).unwrap_err().to_string()
+    };
+    let plain = Options::default();
+    assert_eq!(said(&sites, &[0.1; 9], &plain), "9 masses for 10 sites: give one for each");
+    let mut masses = [0.1; 10];
+    masses[3] = 0.0;
+    assert_eq!(said(&sites, &masses, &plain), "the mass of site 3 is 0: masses must be positive numbers");
+    masses[3] = f64::NAN;
+    assert_eq!(said(&sites, &masses, &plain), "the mass of site 3 is NaN: masses must be positive numbers");
+    assert_eq!(
+        said(&sites, &[0.125; 10], &plain),
+        "the masses sum to 1.25, but the domain has 1: multiply each by 0.8"
+    );
+    let mut twice = sites.clone();
+    twice[8] = twice[2];
+    assert!(said(&twice, &[], &plain).starts_with("sites 2 and 8 are at the same place ["));
+    let density = Density::Linear { value: 0.5, gradient: [0.0, -0.5, 0.0] };
+    assert!(
+        said(&sites, &[], &Options { density, ..plain.clone() }).starts_with("the density is 0 at [0.0, 1.0, 0.0]: ")
+    );
+    // What is off by less than the tolerance is scaled.
+    let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let aimed = targets(&diagram, &[0.1 * (1.0 + 1e-10); 10], &plain).unwrap();
+    assert!((aimed.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn without_enough_steps_the_best_is_returned() {
+    let sites = white(300, [0.0; 3], [1.0; 3], 19);
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let run =
+        |diagram: &mut PowerDiagram, options: &Options| solve(&cpu(), diagram, &[], options, &mut |_| {}).unwrap();
+    let short = run(&mut diagram, &Options { most_iterations: 2, ..Options::default() });
+    assert_eq!((short.end, short.iterations.len()), (End::MostIterations, 3));
+    assert!(short.residual > 1e-9 && short.output.facets.is_some());
+    // No rounding is as small as that.
+    let deep = run(&mut diagram, &Options { tolerance: 1e-17, ..Options::default() });
+    assert_eq!(deep.end, End::Stalled);
+    assert!(deep.residual < 1e-11, "{:e}", deep.residual);
+    assert!(deep.output.facets.is_some() && deep.cost.is_some());
+}

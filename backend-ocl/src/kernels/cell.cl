@@ -1064,10 +1064,18 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot) {
     const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
     const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
     *foot = add(scale(f.d, to_f), scale(g.d, to_g));
+    uint steps = 0;
     if (square < (WORTH_REFINING_FOOT * whole)) {
+        steps = 1;
+        if (square < (WORTH_REFINING_MORE * whole)) {
+            steps = 3;
+        }
+    }
+    while (steps > 0) {
         const real rest_f = residual((Plane){ .n = f.n, .d = f.d }, *foot);
         const real rest_g = residual((Plane){ .n = g.n, .d = g.d }, *foot);
         *foot = add(*foot, add(scale(rest_f, to_f), scale(rest_g, to_g)));
+        steps -= 1;
     }
     return COMPLETE;
 }

@@ -283,16 +283,27 @@ typedef struct {
 // never by so many times.
 #define NEGATIVE_ROUNDINGS ((real)(REAL(1024.0)))
 
-// Below this share of `|n_f|²|n_g|²`, `|n_f × n_g|²` has lost its digits and the foot on the edge is computed exactly; between the two it
-// is refined once. The squares of the vertices' bounds.
+// Below this share of `|n_f|²|n_g|²`, the square of the angle's sine, the foot on the edge is computed exactly: each step of refinement
+// leaves some roundings over the sine of the error, here 10⁻⁵, and three are made.
 //
 // Single: `9.313225746154785e-10`.
 #if SINGLE
 #define NEARLY_PARALLEL ((real)(REAL(9.313225746154785e-10)))
 #else
-#define NEARLY_PARALLEL ((real)(REAL(5.684341886081e-14)))
+#define NEARLY_PARALLEL ((real)(REAL(1.3552527156068805e-20)))
 #endif
 
+// Below this it is refined three times, above once.
+//
+// Single: `9.313225746154785e-10`.
+#if SINGLE
+#define WORTH_REFINING_MORE ((real)(REAL(9.313225746154785e-10)))
+#else
+#define WORTH_REFINING_MORE ((real)(REAL(5.684341886081e-14)))
+#endif
+
+// Below this it is refined.
+//
 // Single: `2.44140625e-4`.
 #if SINGLE
 #define WORTH_REFINING_FOOT ((real)(REAL(2.44140625e-4)))

@@ -1,7 +1,11 @@
 //! Laws of the cell alone: combinatorics, exactness of signs, integrals of shapes known in closed form.
 
 use super::*;
-use super::{facet::reset_facets, integrate::integrate};
+use super::{
+    facet::reset_facets,
+    integrate::{foot_on_edge, integrate, side},
+    vector::{cross, dot, norm_1, sub},
+};
 
 fn unit_box<'a>() -> PlainStore<'a> {
     let mut store = PlainStore::new([0.0; 3], None);
@@ -146,4 +150,35 @@ fn security_tests_have_no_false_proof() {
 fn scale_to(distance: f64) -> V3 {
     let c = distance / 3.0_f64.sqrt();
     v3(c, c, c)
+}
+
+/// However small the angle between two planes, the foot is on their line, to a few roundings of its distance; where it is not refined, over the sine.
+#[test]
+fn feet_between_nearly_parallel_planes() {
+    let mut state = 0.0_f64;
+    let mut next = || {
+        state += 1.0;
+        2.0 * (state * state * 0.618_033_988_749_894_9).fract() - 1.0
+    };
+    for power in 0..900 {
+        let angle = 10_f64.powf(-0.01 * f64::from(power));
+        let n = v3(next(), next(), next());
+        let turned = v3(n.x + angle * next(), n.y + angle * next(), n.z + angle * next());
+        let mut store = unit_box();
+        store.set_plane(6, Plane { n, d: next() });
+        store.set_plane(7, Plane { n: turned, d: next() });
+        let center = v3(next(), next(), next());
+        let (f, g) = (side(&store, 6, center), side(&store, 7, center));
+        let [mut found, mut exact] = [V3::default(); 2];
+        assert_eq!(foot_on_edge(&mut store, f, g, center, &mut found), COMPLETE);
+        // Of the planes as they are seen from the center: their distances are rounded.
+        let [f, g] = [f, g].map(|side| Plane { n: side.n, d: side.d });
+        crate::exact::foot(f, g, V3::default(), &mut exact);
+        // Along the line, whose direction is right by this product, any foot will do.
+        let line = cross(f.n, sub(g.n, f.n));
+        let off = norm_1(cross(sub(found, exact), line)) / (norm_1(line) * norm_1(exact));
+        let sine = (dot(line, line) / (dot(f.n, f.n) * dot(g.n, g.n))).sqrt();
+        let lost = if sine > 0.00195 { 8.0 / sine } else { 8.0 };
+        assert!(off <= lost * UNIT_ROUNDOFF, "sine {sine:e}: {off:e}");
+    }
 }

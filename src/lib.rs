@@ -17,6 +17,9 @@
 #![forbid(unsafe_code)]
 
 pub use laguerre_core::*;
+/// What the diagrams are for, on any backend.
+#[cfg(feature = "solvers")]
+pub use laguerre_solvers as solvers;
 
 /// Which backend to open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -9,14 +9,15 @@ use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use laguerre::diagram::Container;
+use laguerre::solvers::density::Density;
+use laguerre::solvers::fluid::{Fluid, Scene, lattice, settle};
 use laguerre::{Backend, Domain, Error, Result, io};
-use laguerre_solvers::fluid::{Fluid, Scene, lattice, settle};
 
 use crate::args::{BackendArgs, Corners};
 use crate::domains;
-use crate::evaluate::open;
 use crate::outcome::{Outcome, end_well_when_interrupted, is_interrupted, note, print, say};
 use crate::sample::Sampler;
+use crate::solver::{LARGEST, open_for_solver, parse_from_zero, parse_number};
 use checkpoint::Checkpoint;
 use frames::{FrameKind, Frames};
 use report::{Report, Step};
@@ -135,12 +136,21 @@ const MOST_LLOYD_STEPS: usize = 40;
 
 pub(crate) fn run(args: &FluidArgs) -> Result<Outcome> {
     check(args)?;
-    let backend = open(&args.backend)?;
+    let (backend, pool) = open_for_solver(&args.backend)?;
+    pool.install(|| play(args, backend.as_ref()))
+}
+
+/// The scene from its beginning, or from where it was, to its end.
+fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
     let start = Instant::now();
     let (scene, container, mut fluid) = match &args.resume {
-        Some(path) => Checkpoint::read(path)?.fluid(backend.as_ref()).map_err(|e| e.at(path.display()))?,
-        None => begin(args, backend.as_ref())?,
+        Some(path) => Checkpoint::read(path)?.fluid(backend).map_err(|e| e.at(path.display()))?,
+        None => begin(args, backend)?,
     };
+    let first = fluid.state().steps;
+    if let (Some(path), true) = (&args.resume, first >= args.steps) {
+        note(&format!("{} is at step {first} already; give --steps beyond that to go on", path.display()));
+    }
     let mut frames = Frames::new(args.out_dir.as_deref(), &args.frames, args.film.as_deref(), scene, &container)?;
     // Until now there was nothing to lose.
     end_well_when_interrupted();
@@ -149,23 +159,17 @@ pub(crate) fn run(args: &FluidArgs) -> Result<Outcome> {
     if !args.json {
         print(&report.header())?;
     }
-    while fluid.state().steps < args.steps && !is_interrupted() {
-        let step_start = Instant::now();
-        let number = fluid.state().steps + 1;
-        let taken = fluid.step(backend.as_ref()).map_err(|e| e.at(format!("step {number}")))?;
-        let row = Step::new(&fluid, &taken, step_start.elapsed().as_secs_f64());
-        let is_due = fluid.state().steps.is_multiple_of(args.every);
-        if !args.json && (is_due || fluid.state().steps == args.steps) {
-            print(&row.line())?;
-        }
-        report.add(row);
-        if is_due {
-            frames.add(&fluid, true)?;
-            save(args, scene, &container, &fluid)?;
-        }
+    let flown = flow(args, backend, &mut fluid, &mut report, |fluid| {
+        frames.add(fluid, true)?;
+        save(args, scene, &container, fluid)
+    });
+    // What was before a step that failed is not lost.
+    if flown.is_ok() || fluid.state().steps > first {
+        let kept = save(args, scene, &container, &fluid).and(frames.finish());
+        flown.and(kept)?;
+    } else {
+        flown?;
     }
-    save(args, scene, &container, &fluid)?;
-    frames.finish()?;
     report.finish(&fluid, is_interrupted(), start.elapsed().as_secs_f64());
     print(&if args.json { report.json()? } else { report.summary() })?;
     if !is_interrupted() {
@@ -179,6 +183,31 @@ pub(crate) fn run(args: &FluidArgs) -> Result<Outcome> {
     Ok(Outcome::Interrupted)
 }
 
+/// Steps until the last or an interrupt, each in the report; `keep` is called when a frame is due.
+fn flow(
+    args: &FluidArgs,
+    backend: &dyn Backend,
+    fluid: &mut Fluid,
+    report: &mut Report,
+    mut keep: impl FnMut(&Fluid) -> Result<()>,
+) -> Result<()> {
+    while fluid.state().steps < args.steps && !is_interrupted() {
+        let start = Instant::now();
+        let number = fluid.state().steps + 1;
+        let taken = fluid.step(backend).map_err(|e| e.at(format!("step {number}")))?;
+        let row = Step::new(fluid, &taken, start.elapsed().as_secs_f64());
+        let is_due = number.is_multiple_of(args.every);
+        if !args.json && (is_due || number == args.steps) {
+            print(&row.line())?;
+        }
+        report.add(row);
+        if is_due {
+            keep(fluid)?;
+        }
+    }
+    Ok(())
+}
+
 /// What can be said before the work.
 fn check(args: &FluidArgs) -> Result<()> {
     if let Some(path) = &args.film {
@@ -187,6 +216,9 @@ fn check(args: &FluidArgs) -> Result<()> {
     if let Some(path) = &args.checkpoint {
         io::check_output(path, &[checkpoint::ENDING])?;
     }
+    if let Some(folder) = args.out_dir.as_ref().filter(|folder| folder.is_dir()) {
+        io::check_output(&folder.join("frame.png"), &[".png"])?;
+    }
     let vortex = args.scene.filter(|&name| !scene_of(name).has_two_densities());
     if let (Some(name), Some(path)) = (vortex, &args.domain) {
         return Err(Error::input(format!(
@@ -194,6 +226,9 @@ fn check(args: &FluidArgs) -> Result<()> {
             path.display(),
             scene_name(scene_of(name))
         )));
+    }
+    if let (Some(name), Some(_)) = (vortex, args.gravity) {
+        note(&format!("{} has one density: gravity moves nothing there", scene_name(scene_of(name))));
     }
     if args.out_dir.is_none() && args.film.is_none() && args.checkpoint.is_none() && !args.json {
         note("only energies are printed; name --film, --out-dir or --checkpoint to keep the motion");
@@ -255,7 +290,7 @@ fn extents(container: &Container) -> ([f64; 3], [f64; 3], f64) {
             let (lo, hi) = domain.bounding_box();
             (lo, hi, domain.volume())
         }
-        Container::Box(lo, hi) => (*lo, *hi, (0..3).map(|k| hi[k] - lo[k]).product()),
+        Container::Box(lo, hi) => (*lo, *hi, Density::Uniform.total(container)),
     }
 }
 
@@ -267,21 +302,13 @@ fn scene_name(scene: Scene) -> &'static str {
     SCENES.iter().find(|(known, ..)| *known == scene).map_or("", |(.., name)| name)
 }
 
-fn parse_number(text: &str, is_good: impl Fn(f64) -> bool, needed: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() && is_good(x) => Ok(x),
-        _ => Err(format!("{needed} is needed")),
-    }
-}
+/// The inverse of the largest number.
+const SMALLEST: f64 = 1e-60;
 
 fn parse_positive(text: &str) -> std::result::Result<f64, String> {
-    parse_number(text, |x| x > 0.0, "a finite number above 0")
-}
-
-fn parse_from_zero(text: &str) -> std::result::Result<f64, String> {
-    parse_number(text, |x| x >= 0.0, "a finite number, 0 or larger,")
+    parse_number(text, |x| x >= SMALLEST, &format!("above 0, from {SMALLEST:e} to {LARGEST:e},"))
 }
 
 fn parse_finite(text: &str) -> std::result::Result<f64, String> {
-    parse_number(text, |_| true, "a finite number")
+    parse_number(text, |_| true, &format!("within ±{LARGEST:e}"))
 }

@@ -9,6 +9,7 @@ use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Requ
 use crate::args::IntegrateArgs;
 use crate::container::{Container, Whole};
 use crate::evaluate::{evaluate, open};
+use crate::files::{names_same_file, refuse_inputs};
 use crate::outcome::{Outcome, note, print, say};
 use crate::report::{Report, Seconds};
 use crate::sites;
@@ -98,28 +99,16 @@ fn check(args: &IntegrateArgs) -> Result<()> {
     }
     if let Some(path) = &args.facets {
         io::check_output(path, FACETS_ENDINGS)?;
-        if args.output.as_ref() == Some(path) {
+        if args.output.as_ref().is_some_and(|cells| names_same_file(cells, path)) {
             return Err(Error::input(format!("{}: named for cells and for facets; give two files", path.display())));
         }
     }
-    for path in args.output.iter().chain(&args.facets) {
-        let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
-        if inputs.into_iter().flatten().any(|input| same_file(path, input)) {
-            return Err(Error::input(format!(
-                "{}: would be written over, but is read; name another file",
-                path.display()
-            )));
-        }
-    }
+    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
+    args.output.iter().chain(&args.facets).try_for_each(|path| refuse_inputs(path, &inputs))?;
     if args.output.is_none() && args.facets.is_none() && !args.json {
         note("only the summary is printed; name a file with -o to keep the cells");
     }
     Ok(())
-}
-
-/// Whether two paths name one file that is there.
-pub(crate) fn same_file(one: &Path, other: &Path) -> bool {
-    matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
 }
 
 /// Every point of a domain belongs to some cell, so sites that are all elsewhere give an answer; it is seldom the one wanted.

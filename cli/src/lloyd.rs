@@ -5,18 +5,18 @@ use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use laguerre::io::{self, SITES_ENDINGS};
-use laguerre::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
-use laguerre_solvers::lloyd::{self, Iteration, Options, Relaxation};
+use laguerre::solvers::lloyd::{self, Iteration, Options, Relaxation};
+use laguerre::{BackendInfo, CellStatus, Error, ErrorKind, Result};
 use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::{Container, Whole};
-use crate::evaluate::{evaluate, open};
+
+use crate::files::refuse_inputs;
 use crate::outcome::{Outcome, note, print};
 use crate::report::grouped;
 use crate::sites;
-
-pub(crate) use laguerre_solvers::lloyd::relative_deviation;
+use crate::solver::{WithBar, open_for_solver, parse_from_zero};
 
 /// Moves sites until each is the barycenter of its cell: a centroidal tessellation. Weights stay as they are.
 ///
@@ -41,7 +41,7 @@ pub(crate) struct LloydArgs {
     iterations: u32,
 
     /// Stop where the gradient is not above G
-    #[arg(long, value_name = "G", default_value_t = 1e-3, allow_hyphen_values = true, value_parser = parse_tolerance)]
+    #[arg(long, value_name = "G", default_value_t = 1e-3, allow_hyphen_values = true, value_parser = parse_from_zero)]
     tolerance: f64,
 
     /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply
@@ -100,12 +100,8 @@ struct Row {
 }
 
 pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
-    match &args.output {
-        Some(path) => io::check_output(path, SITES_ENDINGS)?,
-        None if !args.json => note("only the energies are printed; name a file with -o to keep the sites"),
-        None => {}
-    }
-    let backend = open(&args.backend)?;
+    check(args)?;
+    let (backend, pool) = open_for_solver(&args.backend)?;
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let whole = Whole::of(&diagram).map_err(of_sites)?;
@@ -119,13 +115,16 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     let mut count = 0;
     let mut table = |done: &Iteration| {
         if !args.json {
+            let header = if count == 0 { "iteration  diagrams        energy      gradient\n" } else { "" };
+            let Iteration { energy, gradient, evaluations } = *done;
             // Where nobody reads, the work goes on.
-            let _ =
-                print(&format!("{count:9}  {:8}  {:12.6e}  {:12.4e}\n", done.evaluations, done.energy, done.gradient));
+            let _ = print(&format!("{header}{count:9}  {evaluations:8}  {energy:12.6e}  {gradient:12.4e}\n"));
         }
         count += 1;
     };
-    let relaxed = lloyd::relax(&WithBar(backend.as_ref()), &mut diagram, &options, &mut table).map_err(of_sites)?;
+    let relaxed = pool
+        .install(|| lloyd::relax(&WithBar(backend.as_ref()), &mut diagram, &options, &mut table))
+        .map_err(of_sites)?;
     let seconds = start.elapsed().as_secs_f64();
 
     if let Some(path) = &args.output {
@@ -142,6 +141,18 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
         note(&format!("{} of {} sites have empty cells, and stayed where they were", report.empty, report.sites));
     }
     Ok(Outcome::Done)
+}
+
+/// What can be said before the work.
+fn check(args: &LloydArgs) -> Result<()> {
+    let Some(path) = &args.output else {
+        if !args.json {
+            note("only the energies are printed; name a file with -o to keep the sites");
+        }
+        return Ok(());
+    };
+    io::check_output(path, SITES_ENDINGS)?;
+    refuse_inputs(path, &[Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()])
 }
 
 impl Report {
@@ -194,25 +205,5 @@ impl Report {
             self.precision,
             self.device,
         )
-    }
-}
-
-/// A backend that draws its progress, where there is a terminal.
-pub(crate) struct WithBar<'a>(pub(crate) &'a dyn Backend);
-
-impl Backend for WithBar<'_> {
-    fn info(&self) -> BackendInfo {
-        self.0.info()
-    }
-
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        evaluate(self.0, diagram, request)
-    }
-}
-
-fn parse_tolerance(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(bound) if bound.is_finite() && bound >= 0.0 => Ok(bound),
-        _ => Err("a finite number, 0 or larger, is needed".into()),
     }
 }

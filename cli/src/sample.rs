@@ -1,8 +1,8 @@
 //! `laguerre sample`: sites to compute with.
 
 use laguerre::io::{self, SITES_ENDINGS};
+use laguerre::solvers::lloyd::{Equalized, equalize};
 use laguerre::{Backend, Domain, Error, PowerDiagram, Result};
-use laguerre_solvers::lloyd::{Equalized, equalize};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -10,8 +10,8 @@ use crate::args::{Corners, Distribution, SampleArgs};
 use crate::container::Container;
 use crate::evaluate::open_default;
 use crate::inside::InsideTest;
-use crate::lloyd::WithBar;
 use crate::outcome::{Outcome, note};
+use crate::solver::WithBar;
 
 /// Blue noise: the volumes vary by less than this.
 const BLUE_SPREAD: f64 = 0.1;

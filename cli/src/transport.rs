@@ -5,19 +5,18 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use laguerre::io::{self, CELLS_ENDINGS, WEIGHTS_ENDINGS};
+use laguerre::solvers::density::Density;
+use laguerre::solvers::transport::{self, End, Iteration, Options, Solution};
 use laguerre::{BackendInfo, Error, ErrorKind, Result};
-use laguerre_solvers::density::Density;
-use laguerre_solvers::transport::{self, End, Iteration, Options, Solution};
 use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::Container;
-use crate::evaluate::open;
-use crate::integrate::same_file;
-use crate::lloyd::WithBar;
+use crate::files::{names_same_file, refuse_inputs};
 use crate::outcome::{Outcome, note, print, say};
 use crate::report::grouped;
 use crate::sites;
+use crate::solver::{LARGEST, WithBar, open_for_solver, parse_number};
 
 /// Finds weights such that each cell has the mass asked for: semi-discrete optimal transport, by a damped Newton.
 ///
@@ -107,7 +106,7 @@ struct Row {
 
 pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     check(args)?;
-    let backend = open(&args.backend)?;
+    let (backend, pool) = open_for_solver(&args.backend)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
@@ -123,16 +122,11 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     }
     let mut row = |done: &Iteration| {
         if !args.json {
+            let header = if done.number == 0 { HEADER } else { "" };
             // Where nobody reads, the work goes on.
-            let _ = print(&line(done));
+            let _ = print(&format!("{header}{}", line(done)));
         }
     };
-    if !args.json {
-        print("iteration  residual      step  diagrams  linear  seconds: diagram   solver\n")?;
-    }
-    // The solver's threads are as many as the backend's.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.backend.threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|e| Error::new(ErrorKind::Unavailable, format!("cannot start threads: {e}")))?;
     let start = Instant::now();
     let solution = pool
         .install(|| transport::solve(&WithBar(backend.as_ref()), &mut diagram, &masses, &options, &mut row))
@@ -168,18 +162,15 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
 fn check(args: &TransportArgs) -> Result<()> {
     args.output.iter().try_for_each(|path| io::check_output(path, WEIGHTS_ENDINGS))?;
     args.cells.iter().try_for_each(|path| io::check_output(path, CELLS_ENDINGS))?;
-    if let (Some(path), true) = (&args.output, args.output == args.cells) {
+    if let (Some(path), Some(cells)) = (&args.output, &args.cells)
+        && names_same_file(path, cells)
+    {
         return Err(Error::input(format!("{}: named for weights and for cells; give two files", path.display())));
     }
     let inputs =
         [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref(), args.masses.as_ref()];
     for path in args.output.iter().chain(&args.cells) {
-        if inputs.into_iter().flatten().any(|input| same_file(path, input)) {
-            return Err(Error::input(format!(
-                "{}: would be written over, but is read; name another file",
-                path.display()
-            )));
-        }
+        refuse_inputs(path, &inputs)?;
     }
     if args.output.is_none() && !args.json {
         note("the weights are not kept; name a file with -o for them");
@@ -239,6 +230,9 @@ impl From<&Iteration> for Row {
     }
 }
 
+/// Above the rows of the table.
+const HEADER: &str = "iteration  residual      step  diagrams  linear  seconds: diagram   solver\n";
+
 /// A row of the table.
 fn line(done: &Iteration) -> String {
     format!(
@@ -265,8 +259,5 @@ fn parse_density(text: &str) -> std::result::Result<Density, String> {
 }
 
 fn parse_tolerance(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(bound) if bound.is_finite() && bound > 0.0 => Ok(bound),
-        _ => Err("a finite number above 0 is needed".into()),
-    }
+    parse_number(text, |x| x > 0.0, &format!("above 0, at most {LARGEST:e},"))
 }

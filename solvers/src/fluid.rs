@@ -28,7 +28,8 @@ use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, PowerDiagram, Result};
 
-use cells::{Cells, equal_volumes, within};
+use crate::density::Density;
+use cells::{Cells, check_places, equal_volumes, within};
 pub use cells::{VOLUME_TOLERANCE, settle};
 pub use scene::{Scene, Start, lattice};
 
@@ -160,18 +161,19 @@ impl Fluid {
     /// state is of.
     ///
     /// # Errors
-    /// `Input` where lengths differ, or a density or setting is not positive.
+    /// `Input` where lengths differ, a density or setting is not positive, or the weights do not give cells of equal volume.
     pub fn resume(backend: &dyn Backend, container: &Container, state: State, settings: Settings) -> Result<Self> {
         let n = state.positions.len();
         if [state.weights.len(), state.weight_rates.len()] != [n; 2] {
             return Err(Error::input(format!("{n} particles: a weight and its rate are needed for each")));
         }
         let mut fluid = Self::with(container, state, settings)?;
-        fluid.cells = Cells::again(backend, &fluid.diagram)?;
+        fluid.cells = Cells::again(backend, &fluid.diagram, fluid.volume)?;
         Ok(fluid)
     }
 
     fn with(container: &Container, state: State, settings: Settings) -> Result<Self> {
+        check_places(container, &state.positions)?;
         let diagram = within(PowerDiagram::new(&state.positions, &state.weights)?, container)?;
         let n = state.positions.len();
         if state.velocities.len() != n || state.densities.len() != n {
@@ -188,17 +190,13 @@ impl Fluid {
         let are_positive = positive(epsilon) && positive(time_step.unwrap_or(epsilon));
         if !(are_positive && viscosity >= 0.0 && viscosity.is_finite()) {
             return Err(Error::input(format!(
-                "epsilon {epsilon}, time step {time_step:?}, viscosity {viscosity}: positive numbers are needed"
+                "epsilon {epsilon:e}, time step {time_step:?}, viscosity {viscosity:e}: positive numbers are needed"
             )));
         }
-        let whole = match diagram.container()? {
-            Container::Domain(domain) => domain.volume(),
-            Container::Box(lo, hi) => (0..3).map(|k| hi[k] - lo[k]).product(),
-        };
+        let volume = Density::Uniform.total(&diagram.container()?) / n as f64;
         let mut sum = Sum::default();
         sum.extend(state.densities.iter().copied());
         let lightest = state.densities.iter().copied().fold(f64::INFINITY, f64::min);
-        let volume = whole / n as f64;
         Ok(Self {
             diagram,
             settings,
@@ -234,6 +232,7 @@ impl Fluid {
         let (positions, expected) = (moved(positions), moved(&self.cells.barycenters));
         let mut start: Vec<f64> = weights.iter().zip(weight_rates).map(|(w, rate)| w + h * rate).collect();
         warm::mend(&mut start, &positions, &expected, &self.cells.facets, self.cell_size());
+        check_places(&self.diagram.container()?, &positions)?;
         self.diagram.set_sites(&positions, &start)?;
         let (cells, report) = equal_volumes(backend, &mut self.diagram)?;
 
@@ -245,7 +244,8 @@ impl Fluid {
         }
         let weights = self.diagram.weights().to_vec();
         self.state.weight_rates = weights.iter().zip(&self.state.weights).map(|(new, old)| (new - old) / h).collect();
-        (self.state.weights, self.state.positions, self.cells) = (weights, positions, cells);
+        (self.state.weights, self.state.positions) = (weights, positions);
+        let cells_before = std::mem::replace(&mut self.cells, cells);
         self.state.time += h;
         self.state.steps += 1;
         self.kick(h / 2.0);
@@ -253,7 +253,8 @@ impl Fluid {
             let before = self.energy().kinetic;
             let masses: Vec<f64> = self.state.densities.iter().map(|d| d * self.volume).collect();
             let strength = h * self.mean_density * self.settings.viscosity;
-            viscosity::slow(&self.cells.facets, &masses, strength, &mut self.state.velocities)?;
+            viscosity::slow(&self.cells.facets, &masses, strength, &mut self.state.velocities)
+                .inspect_err(|_| self.cells = cells_before)?;
             self.state.brought_in -= before - self.energy().kinetic;
         }
         Ok(StepReport { time_step: h, ..report })
@@ -347,4 +348,41 @@ fn along(p: [f64; 3], t: f64, v: [f64; 3]) -> [f64; 3] {
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use laguerre_cpu::Cpu;
+
+    use super::*;
+
+    fn vortex(viscosity: f64) -> Fluid {
+        let centers = lattice([1.0; 3], 27);
+        let scene = Scene::Beltrami;
+        let settings = scene.settings(&[1.0; 27], [0.0; 3], [1.0; 3], 1.0 / 3.0, None);
+        let start = scene.start(&centers, vec![1.0; 27], &settings);
+        let settings = Settings { viscosity, ..settings };
+        Fluid::new(&Cpu::new(Some(1)).unwrap(), &Container::Box([0.0; 3], [1.0; 3]), start, settings).unwrap()
+    }
+
+    #[test]
+    fn a_step_that_fails_late_leaves_all_as_it_was() {
+        let backend = Cpu::new(Some(1)).unwrap();
+        let mut fluid = vortex(1e300);
+        let (state, barycenters, energy) = (fluid.state().clone(), fluid.barycenters().to_vec(), fluid.energy());
+        let error = fluid.step(&backend).unwrap_err();
+        assert!(error.to_string().contains("viscosity"), "{error}");
+        assert!(*fluid.state() == state && fluid.barycenters() == barycenters && fluid.energy() == energy);
+    }
+
+    #[test]
+    fn weights_of_other_positions_are_refused() {
+        let backend = Cpu::new(Some(1)).unwrap();
+        let fluid = vortex(0.0);
+        let mut state = fluid.state().clone();
+        state.weights[13] += 1e-6;
+        let container = Container::Box([0.0; 3], [1.0; 3]);
+        let error = Fluid::resume(&backend, &container, state, *fluid.settings()).unwrap_err().to_string();
+        assert!(error.contains("the weights are not those of these positions"), "{error}");
+    }
 }

@@ -89,8 +89,8 @@ pub struct Relaxation {
 /// Moves the sites of a diagram, their weights held, down the energy until the gradient is within a bound; `on_iteration` is told how
 /// each iteration ended, the start included.
 ///
-/// No step raises the energy by more than its rounding. L-BFGS takes no step that empties a cell, but a shorter one. Sites
-/// stay where they are while their cells are empty. A site may leave a domain that is not convex: it goes where
+/// No step raises the energy by more than its rounding. L-BFGS takes no step of its own that empties a cell, but a shorter one; that of
+/// Lloyd, which it falls back on, may where weights differ. Sites stay where they are while their cells are empty. A site may leave a domain that is not convex: it goes where
 /// the barycenter of its cell is. A diagram without a domain or box keeps the bounding box of its sites at the start.
 ///
 /// # Errors
@@ -319,11 +319,29 @@ fn squared([x, y, z]: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use laguerre_cpu::Cpu;
+
     use super::*;
 
     #[test]
     fn deviation_is_relative() {
         assert_eq!(relative_deviation(&[3.0, 3.0]), 0.0);
         assert_eq!(relative_deviation(&[1e-200, 3e-200]), 0.5);
+    }
+
+    /// Near the ends of the range of coordinates, where squares of the gradient overflow, steps are the same but for the unit.
+    #[test]
+    fn the_unit_changes_no_bit() {
+        let relaxed = |unit: f64| {
+            let sites: Vec<[f64; 3]> =
+                (0..60).map(|i| [0.754_877, 0.569_840, 0.430_159].map(|s| unit * (f64::from(i) * s).fract())).collect();
+            let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [unit; 3]).unwrap();
+            let backend = Cpu::new(Some(1)).unwrap();
+            relax(&backend, &mut diagram, &Options::default().until(20, 1e-3), &mut |_| {}).unwrap();
+            diagram.positions().iter().map(|p| p.map(|x| x / unit)).collect::<Vec<_>>()
+        };
+        let [small, large] = [-190, 190].map(|power| relaxed(2.0_f64.powi(power)));
+        let one = relaxed(1.0);
+        assert!(one == small && one == large);
     }
 }

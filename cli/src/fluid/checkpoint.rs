@@ -1,14 +1,14 @@
 //! Checkpoints: all that a fluid goes on from, to the last bit.
 //!
 //! A file is one line of JSON with names and counts, then numbers, little-endian: 64-bit floats in the order of [`Checkpoint::write`], and the
-//! domain's triangles as 32-bit indices. Its length says whether it is whole.
+//! domain's triangles as 32-bit indices, and at the end a checksum of all before it.
 
 use std::fs;
 use std::path::Path;
 
 use laguerre::diagram::Container;
+use laguerre::solvers::fluid::{Fluid, Gravity, Scene, Settings, State};
 use laguerre::{Backend, Domain, Error, ErrorKind, Result, io};
-use laguerre_solvers::fluid::{Fluid, Gravity, Scene, Settings, State};
 use serde::{Deserialize, Serialize};
 
 use super::{SCENES, scene_name};
@@ -33,6 +33,8 @@ struct Header {
 const VERSION: u32 = 1;
 /// Single numbers before the arrays.
 const SCALARS: usize = 14;
+/// Bytes of the checksum.
+const CHECKSUM: usize = size_of::<u64>();
 
 /// What a file holds.
 pub(super) struct Checkpoint {
@@ -84,11 +86,13 @@ pub(super) fn write(path: &Path, scene: Scene, container: &Container, fluid: &Fl
     for column in [&state.densities, &state.weights, &state.weight_rates] {
         numbers.extend(column);
     }
-    io::write_whole(path, |w| {
-        writeln!(w, "{header}")?;
-        numbers.iter().try_for_each(|x| w.write_all(&x.to_le_bytes()))?;
-        triangles.as_flattened().iter().try_for_each(|i| w.write_all(&i.to_le_bytes()))
-    })
+    let mut bytes = header.into_bytes();
+    bytes.push(b'\n');
+    bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    bytes.extend(triangles.as_flattened().iter().flat_map(|i| i.to_le_bytes()));
+    let sum = checksum(&bytes);
+    bytes.extend(sum.to_le_bytes());
+    io::write_whole(path, |w| w.write_all(&bytes))
 }
 
 impl Checkpoint {
@@ -113,19 +117,23 @@ impl Checkpoint {
             )));
         }
         let (scene, ..) = *SCENES.iter().find(|(.., name)| *name == header.scene).ok_or_else(no)?;
-        let data = &bytes[end + 1..];
         let Header { particles: n, vertices, triangles, .. } = header;
         let corners = if vertices == 0 { 6 } else { vertices.saturating_mul(3) };
         let floats = n.saturating_mul(9).saturating_add(corners).saturating_add(SCALARS);
         let length = floats.saturating_mul(8).saturating_add(triangles.saturating_mul(12));
-        if data.len() != length {
-            return Err(Error::input(format!("is damaged: {} bytes after its first line, not {length}", data.len())));
+        let length = length.saturating_add(end + 1 + CHECKSUM);
+        if bytes.len() != length {
+            return Err(Error::input(format!(
+                "is damaged: it has {} bytes, not {length}; go on from another checkpoint",
+                bytes.len()
+            )));
         }
-        let (floats, indices) = data.split_at(8 * floats);
+        let (whole, sum) = bytes.split_at(length - CHECKSUM);
+        if checksum(whole).to_le_bytes() != sum {
+            return Err(Error::input("is damaged: its checksum is wrong; go on from another checkpoint"));
+        }
+        let (floats, indices) = whole[end + 1..].split_at(8 * floats);
         let floats: Vec<f64> = floats.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
-        if floats.iter().any(|x| !x.is_finite()) {
-            return Err(Error::input("is damaged: a number in it is not finite"));
-        }
         let mut rest = floats.as_slice();
         let mut take = |count: usize| {
             let (taken, others) = rest.split_at(count);
@@ -176,4 +184,9 @@ impl Checkpoint {
         let fluid = Fluid::resume(backend, &self.container, self.state, self.settings)?;
         Ok((self.scene, self.container, fluid))
     }
+}
+
+/// FNV-1a (Fowler, Noll, Vo) of 64 bits: a byte that is not as it was always changes it.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
 }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use gif::{Encoder, Frame, Repeat};
 use laguerre::diagram::Container;
+use laguerre::solvers::fluid::{Fluid, Scene};
 use laguerre::{Domain, Error, ErrorKind, Result, io};
-use laguerre_solvers::fluid::{Fluid, Scene};
 use tiny_skia::Pixmap;
 
 use super::extents;

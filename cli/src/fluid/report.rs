@@ -1,7 +1,7 @@
 //! What is said about a fluid: a row for each step, and the object of `--json`.
 
+use laguerre::solvers::fluid::{Fluid, Scene, StepReport};
 use laguerre::{BackendInfo, Error, Result};
-use laguerre_solvers::fluid::{Fluid, Scene, StepReport};
 use serde::Serialize;
 
 use super::scene_name;

@@ -1,11 +1,12 @@
 //! Weights that give all cells the same volume: optimal transport.
 
+use laguerre::solvers::transport::{End, Options, solve};
 use laguerre::{Backend, Domain, Error, Request, Result};
-use laguerre_solvers::transport::{End, Options, solve};
 
 use super::diagram;
 use crate::evaluate::evaluate;
-use crate::lloyd::{WithBar, relative_deviation};
+use crate::solver::WithBar;
+use laguerre::solvers::lloyd::relative_deviation;
 
 /// The sites whose cells meet a domain, and weights for them.
 pub(super) struct Inside {

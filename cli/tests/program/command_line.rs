@@ -36,6 +36,7 @@ fn a_wrong_command_line_is_said_in_one_line() {
     assert!(wrong(&["integrate", "white.xyz", "--threads", "0"]).contains("from 1 to"));
     assert!(wrong(&["integrate", "white.xyz", "-o", "cells.xls"]).contains("known here: .csv, .npy, .vtu"));
     assert!(wrong(&["integrate", "white.xyz", "-o", "a.csv", "--facets", "a.csv"]).contains("give two files"));
+    assert!(wrong(&["integrate", "white.xyz", "-o", "a.csv", "--facets", "./a.csv"]).contains("give two files"));
     assert!(wrong(&["sample", "white", "0", "-o", "a.xyz"]).contains("0"));
     assert!(wrong(&["sample", "white", "9", "--inside", "-o", "a.xyz"]).contains("--domain"));
 }

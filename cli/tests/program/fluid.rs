@@ -130,9 +130,13 @@ fn bad_input_is_said_in_one_line() {
     assert!(wrong(&["beltrami", "--particles", "1"]).contains('1'));
     assert!(wrong(&["beltrami", "--dt", "0"]).contains("above 0"));
     assert!(wrong(&["beltrami", "--epsilon", "-1"]).contains("above 0"));
-    assert!(wrong(&["beltrami", "--viscosity", "-1"]).contains("0 or larger"));
-    assert!(wrong(&["beltrami", "--gravity", "nan"]).contains("a finite number"));
+    assert!(wrong(&["beltrami", "--viscosity", "-1"]).contains("from 0 to 1e60 is needed"));
+    assert!(wrong(&["beltrami", "--epsilon", "1e300"]).contains("from 1e-60 to 1e60, is needed"));
+    assert!(wrong(&["beltrami", "--gravity", "nan"]).contains("a number within ±1e60"));
+    assert!(wrong(&["beltrami", "--gravity", "1e61"]).contains("a number within ±1e60"));
     assert!(wrong(&["beltrami", "--every", "0"]).contains('0'));
+    let said = notes(folder.path(), &["fluid", "beltrami", "--particles", "27", "--steps", "0", "--gravity", "2"]);
+    assert!(said.contains(&"beltrami has one density: gravity moves nothing there".into()), "{said:?}");
     assert!(wrong(&["beltrami", "--frames", "png"]).contains("--out-dir"));
     assert!(wrong(&["beltrami", "--film", "film.mp4"]).contains("known here: .gif"));
     assert!(wrong(&["beltrami", "--checkpoint", "a.bin"]).contains("known here: .fluid"));
@@ -146,6 +150,32 @@ fn bad_input_is_said_in_one_line() {
     // Cells that are far apart after one step.
     let line = wrong(&["beltrami", "--particles", "27", "--dt", "1e9", "--json"]);
     assert!(line.starts_with("step 1: "), "{line}");
+    let line = wrong(&["beltrami", "--particles", "27", "--dt", "1e60", "--film", "a.gif", "--json"]);
+    assert!(line.starts_with("step 1: particle 0 is thrown far out of the container: take smaller"), "{line}");
+    assert!(
+        wrong(&["beltrami", "--particles", "27", "--epsilon", "1e60", "--json"]).starts_with("particle 0 is thrown")
+    );
+}
+
+#[test]
+fn what_was_before_a_step_that_failed_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // Steps beyond 2ε are not stable.
+    let started = ["fluid", "beltrami", "--particles", "64", "--epsilon", "0.02", "--dt", "0.05", "--steps", "40"];
+    let output = laguerre(folder, &[&started[..], &["--checkpoint", "a.fluid", "--film", "a.gif", "--json"]].concat());
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(output.stdout.is_empty());
+    let line = errors.lines().last().unwrap();
+    let failed: u64 = line.split(&[' ', ':']).find_map(|word| word.parse().ok()).unwrap();
+    assert!(line.starts_with(&format!("laguerre: step {failed}: ")) && failed > 1, "{errors}");
+    assert!(fs::read(folder.join("a.gif")).unwrap().starts_with(b"GIF89a"));
+    let on = notes(folder, &["fluid", "--resume", "a.fluid", "--steps", "0"]);
+    assert!(
+        on.contains(&format!("a.fluid is at step {} already; give --steps beyond that to go on", failed - 1)),
+        "{on:?}"
+    );
 }
 
 #[test]
@@ -157,10 +187,10 @@ fn damaged_checkpoints_are_refused() {
         fs::write(folder.path().join("b.fluid"), bytes).unwrap();
         fails(folder.path(), 2, &["fluid", "--resume", "b.fluid", "--steps", "0", "--json"])
     };
-    assert!(refused(&whole[..whole.len() - 1]).contains("b.fluid: is damaged: "));
+    assert!(refused(&whole[..whole.len() - 1]).contains("b.fluid: is damaged: it has "));
     assert!(refused(b"").contains("is no checkpoint"));
+    let end = whole.iter().position(|&b| b == b'\n').unwrap();
     let text = |from: &str, to: &str| {
-        let end = whole.iter().position(|&b| b == b'\n').unwrap();
         let header = String::from_utf8(whole[..end].to_vec()).unwrap();
         assert!(header.contains(from), "{header}");
         [header.replace(from, to).as_bytes(), &whole[end..]].concat()
@@ -168,11 +198,12 @@ fn damaged_checkpoints_are_refused() {
     assert!(refused(&text("\"laguerre_fluid\":1", "\"laguerre_fluid\":2")).contains("form 2"));
     assert!(refused(&text("snow-globe", "soup")).contains("is no checkpoint"));
     assert!(refused(&text("\"particles\":30", "\"particles\":18446744073709551615")).contains("is damaged"));
-    let end = whole.iter().position(|&b| b == b'\n').unwrap();
-    for (at, value, said) in [(0, f64::NAN, "not finite"), (3, -1.0, "epsilon -1"), (20, 1e70, "coordinate 1e70")] {
+    assert!(refused(&text("\"steps\":0", "\"steps\":7")).contains("is damaged: its checksum is wrong"));
+    // Bits of numbers, of the mesh's indices and of the checksum itself.
+    for at in [end + 1, end + 8 * 23, (end + whole.len()) / 2, whole.len() - 20, whole.len() - 1] {
         let mut damaged = whole.clone();
-        damaged[end + 1 + 8 * at..][..8].copy_from_slice(&value.to_le_bytes());
-        assert!(refused(&damaged).contains(said), "{}", refused(&damaged));
+        damaged[at] ^= 1;
+        assert!(refused(&damaged).contains("b.fluid: is damaged: its checksum is wrong; go on from another"), "{at}");
     }
     assert_eq!(laguerre(folder.path(), &["fluid", "--resume", "a.fluid", "--steps", "0"]).status.code(), Some(0));
 }

@@ -37,7 +37,7 @@ fn it_stops_on_the_bound_and_says_what_it_did() {
     let folder = inputs();
     let args = ["lloyd", "strong.xyz", "--domain", "cube.off", "--tolerance", "0.05", "-o", "even.npy"];
     let text = runs(folder.path(), &args);
-    assert!(text.contains("the gradient is within its bound"), "{text}");
+    assert!(text.starts_with("iteration  diagrams") && text.contains("the gradient is within its bound"), "{text}");
     let said = notes(folder.path(), &args);
     assert!(said.iter().any(|line| line.ends_with("have empty cells, and stayed where they were")), "{said:?}");
     let said = notes(folder.path(), &["lloyd", "white.xyz", "--iterations", "1"]);
@@ -51,9 +51,11 @@ fn bad_input_is_said_in_one_line() {
     assert!(wrong(&["lloyd"]).contains("<SITES>"));
     assert!(wrong(&["lloyd", "none.xyz"]).contains("none.xyz: cannot open"));
     assert!(wrong(&["lloyd", "white.xyz", "-o", "a.vtu"]).contains("known here: .xyz, .txt, .csv, .npy, .ply"));
-    assert!(wrong(&["lloyd", "white.xyz", "--tolerance", "-1"]).contains("0 or larger"));
+    assert!(wrong(&["lloyd", "white.xyz", "--tolerance", "-1"]).contains("a number from 0 to 1e60 is needed"));
     assert!(wrong(&["lloyd", "white.xyz", "--method", "newton"]).contains("'newton'"));
     assert!(wrong(&["lloyd", "white.xyz", "--iterations", "-1"]).contains("-1"));
+    let line = wrong(&["lloyd", "white.xyz", "--box", UNIT_BOX, "-o", "./white.xyz"]);
+    assert_eq!(line, "./white.xyz: would be written over, but is read; name another file");
     fs::write(folder.path().join("flat.xyz"), "0 0 0\n1 1 0\n").unwrap();
     assert!(wrong(&["lloyd", "flat.xyz"]).contains("flat.xyz: the bounding box of the 2 sites is flat"));
     fs::write(folder.path().join("far.xyz"), "0 0 0\n1e9 1 0\n").unwrap();

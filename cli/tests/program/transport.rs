@@ -111,7 +111,7 @@ fn bad_input_is_said_in_one_line() {
     assert!(line.starts_with("--density: the density is -1 at [1.0, 0.0, 0.0]: it must be positive"), "{line}");
     assert!(wrong(&["--density", "1,2,3"]).contains("3 numbers; 4 are needed: c,gx,gy,gz"));
     assert!(wrong(&["--density", "1,2,3,nan"]).contains("'nan' is not a finite number"));
-    assert!(wrong(&["--tolerance", "0"]).contains("a finite number above 0 is needed"));
+    assert!(wrong(&["--tolerance", "0"]).contains("a number above 0, at most 1e60, is needed"));
     assert!(wrong(&["--cells", "cells.vtu"]).contains("known here: .csv, .npy"));
     let line = fails(folder, 2, &["transport", "white.xyz", "-o", "w.vtu"]);
     assert!(line.contains("known here: .txt, .csv, .npy"), "{line}");
@@ -119,9 +119,13 @@ fn bad_input_is_said_in_one_line() {
         fails(folder, 2, &["transport", "white.xyz", "-o", "one.csv", "--cells", "one.csv"]),
         "one.csv: named for weights and for cells; give two files"
     );
+    assert_eq!(
+        fails(folder, 2, &["transport", "white.xyz", "-o", "one.csv", "--cells", "./one.csv"]),
+        "one.csv: named for weights and for cells; give two files"
+    );
     let line = fails(folder, 2, &["transport", "white.xyz", "--masses", "much.txt", "-o", "much.txt"]);
     assert_eq!(line, "much.txt: would be written over, but is read; name another file");
     fs::write(folder.join("twice.xyz"), "0.1 0.2 0.3\n0.5 0.5 0.5\n0.1 0.2 0.3\n").unwrap();
-    let line = fails(folder, 2, &["transport", "twice.xyz", "--box", UNIT_BOX, "--json"]);
+    let line = fails(folder, 2, &["transport", "twice.xyz", "--box", UNIT_BOX]);
     assert!(line.starts_with("twice.xyz: sites 0 and 2 are at the same place [0.1, 0.2, 0.3]: "), "{line}");
 }

@@ -11,8 +11,11 @@ use crate::transport;
 pub const VOLUME_TOLERANCE: f64 = 1e-6;
 /// The same while particles still settle.
 const SETTLED: f64 = 1e-2;
+/// What the volumes of another backend may differ by, as a share: they agree to 1e-12.
+const OTHER_BACKEND: f64 = 1e-12;
 /// Newton steps for one transport; a handful are usual.
 const MOST_ITERATIONS: usize = 100;
+
 /// Places for particles to begin at rest from: `rounds` times, cells of equal volume are found and every particle is moved to its
 /// cell's barycenter (de Goes, Breeden, Ostromoukhov, Desbrun, "Blue noise through optimal transport", 2012).
 ///
@@ -49,8 +52,18 @@ pub(super) struct Cells {
 impl Cells {
     /// Those of a diagram whose weights are known: the same as when they were found, for a diagram has the same output whenever it
     /// is computed.
-    pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram) -> Result<Self> {
+    ///
+    /// # Errors
+    /// `Input` where the weights do not give cells of `volume`.
+    pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram, volume: f64) -> Result<Self> {
         let output = backend.evaluate(diagram, &Request::moments().with_facets().with_second_moments())?;
+        let is_other = |v: &f64| (v / volume - 1.0).abs() > VOLUME_TOLERANCE + OTHER_BACKEND;
+        if let Some(i) = output.volume.iter().position(is_other) {
+            return Err(Error::input(format!(
+                "the weights are not those of these positions: particle {i} has volume {:e}, not {volume:e}; begin anew",
+                output.volume[i]
+            )));
+        }
         let cost = Density::Uniform.cost(diagram.positions(), &output);
         Self::of(output, cost)
     }
@@ -92,4 +105,24 @@ pub(super) fn within(diagram: PowerDiagram, container: &Container) -> Result<Pow
         Container::Domain(domain) => Ok(diagram.restricted_to(domain)),
         Container::Box(lo, hi) => diagram.in_box(*lo, *hi),
     }
+}
+
+/// Checks that no particle is farther from a container's box than that is wide: springs keep those that are pulled back in time much
+/// nearer.
+///
+/// # Errors
+/// `Input`, naming the particle.
+pub(super) fn check_places(container: &Container, positions: &[[f64; 3]]) -> Result<()> {
+    let (lo, hi) = match container {
+        Container::Domain(domain) => domain.bounding_box(),
+        Container::Box(lo, hi) => (*lo, *hi),
+    };
+    let width = (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
+    // Not a number is nowhere.
+    let is_near = |p: &[f64; 3]| (0..3).all(|k| lo[k] - width <= p[k] && p[k] <= hi[k] + width);
+    positions.iter().position(|p| !is_near(p)).map_or(Ok(()), |i| {
+        Err(Error::input(format!(
+            "particle {i} is thrown far out of the container: take smaller time steps, another epsilon or less gravity"
+        )))
+    })
 }

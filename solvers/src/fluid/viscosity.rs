@@ -1,6 +1,6 @@
 //! Viscosity: velocities of neighbouring cells drawn together, by the implicit Euler method.
 
-use laguerre_core::{Error, ErrorKind, FacetList, Neighbor, Result};
+use laguerre_core::{Error, FacetList, Neighbor, Result};
 use rayon::prelude::*;
 
 use crate::lloyd::dot;
@@ -13,7 +13,7 @@ const MOST_ITERATIONS: usize = 1000;
 /// Solves `m_i (u_i − v_i) = strength · Σ_j (A_ij / ‖p_i − p_j‖) (u_j − u_i)` and puts `u` in the place of `v`.
 ///
 /// # Errors
-/// `Device` where the solution is not found, which valid facets leave no room for.
+/// `Input` where the solution is not found, as where the viscosity is so large that squares of momenta overflow.
 pub(super) fn slow(facets: &FacetList, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
     let ties = ties(facets, strength);
     let row = |i: usize| facets.offsets[i]..facets.offsets[i + 1];
@@ -53,7 +53,7 @@ pub(super) fn slow(facets: &FacetList, masses: &[f64], strength: f64, v: &mut [[
         slope = next;
         direction.iter_mut().zip(&better).for_each(|(d, b)| *d = std::array::from_fn(|c| b[c] + turn * d[c]));
     }
-    Err(Error::new(ErrorKind::Device, "the velocities after viscosity were not found: are the facets finite?"))
+    Err(Error::input("the velocities after viscosity were not found: take a smaller viscosity or time step"))
 }
 
 /// `strength · A / distance` of each facet, the mean of both its sides, so that what one cell loses the other has; 0 where only
@@ -81,7 +81,7 @@ fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {
 mod tests {
     use std::f64::consts::PI;
 
-    use laguerre_core::{Backend, PowerDiagram, Request};
+    use laguerre_core::{Backend, ErrorKind, PowerDiagram, Request};
     use laguerre_cpu::Cpu;
 
     use super::*;
@@ -104,5 +104,15 @@ mod tests {
             let [x, y, z] = wave(p);
             assert!((v[0] - x / factor).abs() < 1e-10 && (v[1] - y).abs() < 1e-10 && (v[2] - z).abs() < 1e-10, "{v:?}");
         }
+    }
+
+    #[test]
+    fn what_overflows_is_refused() {
+        let sites = lattice([1.0; 3], 27);
+        let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_facets()).unwrap();
+        let mut v: Vec<[f64; 3]> = sites.clone();
+        let error = slow(&output.facets.unwrap(), &[1.0 / 27.0; 27], 1e300, &mut v).unwrap_err();
+        assert!(error.kind() == ErrorKind::Input && error.to_string().contains("smaller viscosity"), "{error}");
     }
 }

@@ -33,7 +33,8 @@ impl Memory {
     /// Remembers a step, unless the energy is not convex along it, or so little that rounding decides.
     pub(super) fn learn(&mut self, step: Vectors, change: Vectors) {
         let curvature = dot(&step, &change);
-        let flat = f64::EPSILON * (dot(&step, &step) * dot(&change, &change)).sqrt();
+        // In the unit of the curvature: the square of a change of the gradient (length⁸) may be out of range.
+        let flat = f64::EPSILON * dot(&absolute(&step), &absolute(&change));
         if curvature <= flat {
             return;
         }
@@ -73,6 +74,10 @@ pub(crate) fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     };
     let parts: Vec<f64> = a.par_chunks(AT_ONCE).zip(b.par_chunks(AT_ONCE)).map(inner).collect();
     parts.iter().sum()
+}
+
+fn absolute(a: &[[f64; 3]]) -> Vectors {
+    a.iter().map(|a| a.map(f64::abs)).collect()
 }
 
 fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {

@@ -250,14 +250,16 @@ fn facet_list<'b>(
     row_of: &(impl Fn(usize) -> &'b [FacetRecord] + Sync),
 ) -> FacetList {
     let mut offsets = vec![0; positions.len() + 1];
+    offsets[1..].par_iter_mut().enumerate().for_each(|(i, count)| *count = row_of(i).len());
     let mut total = 0;
-    for (i, end) in offsets[1..].iter_mut().enumerate() {
-        total += row_of(i).len();
+    for end in &mut offsets {
+        total += *end;
         *end = total;
     }
     let mut list = FacetList {
         offsets,
-        neighbor: vec![Neighbor { site: 0, image: [0; 3] }; total],
+        // Not zeros to the allocator, as the others are: written on all threads.
+        neighbor: rayon::iter::repeat_n(Neighbor { site: 0, image: [0; 3] }, total).collect(),
         area: vec![0.0; total],
         barycenter: vec![[0.0; 3]; total],
         distance: vec![0.0; total],

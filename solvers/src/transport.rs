@@ -4,15 +4,17 @@
 //! second derivative is minus the Laplacian of the cells (`laplacian.rs`). It is found by the damped Newton of Kitagawa, Mérigot, Thibert, "Convergence
 //! of a Newton algorithm for semi-discrete optimal transport", 2019: a step is shortened until no cell's mass falls below a bound and
 //! the error falls enough, which it does for some length wherever all cells have mass, so that the error goes to zero, at the end
-//! quadratically.
+//! quadratically. On the way there, a number of steps may be limited facet by facet instead (`limited.rs`).
 
 mod bridge;
 mod conjugate_gradient;
 mod dense;
 mod laplacian;
+mod limited;
 mod multigrid;
 mod sparse;
 mod start;
+mod system;
 
 use std::time::Instant;
 
@@ -20,9 +22,10 @@ use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::density::Density;
-use laplacian::laplacian;
+use laplacian::{laplacian, limits};
 use multigrid::Multigrid;
 use sparse::{center, for_each, sum};
+use system::System;
 
 /// How to solve.
 #[derive(Clone, Debug)]
@@ -50,7 +53,7 @@ pub struct Iteration {
     pub number: usize,
     /// Largest `|mass_i / target_i − 1|` after it.
     pub residual: f64,
-    /// Which part of the Newton step was gone; 1 is all of it.
+    /// Which part of the Newton step, or of one whose facets go less far, was gone; 1 is all of it.
     pub step: f64,
     /// Diagrams that it took.
     pub diagram_evaluations: usize,
@@ -126,9 +129,10 @@ pub fn solve(
         }
         let begin = Instant::now();
         let (step, linear_iterations, next) = match problem.direction(&mut state)? {
-            Direction::Newton { direction, slope, linear_iterations } => {
-                let Some((step, next)) = problem.damped(&state, &direction, slope)? else { break End::Stalled };
-                problem.step = step;
+            Direction::Newton(system) => {
+                let Some((step, linear_iterations, next)) = problem.advance(&state, &system)? else {
+                    break End::Stalled;
+                };
                 (step, linear_iterations, next)
             }
             Direction::Apart(part) => {
@@ -141,7 +145,7 @@ pub fn solve(
         iteration =
             Iteration { number, residual: state.residual, step, linear_iterations, ..problem.take_costs(begin) };
     };
-    let (density, positions) = (options.density, std::mem::take(&mut problem.positions));
+    let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
     diagram.set_sites(&positions, &state.weights)?;
     if state.output.facets.is_none() {
         // A stalled step has taken them apart.
@@ -151,7 +155,7 @@ pub fn solve(
         cost: density.transport_cost(backend, diagram, &state.output)?,
         weights: state.weights,
         output: state.output,
-        masses: state.masses,
+        masses: state.masses.iter().map(|mass| mass * unit).collect(),
         iterations,
         residual: state.residual,
         end,
@@ -179,9 +183,10 @@ pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Res
     asked.extend(masses.iter().copied());
     let scale = total / asked.total();
     // Scaling changes what each cell is asked for by as much, no more than the tolerance leaves open.
-    if (scale - 1.0).abs() > options.tolerance {
+    let is_near = (scale - 1.0).abs() <= options.tolerance;
+    if !is_near {
         return Err(Error::input(format!(
-            "the masses sum to {}, but the domain has {total}: multiply each by {scale}",
+            "the masses sum to {:?}, but the domain has {total:?}: multiply each by {scale:?}",
             asked.total()
         )));
     }
@@ -208,8 +213,7 @@ struct State {
 
 /// Where to go from a state.
 enum Direction {
-    /// The Newton step, by which part of itself the error falls at its beginning, and the iterations that it took.
-    Newton { direction: Vec<f64>, slope: f64, linear_iterations: usize },
+    Newton(System),
     /// The cells fall into parts that do not touch, and this (true for each of its sites) has to gain mass from the others.
     Apart(Vec<bool>),
 }
@@ -224,6 +228,8 @@ struct Problem<'a> {
     positions: Vec<[f64; 3]>,
     targets: Vec<f64>,
     least_target: f64,
+    /// The power of two near the mean target: masses here are in units of it, so that their squares are in range.
+    unit: f64,
     /// No cell's mass may fall below this, half of what the first state or the targets had; 0 until there is a first state.
     bound: f64,
     /// The sites so that neighbours in space are neighbours in memory, and where each stands there.
@@ -231,6 +237,8 @@ struct Problem<'a> {
     place: Vec<u32>,
     /// The last step that was taken.
     step: f64,
+    /// Limited steps that were tried.
+    limited_steps: usize,
     evaluations: usize,
     seconds: f64,
 }
@@ -240,12 +248,12 @@ const SHORTEST_STEP: f64 = 1.0 / (1_u64 << 24) as f64;
 /// The linear system is solved to this part of its right-hand side at least (with 0.1 steps have to be shorter); closer to the end to the
 /// error's own relative size, which leaves convergence quadratic.
 const LOOSEST: f64 = 0.01;
-/// And never closer than to this part of the tolerance.
-const ENOUGH: f64 = 0.1;
 
 impl<'a> Problem<'a> {
     fn new(backend: &'a dyn Backend, diagram: &'a mut PowerDiagram, masses: &[f64], options: &Options) -> Result<Self> {
-        let targets = targets(diagram, masses, options)?;
+        let mut targets = targets(diagram, masses, options)?;
+        let unit = (targets.iter().sum::<f64>() / targets.len() as f64).log2().round().exp2();
+        targets.iter_mut().for_each(|target| *target /= unit);
         let positions = diagram.positions().to_vec();
         let sorted = diagram.prepare()?.sites;
         start::check_coincident(&positions, &sorted)?;
@@ -263,10 +271,12 @@ impl<'a> Problem<'a> {
             least_target: targets.iter().copied().fold(f64::INFINITY, f64::min),
             positions,
             targets,
+            unit,
             bound: 0.0,
             order,
             place,
             step: 1.0,
+            limited_steps: 0,
             evaluations: 0,
             seconds: 0.0,
         })
@@ -279,7 +289,8 @@ impl<'a> Problem<'a> {
         let output = self.backend.evaluate(self.diagram, &self.request)?;
         self.seconds += begin.elapsed().as_secs_f64();
         self.evaluations += 1;
-        let masses = self.density.masses(&output);
+        let mut masses = self.density.masses(&output);
+        masses.iter_mut().for_each(|mass| *mass /= self.unit);
         let least = masses.iter().copied().fold(f64::INFINITY, f64::min);
         let each = || masses.iter().zip(&self.targets);
         let residual = each().map(|(m, t)| (m / t - 1.0).abs()).fold(0.0, f64::max);
@@ -292,9 +303,13 @@ impl<'a> Problem<'a> {
         let Some(facets) = state.output.facets.take() else {
             return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to"));
         };
-        let matrix = laplacian(&facets, &self.density, &self.order, &self.place);
+        let matrix = laplacian(&facets, &self.density, &self.order, &self.place, self.unit);
+        let limit = |site: usize, other: usize, k: usize| {
+            limited::limit(self, state, site, other, facets.barycenter[k], facets.distance[k])
+        };
+        let limits = limits(&facets, &self.density, &self.order, &self.place, limit);
         drop(facets);
-        let mut multigrid = Multigrid::new(matrix);
+        let multigrid = Multigrid::new(matrix);
         let targets: Vec<f64> = self.order.iter().map(|&i| self.targets[i as usize]).collect();
         let (mut missing, mut slope) = self.aims(state, &targets);
         if let Some((parts, count)) = multigrid.parts() {
@@ -319,12 +334,9 @@ impl<'a> Problem<'a> {
             missing.iter_mut().zip(&parts).for_each(|(m, &part)| *m -= lacking[part as usize] / rows[part as usize]);
         }
         let whole = sum(targets.len(), |i| targets[i] * targets[i]).sqrt();
-        let enough = ENOUGH * self.tolerance;
-        let is_enough = |residual: &[f64]| residual.iter().zip(&targets).all(|(r, t)| r.abs() <= enough * t);
         let relative = LOOSEST.min(state.error / whole);
-        let found = conjugate_gradient::solve(&mut multigrid, missing, relative, is_enough);
-        let direction = self.place.iter().map(|&row| found.solution[row as usize]).collect();
-        Ok(Direction::Newton { direction, slope, linear_iterations: found.iterations })
+        let system = System::solved(multigrid, limits, missing, targets, relative, self.tolerance, slope);
+        Ok(Direction::Newton(system))
     }
 
     /// What a step is to add to each mass, in `order`, and how fast that makes the error fall: by `slope·t` of itself with a small part t
@@ -353,13 +365,38 @@ impl<'a> Problem<'a> {
         (aims, slope)
     }
 
+    /// The next state: which part of a step leads there, and the iterations that it took. Newton's step if it is good as it is, once that
+    /// failed a limited one, and where that fails too Newton's, shortened.
+    fn advance(&mut self, state: &State, system: &System) -> Result<Option<(f64, usize, State)>> {
+        let mut iterations = system.newton.iterations;
+        let solution = &system.newton.solution;
+        let newton: Vec<f64> = self.place.iter().map(|&row| solution[row as usize]).collect();
+        if limited::is_to_be(self, system) {
+            if self.limited_steps == 0
+                && let Some((step, next)) = self.damped(state, &newton, system.slope, 1.0)?
+            {
+                return Ok(Some((step, iterations, next)));
+            }
+            let limited = limited::step(self, state, system)?;
+            iterations += limited.iterations;
+            if let Some((step, next)) = limited.reached {
+                return Ok(Some((step, iterations, next)));
+            }
+        }
+        let found = self.damped(state, &newton, system.slope, SHORTEST_STEP)?;
+        Ok(found.map(|(step, next)| {
+            self.step = step;
+            (step, iterations, next)
+        }))
+    }
+
     /// The longest step, of twice the last one halved again and again, after which no cell has too little mass and the error has fallen
-    /// enough.
-    fn damped(&mut self, state: &State, direction: &[f64], slope: f64) -> Result<Option<(f64, State)>> {
+    /// enough; none shorter than `shortest`.
+    fn damped(&mut self, state: &State, direction: &[f64], slope: f64, shortest: f64) -> Result<Option<(f64, State)>> {
         let largest = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max);
         let (reach, rounding) = (largest(direction), f64::EPSILON * largest(&state.weights));
         let mut step = (2.0 * self.step).min(1.0);
-        while step >= SHORTEST_STEP && step * reach > rounding {
+        while step >= shortest && step * reach > rounding {
             let mut weights: Vec<f64> = state.weights.iter().zip(direction).map(|(w, d)| w + step * d).collect();
             center(&mut weights);
             match self.evaluate(weights) {

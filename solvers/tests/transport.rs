@@ -76,7 +76,7 @@ fn cells_of_equal_mass_in_a_bunny_and_the_end_is_quadratic() {
     let cells = cells.unwrap();
     let mean = (0..3).map(|k| hi[k] - lo[k]).product::<f64>() / 4000.0;
     // Well in the domain; and with sites outside of it whose cells are slivers.
-    for (least, most_steps) in [(0.3, 8), (0.0, 25)] {
+    for (least, most_steps, most_diagrams) in [(0.3, 8, 9), (0.0, 25, 25)] {
         let sites: Vec<[f64; 3]> = (0..all.len()).filter(|&i| cells.volume[i] > least * mean).map(|i| all[i]).collect();
         let n = sites.len();
         let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
@@ -84,6 +84,8 @@ fn cells_of_equal_mass_in_a_bunny_and_the_end_is_quadratic() {
         check(&diagram, &solution, &vec![domain.volume() / n as f64; n], &Density::Uniform);
         let residuals: Vec<f64> = solution.iterations.iter().map(|done| done.residual).collect();
         assert!(residuals.len() <= most_steps + 1, "{least}: {residuals:?}");
+        let diagrams: usize = solution.iterations.iter().map(|done| done.diagram_evaluations).sum();
+        assert!(diagrams <= most_diagrams, "{least}: {diagrams} diagrams");
         // The last steps but one square the residual, up to a factor.
         let [.., a, b, _] = residuals[..] else { panic!("{residuals:?}") };
         assert!(b <= 10.0 * a * a && a < 0.1, "{residuals:?}");
@@ -115,6 +117,18 @@ fn weights_that_empty_cells_are_no_start() {
     let mut diagram = PowerDiagram::new(&sites, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let solution = solved(&mut diagram, &[], &Options::default());
     check(&diagram, &solution, &[1.0 / 200.0; 200], &Density::Uniform);
+    assert_eq!(solution.iterations[0].diagram_evaluations, 2);
+}
+
+#[test]
+fn a_few_empty_cells_are_lifted() {
+    let mut sites = white(300, [0.0; 3], [1.0; 3], 7);
+    // Half way between these two is just outside of the box: the second has nothing of it.
+    sites.extend([[0.0299, 0.5, 0.5], [-0.03, 0.5, 0.5]]);
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    assert_eq!(cpu().evaluate(&diagram, &Request::moments()).unwrap().volume[301], 0.0);
+    let solution = solved(&mut diagram, &[], &Options::default());
+    check(&diagram, &solution, &[1.0 / 302.0; 302], &Density::Uniform);
     assert_eq!(solution.iterations[0].diagram_evaluations, 2);
 }
 
@@ -178,6 +192,24 @@ fn the_result_is_the_same_to_the_last_bit() {
     assert!(one == run(2));
 }
 
+/// Whatever the unit of length: a power of two of it changes no bit.
+#[test]
+fn units_change_nothing() {
+    let sites = white(60, [0.0; 3], [1.0; 3], 12);
+    let weights_in = |unit: f64| {
+        let scaled: Vec<[f64; 3]> = sites.iter().map(|p| p.map(|x| x * unit)).collect();
+        let mut diagram = PowerDiagram::new(&scaled, &[]).unwrap().in_box([0.0; 3], [unit; 3]).unwrap();
+        let solution = solved(&mut diagram, &[], &Options::default());
+        let mass = unit * unit * unit / 60.0;
+        assert!(solution.masses.iter().all(|m| (m / mass - 1.0).abs() < 1e-9));
+        solution.weights.iter().map(|w| w / unit / unit).collect::<Vec<f64>>()
+    };
+    let weights = weights_in(1.0);
+    for power in [-180, 180] {
+        assert_eq!(weights_in(2_f64.powi(power)), weights);
+    }
+}
+
 #[test]
 fn what_cannot_be_is_said() {
     let sites = white(10, [0.0; 3], [1.0; 3], 17);
@@ -194,8 +226,10 @@ fn what_cannot_be_is_said() {
     assert_eq!(said(&sites, &masses, &plain), "the mass of site 3 is NaN: masses must be positive numbers");
     assert_eq!(
         said(&sites, &[0.125; 10], &plain),
-        "the masses sum to 1.25, but the domain has 1: multiply each by 0.8"
+        "the masses sum to 1.25, but the domain has 1.0: multiply each by 0.8"
     );
+    // Sums that overflow are no sums.
+    assert!(said(&sites, &[1e308; 10], &plain).contains("but the domain has 1.0"));
     let mut twice = sites.clone();
     twice[8] = twice[2];
     assert!(said(&twice, &[], &plain).starts_with("sites 2 and 8 are at the same place ["));

@@ -105,7 +105,10 @@ fn bad_input_is_said_in_one_line() {
     assert_eq!(masses("few.txt"), "few.txt: 2 masses for 2000 sites: give one for each");
     assert_eq!(masses("none.txt"), "none.txt: the mass of site 1999 is -1: masses must be positive numbers");
     let line = masses("much.txt");
-    assert!(line.starts_with("much.txt: the masses sum to 2, but the domain has 1: multiply each by 0.5"), "{line}");
+    assert!(
+        line.starts_with("much.txt: the masses sum to 2.0, but the domain has 1.0: multiply each by 0.5"),
+        "{line}"
+    );
     assert!(masses("gone.txt").starts_with("gone.txt: cannot open: "));
     let line = wrong(&["--box", UNIT_BOX, "--density", "1,-2,0,0"]);
     assert!(line.starts_with("--density: the density is -1 at [1.0, 0.0, 0.0]: it must be positive"), "{line}");

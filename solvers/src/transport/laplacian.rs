@@ -7,8 +7,31 @@ use crate::density::Density;
 
 /// `∂m_i/∂w_j = −a_ij` with `a_ij = ∫_facet ρ / (2 ‖p_i − p_j‖)`, and `Σ_j a_ij` on the diagonal: rows and columns in `order`, the
 /// diagonal first in each row. Both sides of a facet have the mean of what the two cells found, so that the matrix is symmetric to the
-/// last bit; a facet that one of them has alone is below its rounding bound, and left out.
-pub(super) fn laplacian(facets: &FacetList, density: &Density, order: &[u32], place: &[u32]) -> Matrix {
+/// last bit; a facet that one of them has alone is below its rounding bound, and left out. Masses are in `unit`, a power of two.
+pub(super) fn laplacian(facets: &FacetList, density: &Density, order: &[u32], place: &[u32], unit: f64) -> Matrix {
+    entries(facets, density, order, place, |_, _, a| -(a / unit))
+}
+
+/// For each entry of the [`laplacian`] what `limit` says of the site, its neighbour and their facet; anything on the diagonal.
+pub(super) fn limits(
+    facets: &FacetList,
+    density: &Density,
+    order: &[u32],
+    place: &[u32],
+    limit: impl Fn(usize, usize, usize) -> f64 + Sync,
+) -> Vec<f64> {
+    let entry = |site: u32, k: usize, _| limit(site as usize, facets.neighbor[k].site as usize, k);
+    entries(facets, density, order, place, entry).values
+}
+
+/// A matrix with an entry for each facet that both sides have, and minus their sum on the diagonal.
+fn entries(
+    facets: &FacetList,
+    density: &Density,
+    order: &[u32],
+    place: &[u32],
+    entry: impl Fn(u32, usize, f64) -> f64 + Sync,
+) -> Matrix {
     let coefficient = |k: usize| density.at(facets.barycenter[k]) * facets.area[k] / (2.0 * facets.distance[k]);
     Matrix::from_rows(
         order.len(),
@@ -26,8 +49,9 @@ pub(super) fn laplacian(facets: &FacetList, density: &Density, order: &[u32], pl
                 let a = (coefficient(k) + coefficient(theirs.start + found)) / 2.0;
                 if other != site && a > 0.0 {
                     columns.push(place[other as usize]);
-                    values.push(-a);
-                    values[diagonal] += a;
+                    let value = entry(site, k, a);
+                    values.push(value);
+                    values[diagonal] -= value;
                 }
             }
         },

@@ -68,6 +68,11 @@ impl Multigrid {
         &self.levels[0].matrix
     }
 
+    /// The same, when no more is to be solved.
+    pub(super) fn into_finest(mut self) -> Matrix {
+        std::mem::take(&mut self.levels[0].matrix)
+    }
+
     /// The connected part that each unknown is in, and the number of parts. Looked for only where the coarsest matrix has more than the
     /// constants in its kernel, as it then does.
     pub(super) fn parts(&self) -> Option<(Vec<u32>, usize)> {

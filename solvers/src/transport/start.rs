@@ -28,7 +28,8 @@ pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteGrid) -> Res
     )))
 }
 
-/// A state without empty cells: that of the diagram's own weights, else of the Voronoi diagram, else of sites drawn together.
+/// A state without empty cells: that of the diagram's own weights, else of the Voronoi diagram, where few are empty lifted, else of sites
+/// drawn together.
 pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
     let n = problem.positions.len();
     let mut given = problem.diagram.weights().to_vec();
@@ -39,6 +40,7 @@ pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
     if state.least <= 0.0 && !are_equal {
         state = problem.evaluate(vec![0.0; n])?;
     }
+    state = lifted(problem, state)?;
     if state.least > 0.0 {
         return Ok(state);
     }
@@ -65,6 +67,28 @@ pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
          at one place or far from the domain",
         problem.positions[empty]
     )))
+}
+
+/// Cells are lifted where no more than one in so many is empty.
+const ONE_IN: usize = 100;
+/// Times that they are, each twice as far as the last; the last is the square of a cell's size.
+const LIFTS: i32 = 9;
+
+/// Raises the weights of the cells that are empty until none is, where they are few: slivers, that are no more than their own rounding.
+fn lifted(problem: &mut Problem<'_>, mut state: State) -> Result<State> {
+    let sites = state.masses.len();
+    let size2 = (state.output.volume.iter().sum::<f64>() / sites as f64).powf(2.0 / 3.0);
+    for halvings in (0..LIFTS).rev() {
+        let empty: Vec<usize> = (0..sites).filter(|&i| state.masses[i] <= 0.0).collect();
+        if empty.is_empty() || empty.len() > sites / ONE_IN {
+            break;
+        }
+        let mut weights = std::mem::take(&mut state.weights);
+        empty.into_iter().for_each(|i| weights[i] += size2 * 0.5_f64.powi(halvings));
+        center(&mut weights);
+        state = problem.evaluate(weights)?;
+    }
+    Ok(state)
 }
 
 /// Points of a lattice along each axis.

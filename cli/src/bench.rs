@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::args::{BenchArgs, BenchBackend, Corners, Distribution};
 use crate::domains;
-use crate::outcome::{Outcome, note, print};
+use crate::outcome::{Outcome, note, print, print_json};
 use crate::report::{grouped, machine};
 use crate::sample::Sampler;
 use crate::timing::{Timing, measure};
@@ -58,8 +58,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<Outcome> {
         }
     }
     if args.json {
-        let json = serde_json::to_string(&table).map_err(|e| Error::input(format!("--json: {e}")))?;
-        print(&format!("{json}\n"))?;
+        print_json(&table)?;
     }
     Ok(Outcome::Done)
 }

@@ -15,7 +15,7 @@ use laguerre::{Backend, Domain, Error, Result, io};
 
 use crate::args::{BackendArgs, Corners};
 use crate::domains;
-use crate::outcome::{Outcome, end_well_when_interrupted, is_interrupted, note, print, say};
+use crate::outcome::{Outcome, end_well_when_interrupted, is_interrupted, note, print, print_json, say};
 use crate::sample::Sampler;
 use crate::solver::{LARGEST, open_for_solver, parse_from_zero, parse_number};
 use checkpoint::Checkpoint;
@@ -171,7 +171,11 @@ fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
         flown?;
     }
     report.finish(&fluid, is_interrupted(), start.elapsed().as_secs_f64());
-    print(&if args.json { report.json()? } else { report.summary() })?;
+    if args.json {
+        print_json(&report)?;
+    } else {
+        print(&report.summary())?;
+    }
     if !is_interrupted() {
         return Ok(Outcome::Done);
     }

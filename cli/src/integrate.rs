@@ -10,7 +10,7 @@ use crate::args::IntegrateArgs;
 use crate::container::{Container, Whole};
 use crate::evaluate::{evaluate, open};
 use crate::files::{names_same_file, refuse_inputs};
-use crate::outcome::{Outcome, note, print, say};
+use crate::outcome::{Outcome, note, print, print_json, say};
 use crate::report::{Report, Seconds};
 use crate::sites;
 
@@ -56,8 +56,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
 
     let report = Report::new(&output, &whole, backend.info(), seconds);
     if args.json {
-        let json = serde_json::to_string(&report).map_err(|e| Error::input(format!("--json: {e}")))?;
-        print(&format!("{json}\n"))?;
+        print_json(&report)?;
     } else {
         print(&report.summary())?;
     }

@@ -13,7 +13,7 @@ use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::{Container, Whole};
 
 use crate::files::refuse_inputs;
-use crate::outcome::{Outcome, note, print};
+use crate::outcome::{Outcome, note, print, print_json};
 use crate::report::grouped;
 use crate::sites;
 use crate::solver::{WithBar, open_for_solver, parse_from_zero};
@@ -132,8 +132,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     }
     let report = Report::new(&relaxed, args.method, &whole, backend.info(), seconds);
     if args.json {
-        let json = serde_json::to_string(&report).map_err(|e| Error::input(format!("--json: {e}")))?;
-        print(&format!("{json}\n"))?;
+        print_json(&report)?;
     } else {
         print(&report.summary())?;
     }

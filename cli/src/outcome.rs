@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use laguerre::{Error, ErrorKind, Result};
+use serde::Serialize;
 
 /// How a command ended that was not prevented from its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,4 +112,13 @@ pub(crate) fn print(text: &str) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints the object of `--json`, as one line.
+///
+/// # Errors
+/// As [`print`].
+pub(crate) fn print_json(object: &impl Serialize) -> Result<()> {
+    let json = serde_json::to_string(object).map_err(|e| Error::input(format!("--json: {e}")))?;
+    print(&format!("{json}\n"))
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::Container;
 use crate::files::{names_same_file, refuse_inputs};
-use crate::outcome::{Outcome, note, print, say};
+use crate::outcome::{Outcome, note, print, print_json, say};
 use crate::report::grouped;
 use crate::sites;
 use crate::solver::{LARGEST, WithBar, open_for_solver, parse_number};
@@ -141,8 +141,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     }
     let report = Report::new(&solution, backend.info(), seconds);
     if args.json {
-        let json = serde_json::to_string(&report).map_err(|e| Error::input(format!("--json: {e}")))?;
-        print(&format!("{json}\n"))?;
+        print_json(&report)?;
     } else {
         print(&report.summary())?;
     }

@@ -1,12 +1,12 @@
 //! `laguerre tune`: what the cells of an input need, and the capacities that most of them are content with (paper §6.1).
 
 use laguerre::capacities::{CellCounts, count_cells, sufficient};
-use laguerre::{Error, Request, Result, io};
+use laguerre::{Request, Result, io};
 use serde::Serialize;
 
 use crate::args::TuneArgs;
 use crate::container::Container;
-use crate::outcome::{Outcome, print};
+use crate::outcome::{Outcome, print, print_json};
 use crate::plot::{self, Curve};
 use crate::report::grouped;
 use crate::sites;
@@ -82,8 +82,7 @@ pub(crate) fn run(args: &TuneArgs) -> Result<Outcome> {
             most: Numbers::of(|(.., count)| count(&most)),
             histograms: Numbers::of(|(.., count)| histogram(&counts, count)),
         };
-        let json = serde_json::to_string(&report).map_err(|e| Error::input(format!("--json: {e}")))?;
-        print(&format!("{json}\n"))?;
+        print_json(&report)?;
     } else {
         print(&text(&counts, share))?;
     }

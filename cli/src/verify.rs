@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::args::VerifyArgs;
 use crate::container::{Container, Whole};
 use crate::evaluate::{evaluate, open_default};
-use crate::outcome::{Outcome, print, say};
+use crate::outcome::{Outcome, print, print_json, say};
 use crate::report::{Report, Seconds, grouped};
 use crate::sites;
 use bounds::Bounds;
@@ -107,8 +107,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
     findings.wrong.sort_by(Wrong::worst_first);
     if args.json {
         findings.wrong.truncate(LISTED_IN_JSON);
-        let json = serde_json::to_string(&findings).map_err(|e| Error::input(format!("--json: {e}")))?;
-        print(&format!("{json}\n"))?;
+        print_json(&findings)?;
     } else {
         print(&findings.summary())?;
     }

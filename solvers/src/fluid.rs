@@ -28,6 +28,8 @@ use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, PowerDiagram, Result};
 
+use crate::vectors::inner;
+
 use crate::density::Density;
 use cells::{Cells, check_places, equal_volumes, within};
 pub use cells::{VOLUME_TOLERANCE, settle};
@@ -294,7 +296,8 @@ impl Fluid {
     pub fn energy(&self) -> Energy {
         let state = &self.state;
         let mut kinetic = Sum::default();
-        kinetic.extend(state.velocities.iter().zip(&state.densities).map(|(v, d)| 0.5 * d * self.volume * dot(*v, *v)));
+        kinetic
+            .extend(state.velocities.iter().zip(&state.densities).map(|(v, d)| 0.5 * d * self.volume * inner(*v, *v)));
         Energy {
             kinetic: kinetic.total(),
             spring: self.cells.cost / (2.0 * self.settings.epsilon * self.settings.epsilon),
@@ -313,7 +316,7 @@ impl Fluid {
         if let Some(given) = self.settings.time_step {
             return given;
         }
-        let fastest = self.state.velocities.iter().map(|&v| dot(v, v)).fold(0.0, f64::max).sqrt();
+        let fastest = self.state.velocities.iter().map(|&v| inner(v, v)).fold(0.0, f64::max).sqrt();
         let mut h = SPRING_STEP * self.settings.epsilon * self.lightest.sqrt();
         while h * fastest > FASTEST_STEP * self.cell_size() && h.is_normal() {
             h /= 2.0;
@@ -337,17 +340,13 @@ impl Fluid {
     fn potential(&self, gravity: [f64; 3], position: impl Fn(usize) -> [f64; 3]) -> f64 {
         let mut sum = Sum::default();
         let heavier = self.state.densities.iter().map(|density| density - self.mean_density).enumerate();
-        sum.extend(heavier.map(|(i, excess)| -excess * self.volume * dot(gravity, position(i))));
+        sum.extend(heavier.map(|(i, excess)| -excess * self.volume * inner(gravity, position(i))));
         sum.total()
     }
 }
 
 fn along(p: [f64; 3], t: f64, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| p[k] + t * v[k])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

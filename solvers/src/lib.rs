@@ -7,3 +7,4 @@ pub mod derivatives;
 pub mod fluid;
 pub mod lloyd;
 pub mod transport;
+mod vectors;

@@ -17,8 +17,8 @@ use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
+use crate::vectors::{distance2, dot, inner};
 use lbfgs::Memory;
-pub(crate) use lbfgs::dot;
 
 /// How to go down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -197,7 +197,7 @@ pub fn energy(diagram: &PowerDiagram, output: &Output) -> f64 {
             sum.extend([*xx, *yy, *zz]);
         }
         let weight = diagram.weights().get(i).copied().unwrap_or(0.0);
-        sum.add(output.volume[i] * (squared(minus(p, output.barycenter[i])) - weight));
+        sum.add(output.volume[i] * (distance2(p, output.barycenter[i]) - weight));
     }
     sum.total()
 }
@@ -238,7 +238,8 @@ impl Landscape {
         for (&v, &g) in self.output.volume.iter().zip(&self.gradient).filter(|&(&v, _)| v > 0.0) {
             volume.add(v);
             // The unit cancels before anything is squared, so that nothing overflows.
-            moved.add(v * squared(g.map(|x| x / (2.0 * v))));
+            let way = g.map(|x| x / (2.0 * v));
+            moved.add(v * inner(way, way));
             cells += 1;
         }
         let size = (volume.total() / cells as f64).cbrt();
@@ -311,10 +312,6 @@ fn move_to(diagram: &mut PowerDiagram, positions: &[[f64; 3]]) -> Result<()> {
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn squared([x, y, z]: [f64; 3]) -> f64 {
-    x * x + y * y + z * z
 }
 
 #[cfg(test)]

@@ -22,9 +22,10 @@ use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::density::Density;
+use crate::vectors::{for_each, sum};
 use laplacian::{laplacian, limits};
 use multigrid::Multigrid;
-use sparse::{center, for_each, sum};
+use sparse::center;
 use system::System;
 
 /// How to solve.

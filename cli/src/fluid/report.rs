@@ -1,7 +1,7 @@
 //! What is said about a fluid: a row for each step, and the object of `--json`.
 
+use laguerre::BackendInfo;
 use laguerre::solvers::fluid::{Fluid, Scene, StepReport};
-use laguerre::{BackendInfo, Error, Result};
 use serde::Serialize;
 
 use super::scene_name;
@@ -150,11 +150,6 @@ impl Report {
             self.hamiltonian_drift = self.largest_drift / self.largest_kinetic;
         }
         (self.interrupted, self.seconds) = (interrupted, seconds);
-    }
-
-    pub(super) fn json(&self) -> Result<String> {
-        let json = serde_json::to_string(self).map_err(|e| Error::input(format!("--json: {e}")))?;
-        Ok(format!("{json}\n"))
     }
 
     pub(super) fn summary(&self) -> String {

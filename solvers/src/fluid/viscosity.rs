@@ -3,7 +3,7 @@
 use laguerre_core::{Error, FacetList, Neighbor, Result};
 use rayon::prelude::*;
 
-use crate::lloyd::dot;
+use crate::vectors::{add, dot};
 
 /// What the residual of the linear system may be, of its right-hand side: what is left is momentum that is not conserved.
 const RELATIVE: f64 = 1e-12;
@@ -71,10 +71,6 @@ fn ties(facets: &FacetList, strength: f64) -> Vec<f64> {
         })
     };
     (0..facets.offsets.len().saturating_sub(1)).flat_map(of_row).collect()
-}
-
-fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| (0..3).for_each(|c| a[c] += factor * b[c]));
 }
 
 #[cfg(test)]

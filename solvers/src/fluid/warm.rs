@@ -5,6 +5,8 @@
 
 use laguerre_core::FacetList;
 
+use crate::vectors::distance2;
+
 /// How deep the place where a barycenter is expected has to be in its cell, in cell sizes.
 const DEPTH: f64 = 0.1;
 
@@ -14,13 +16,13 @@ const DEPTH: f64 = 0.1;
 pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64; 3]], facets: &FacetList, size: f64) {
     let found = weights.to_vec();
     let depth = |i: usize, j: usize, distance: f64| {
-        let power = |k: usize| squared(expected[i], positions[k]) - found[k];
+        let power = |k: usize| distance2(expected[i], positions[k]) - found[k];
         (power(j) - power(i)) / (2.0 * distance)
     };
     for i in 0..positions.len() {
         for neighbor in &facets.neighbor[facets.offsets[i]..facets.offsets[i + 1]] {
             let j = neighbor.site as usize;
-            let distance = squared(positions[i], positions[j]).sqrt();
+            let distance = distance2(positions[i], positions[j]).sqrt();
             let [mine, theirs] = [depth(i, j, distance), depth(j, i, distance)];
             // Both have it where there is room for both, else half of what there is.
             let wanted = (DEPTH * size).min((mine + theirs) / 2.0);
@@ -32,10 +34,6 @@ pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64
             }
         }
     }
-}
-
-fn squared(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
 }
 
 #[cfg(test)]

@@ -2,12 +2,10 @@
 
 use std::collections::VecDeque;
 
-use rayon::prelude::*;
+use crate::vectors::{add, dot};
 
 /// Steps that are remembered. Liu et al. take 7; with more the directions hardly change, and each costs six numbers a site.
 const DEPTH: usize = 10;
-/// Sites whose products are summed one after the other: sums then do not depend on the number of threads.
-const AT_ONCE: usize = 4096;
 
 type Vectors = Vec<[f64; 3]>;
 
@@ -67,21 +65,8 @@ impl Memory {
     }
 }
 
-/// `Σ a·b`, in an order that depends on the length alone.
-pub(crate) fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let inner = |(a, b): (&[[f64; 3]], &[[f64; 3]])| {
-        a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1] + a[2] * b[2]).sum::<f64>()
-    };
-    let parts: Vec<f64> = a.par_chunks(AT_ONCE).zip(b.par_chunks(AT_ONCE)).map(inner).collect();
-    parts.iter().sum()
-}
-
 fn absolute(a: &[[f64; 3]]) -> Vectors {
     a.iter().map(|a| a.map(f64::abs)).collect()
-}
-
-fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {
-    a.par_iter_mut().zip(b).for_each(|(a, b)| (0..3).for_each(|k| a[k] += factor * b[k]));
 }
 
 #[cfg(test)]

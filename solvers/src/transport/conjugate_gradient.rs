@@ -1,7 +1,8 @@
 //! The conjugate gradient for the singular systems of transport, preconditioned.
 
 use super::multigrid::Multigrid;
-use super::sparse::{center, dot, for_each, norm};
+use super::sparse::{center, dot, norm};
+use crate::vectors::for_each;
 
 /// Iterations after which the solution is taken as it is; some 10 to 30 are usual.
 const MOST_ITERATIONS: usize = 300;

@@ -11,8 +11,9 @@ use laguerre_core::{ErrorKind, Result};
 use rayon::prelude::*;
 
 use super::multigrid::Multigrid;
-use super::sparse::{Matrix, center, for_each, sum};
+use super::sparse::{Matrix, center};
 use super::{Problem, State, System};
+use crate::vectors::{for_each, sum};
 
 /// Steps of this kind at most; some 15 are usual.
 const MOST_STEPS: usize = 40;

@@ -6,7 +6,8 @@
 //! every number of threads.
 
 use super::dense::Dense;
-use super::sparse::{Matrix, for_each, norm};
+use super::sparse::{Matrix, norm};
+use crate::vectors::for_each;
 
 /// Levels end where a dense factorisation is cheaper than another level.
 const COARSEST: usize = 300;

@@ -1,10 +1,8 @@
-//! Sparse matrices and vectors on all threads, to the same bits for every number of them: each entry of a result is computed by one
-//! thread, and sums go over chunks of a fixed length.
+//! Sparse matrices on all threads, to the same bits for every number of them, and what their vectors need.
 
 use rayon::prelude::*;
 
-/// Rows, or entries of a vector, that one thread takes at a time. Fixed: the order of sums depends on it.
-pub(super) const CHUNK: usize = 4096;
+use crate::vectors::{CHUNK, for_each, sum};
 
 /// A matrix in compressed rows. Columns within a row are in no order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -144,22 +142,6 @@ impl Gather {
             at = (at + 1) & self.mask;
         }
     }
-}
-
-/// Calls `f` with each entry and its index.
-pub(super) fn for_each<T: Send>(x: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
-    x.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, part)| {
-        for (k, x) in part.iter_mut().enumerate() {
-            f(chunk * CHUNK + k, x);
-        }
-    });
-}
-
-/// `Σ f(i)` for i below `n`.
-pub(super) fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
-    let part = |chunk: usize| (chunk * CHUNK..n.min((chunk + 1) * CHUNK)).map(&f).sum::<f64>();
-    let parts: Vec<f64> = (0..n.div_ceil(CHUNK)).into_par_iter().map(part).collect();
-    parts.iter().sum()
 }
 
 /// `x · y`.

@@ -8,8 +8,9 @@ use laguerre_core::diagram::Container;
 use laguerre_core::site_grid::SiteGrid;
 use laguerre_core::{Backend, Domain, Error, Output, PowerDiagram, Request, Result};
 
-use super::sparse::{center, for_each};
+use super::sparse::center;
 use super::{Problem, State};
+use crate::vectors::{distance2, for_each};
 
 /// Sites are drawn together to this part of their extent at most: what is closer could not be told apart.
 const SMALLEST_SHARE: f64 = 1.0 / (1_u64 << 24) as f64;
@@ -153,8 +154,4 @@ fn deepest(output: &Output) -> Option<usize> {
         }
         front = next;
     }
-}
-
-fn distance2(p: [f64; 3], q: [f64; 3]) -> f64 {
-    (0..3).map(|k| (p[k] - q[k]).powi(2)).sum()
 }

@@ -1,0 +1,44 @@
+//! Vectors on all threads, to the same bits for every number of them: each entry of a result is computed by one thread, and sums go over
+//! chunks of a fixed length. And what single points need.
+
+use rayon::prelude::*;
+
+/// Rows, or entries of a vector, that one thread takes at a time. Fixed: the order of sums depends on it.
+pub(crate) const CHUNK: usize = 4096;
+
+/// Calls `f` with each entry and its index.
+pub(crate) fn for_each<T: Send>(x: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
+    x.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, part)| {
+        for (k, x) in part.iter_mut().enumerate() {
+            f(chunk * CHUNK + k, x);
+        }
+    });
+}
+
+/// `Σ f(i)` for i below `n`.
+pub(crate) fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let part = |chunk: usize| (chunk * CHUNK..n.min((chunk + 1) * CHUNK)).map(&f).sum::<f64>();
+    let parts: Vec<f64> = (0..n.div_ceil(CHUNK)).into_par_iter().map(part).collect();
+    parts.iter().sum()
+}
+
+/// `Σ_i a_i · b_i`.
+pub(crate) fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    sum(a.len(), |i| inner(a[i], b[i]))
+}
+
+/// Adds `factor · b` to `a`.
+pub(crate) fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {
+    for_each(a, |i, a| (0..3).for_each(|k| a[k] += factor * b[i][k]));
+}
+
+/// `a · b`.
+pub(crate) fn inner(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `‖p − q‖²`.
+pub(crate) fn distance2(p: [f64; 3], q: [f64; 3]) -> f64 {
+    let way = std::array::from_fn(|k| p[k] - q[k]);
+    inner(way, way)
+}

@@ -54,8 +54,8 @@ pub(crate) const MOST_PLANES: u32 = 216;
 pub(crate) enum Way {
     /// One work-item, with so much room.
     Alone(Capacities),
-    /// A group of so many work-items: `LANES` of `lanes_store.cl`.
-    Together(usize),
+    /// A group of so many work-items: `LANES` of `lanes_store.cl`; with or without exact signs.
+    Together { lanes: usize, exact: bool },
 }
 
 /// Work-items of a group where each computes a cell alone. They share nothing; a multiple of what any GPU runs in step.
@@ -123,7 +123,7 @@ impl Programs {
         flags: u32,
         has_domain: bool,
     ) -> Result<&mut Kernels> {
-        let domain = if has_domain && matches!(way, Way::Together(_)) { DOMAIN } else { 0 };
+        let domain = if has_domain && matches!(way, Way::Together { .. }) { DOMAIN } else { 0 };
         let compiled = (flags & (FACETS | FACET_SECOND_MOMENTS | INTEGRAL)) | domain;
         match self.built.entry((way, compiled)) {
             Entry::Occupied(built) => Ok(built.into_mut()),
@@ -142,10 +142,11 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
             let options = format!("-D CAP_P={planes} -D CAP_V={vertices} {asked}");
             (compile(context, device, &EVALUATE.concat(), &options)?, "cells")
         }
-        Way::Together(lanes) => {
+        Way::Together { lanes, exact } => {
             // With more registers each, too few cells would be computed at a time (measured; an option of NVIDIA's alone).
             let registers = if lanes > 1 { "-cl-nv-maxrregcount=128" } else { "" };
-            let options = format!("-D LANES={lanes}u -D CELLS={CELLS} {asked} {registers}");
+            let options =
+                format!("-D LANES={lanes}u -D CELLS={CELLS} -D WITH_EXACT={} {asked} {registers}", u32::from(exact));
             (compile(context, device, &TOGETHER.concat(), &options)?, "cells_together")
         }
     };
@@ -153,7 +154,7 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
     let largest = cells.largest_group(device)?;
     let (group, per_cell) = match way {
         Way::Alone(_) => (GROUP.min(largest), 1),
-        Way::Together(lanes) => (lanes * CELLS, lanes),
+        Way::Together { lanes, .. } => (lanes * CELLS, lanes),
     };
     Ok(Kernels { cells, group, per_cell, probe: Kernel::new(&program, "probe")?, probed: false })
 }

@@ -159,8 +159,8 @@ impl Device {
         }
     }
 
-    /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to meet the surface or
-    /// were left.
+    /// One pass. The first in two substeps: all cells, `together` if so asked (first without exact signs, then those that need them), and
+    /// then those that turn out to meet the surface or were left.
     fn pass(
         &mut self,
         request: &Request,
@@ -170,7 +170,7 @@ impl Device {
         together: Option<usize>,
     ) -> Result<PassOutcome<Todo>> {
         let mut now = cells.clone();
-        let mut way = together.map_or(Way::Alone(room), Way::Together);
+        let mut way = together.map_or(Way::Alone(room), |lanes| Way::Together { lanes, exact: false });
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
         let begin = self.seconds;
@@ -186,6 +186,11 @@ impl Device {
             if counters[FULL] > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters[FULL] = 0;
+            } else if let (Way::Together { lanes, exact: false }, 1..) = (way, counters[FAILED]) {
+                now = Todo::Listed(counters[FAILED] as usize);
+                std::mem::swap(&mut memory.todo, &mut memory.failed);
+                counters[FAILED] = 0;
+                way = Way::Together { lanes, exact: true };
             } else if counters[BOUNDARY] > 0 {
                 now = Todo::Listed(counters[BOUNDARY] as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);

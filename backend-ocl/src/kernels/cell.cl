@@ -16,6 +16,9 @@ OUTLINE Plane triangle_plane(V3 a, V3 b, V3 c, real sign);
 OUTLINE Plane wall_over_edge(V3 n, V3 a, V3 b);
 HOT uint place_vertex(Store *s, uint v);
 HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius);
+HOT uint find_vertex_once(Store *s, Triplet t, V3 *position, real *radius);
+INLINE Cramer cramer(Store *s, Triplet t);
+INLINE V3 solve(Cramer by, real inverse);
 OUTLINE real residual(Plane plane, V3 x);
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
@@ -106,7 +109,7 @@ HOT uint settle(Store *s, CellSums *sums);
 OUTLINE uint lies_outside(Store *s);
 OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
 OUTLINE void add_box_faces(Store *s, CellSums *sums);
-OUTLINE real box_of_cell(Store *s, V3 *low, V3 *high);
+HOT real box_of_cell(Store *s, V3 *low, V3 *high);
 HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high);
 HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi);
 OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi);
@@ -226,43 +229,64 @@ HOT uint place_vertex(Store *s, uint v) {
 // The position of the vertex with triplet `t`, and an error radius such that
 // `|fl(n·v + d) − (n·v* + d)| ≤ ‖n‖₁·radius + 4u|d|` for every plane, `v*` the exact vertex.
 //
-// Position: `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`.
+// (The rare ways out read the planes again: what is handed to a function that is not inlined cannot stay in a GPU's registers before it.)
 HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
+    const Cramer by = cramer(s, t);
+    if (!(by.det > (NEARLY_DEPENDENT * by.size))) {
+        store_note_exact(s);
+        V3 exact = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+        if (expansion_position(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), &exact) != COMPLETE) {
+            if (store_exact_position(s, t, &exact) != COMPLETE) {
+                return UNCERTAIN;
+            }
+        }
+        *position = exact;
+        *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(exact);
+        return COMPLETE;
+    }
+    const real inverse = REAL(1.0) / by.det;
+    const real amplified = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
+    *position = solve(by, inverse);
+    *radius = amplified * (by.offsets + (norm_max(*position) * by.size));
+    if (by.det < (WORTH_REFINING * by.size)) {
+        // A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
+        // in which the planes hardly tell one point from the next.
+        const real rest_a = residual(store_plane(s, t.a), *position);
+        const real rest_b = residual(store_plane(s, t.b), *position);
+        const real rest_c = residual(store_plane(s, t.c), *position);
+        *position = sub(*position, scale(inverse, combine(rest_a, rest_b, rest_c, by.bc, by.ca, by.ab)));
+        *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * by.size));
+    }
+    return COMPLETE;
+}
+
+// The position of the vertex with triplet `t` without refinement, and its error radius: enough where both are rounded to single precision
+// anyway. `UNCERTAIN` where the normals are nearly dependent.
+HOT uint find_vertex_once(Store *s, Triplet t, V3 *position, real *radius) {
+    const Cramer by = cramer(s, t);
+    if (!(by.det > (NEARLY_DEPENDENT * by.size))) {
+        return UNCERTAIN;
+    }
+    const real inverse = REAL(1.0) / by.det;
+    *position = solve(by, inverse);
+    *radius = ((ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse) * (by.offsets + (norm_1(*position) * by.size));
+    return COMPLETE;
+}
+
+INLINE Cramer cramer(Store *s, Triplet t) {
     const Plane pa = store_plane(s, t.a);
     const Plane pb = store_plane(s, t.b);
     const Plane pc = store_plane(s, t.c);
     const V3 bc = v3_cross(pb.n, pc.n);
-    const V3 ca = v3_cross(pc.n, pa.n);
-    const V3 ab = v3_cross(pa.n, pb.n);
-    const real det = v3_dot(pa.n, bc);
     const real size_a = norm_1(pa.n);
     const real size_b = norm_1(pb.n);
     const real size_c = norm_1(pc.n);
-    const real size = (size_a * size_b) * size_c;
-    if (!(det > (NEARLY_DEPENDENT * size))) {
-        store_note_exact(s);
-        if (expansion_position(pa, pb, pc, position) != COMPLETE) {
-            if (store_exact_position(s, t, position) != COMPLETE) {
-                return UNCERTAIN;
-            }
-        }
-        *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position);
-        return COMPLETE;
-    }
-    const real inverse = REAL(1.0) / det;
-    const V3 found = scale(-inverse, combine(pa.d, pb.d, pc.d, bc, ca, ab));
-    const real offsets = (((fabs(pa.d) * size_b) * size_c) + ((fabs(pb.d) * size_c) * size_a)) + ((fabs(pc.d) * size_a) * size_b);
-    const real amplified = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
-    *position = found;
-    *radius = amplified * (offsets + (norm_max(found) * size));
-    if (det < (WORTH_REFINING * size)) {
-        // A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
-        // in which the planes hardly tell one point from the next.
-        const V3 rest = combine(residual(pa, found), residual(pb, found), residual(pc, found), bc, ca, ab);
-        *position = sub(found, scale(inverse, rest));
-        *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * size));
-    }
-    return COMPLETE;
+    return (Cramer){ .bc = bc, .ca = v3_cross(pc.n, pa.n), .ab = v3_cross(pa.n, pb.n), .d = v3(pa.d, pb.d, pc.d), .det = v3_dot(pa.n, bc), .size = (size_a * size_b) * size_c, .offsets = (((fabs(pa.d) * size_b) * size_c) + ((fabs(pb.d) * size_c) * size_a)) + ((fabs(pc.d) * size_a) * size_b) };
+}
+
+// `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`, `inverse` one over that determinant.
+INLINE V3 solve(Cramer by, real inverse) {
+    return scale(-inverse, combine(by.d.x, by.d.y, by.d.z, by.bc, by.ca, by.ab));
 }
 
 // `n·x + d`, rounded once or little more.
@@ -1812,7 +1836,7 @@ OUTLINE void add_box_faces(Store *s, CellSums *sums) {
 }
 
 // The bounding box of the vertices; returns their largest error radius.
-OUTLINE real box_of_cell(Store *s, V3 *low, V3 *high) {
+HOT real box_of_cell(Store *s, V3 *low, V3 *high) {
     *low = store_position(s, 0);
     *high = *low;
     real radius = store_radius(s, 0);

@@ -127,6 +127,24 @@ typedef struct {
 // The same for a position that is itself within a rounding: 1 for each component, 4 for `n·v + d`, and the bound's.
 #define ROUNDINGS_OF_EXACT ((real)(REAL(8.0)))
 
+// What Cramer's rule for three planes is made of.
+typedef struct {
+    // `n_b×n_c`.
+    V3 bc;
+    // `n_c×n_a`.
+    V3 ca;
+    // `n_a×n_b`.
+    V3 ab;
+    // The offsets.
+    V3 d;
+    // `det(n_a, n_b, n_c)`.
+    real det;
+    // `‖n_a‖₁‖n_b‖₁‖n_c‖₁`.
+    real size;
+    // The same, each norm in turn replaced by the offset, and summed.
+    real offsets;
+} Cramer;
+
 // core/src/cell/store.rs
 
 // A triangle of the domain: the indices of its vertices, outward oriented.

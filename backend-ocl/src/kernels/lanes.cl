@@ -3,6 +3,9 @@
 // cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells at
 // the surface, and those that need more room, more sites than the table of offsets holds, or exact arithmetic that is the host's, are left
 // to that kernel.
+//
+// Built with -D WITH_EXACT: 0 first, where a cell is given up as soon as a sign is open in single precision, so that nothing in the inner
+// loop calls a function; then 1, for those cells.
 
 // The table of offsets (`search.cl`).
 #define SHELL_RADIUS 4u
@@ -15,20 +18,52 @@
 // Words of a bit for each vertex, LANES bits in each.
 #define WORDS (LANES_V / LANES)
 
-// How a cell ends that is left to the other kernel.
+// How a cell ends that is left to the other kernel; and one that is left to this kernel built WITH_EXACT.
 #define LEFT 32u
+#define OPEN 33u
 
 // Cuts between two looks at whether the cell already lies outside the domain.
 #define BETWEEN_LOOKS 3u
 
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
+INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
+INLINE void enter_edges(__local Cell *cell, Triplet t, uint v) {
+    cell->vertex_of[edge_place(t.a, t.b)] = (uchar)v;
+    cell->vertex_of[edge_place(t.b, t.c)] = (uchar)v;
+    cell->vertex_of[edge_place(t.c, t.a)] = (uchar)v;
+}
+
+// Starts a cell as the box `[lo, hi]`: the lanes write the same planes, and a corner each.
+OUTLINE uint begin_together(__local Cell *cell, uint lane, V3 lo, V3 hi) {
+    Store store;
+    store.cell = cell;
+    store.view = WHOLE;
+    store.is_fine = 0;
+    set_box_planes(&store, lo, hi);
+    lanes_wait();
+    uint status = COMPLETE;
+    for (uint v = lane; v < 8u; v += LANES) {
+        status |= place_corner(&store, v);
+        enter_edges(cell, store_triplet(&store, v), v);
+    }
+    status = (lanes_with(status != COMPLETE) != 0u) ? LEFT : COMPLETE;
+    lanes_wait();
+    return status;
+}
+
+#if WITH_EXACT
 // The side of vertex v of half-space k: MARK_KEEP, MARK_CONFLICT, or MARK_UNCERTAIN where the host has to decide.
-OUTLINE uint mark_of_open(Store *s, uint v, uint k) {
-    const Plane plane = s->cell->plane[k];
+OUTLINE uint mark_of_open(__local Cell *cell, uint v, uint k, uint *exact) {
+    Store store;
+    Store *s = &store;
+    s->cell = cell;
+    s->view = WHOLE;
+    s->exact = 0;
+    const Plane plane = cell->plane[k];
     V3 position;
     real radius;
-    if (find_vertex(s, unpacked(s->cell->triplet[v]), &position, &radius) == COMPLETE) {
+    if (find_vertex(s, unpacked(cell->triplet[v]), &position, &radius) == COMPLETE) {
         const real value = (((plane.n.x * position.x) + (plane.n.y * position.y)) + (plane.n.z * position.z)) + plane.d;
         const real bound = (norm_1(plane.n) * radius) + ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane.d));
         if (value > bound) {
@@ -38,50 +73,95 @@ OUTLINE uint mark_of_open(Store *s, uint v, uint k) {
             return MARK_CONFLICT;
         }
     }
-    s->view = WHOLE;
     const int sign = sign_of_conflict(s, v, k);
+    *exact |= s->exact;
     return (sign == SIGN_UNKNOWN) ? MARK_UNCERTAIN : ((sign < 0) ? MARK_CONFLICT : MARK_KEEP);
 }
 
-// The place of the bit of edge a→b.
-INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
+// A new vertex of nearly dependent planes, as `find_vertex` finds it.
+OUTLINE uint place_carefully(__local Cell *cell, uint v, uint *exact) {
+    Store store;
+    store.cell = cell;
+    store.view = WHOLE;
+    store.is_fine = 0;
+    store.exact = 0;
+    const uint status = place_vertex(&store, v);
+    *exact |= store.exact;
+    return status;
+}
+#endif
 
-// The edge of item i, each marked vertex having three: from x to y.
-INLINE uint2 edge_of(Store *s, uint item) {
-    const Triplet t = unpacked(s->cell->hole[item / 3u]);
-    const uint turn = item % 3u;
-    return (uint2)((turn == 0u) ? t.a : ((turn == 1u) ? t.b : t.c), (turn == 0u) ? t.b : ((turn == 1u) ? t.c : t.a));
+// A half-space in single precision; the size of its normal, and what its offset rounds off.
+typedef struct {
+    float4 plane;
+    float size;
+    float slack;
+} Trial;
+
+INLINE Trial trial_of(Plane plane) {
+    return (Trial){
+        .plane = (float4)((float)plane.n.x, (float)plane.n.y, (float)plane.n.z, (float)plane.d),
+        .size = convert_float_rtp(norm_1(plane.n)),
+        .slack = ((ROUGH * fabs((float)plane.d)) + ROUGH_UNDERFLOW) * ROUGH_SAFE
+    };
 }
 
-// Clips by half-space k = `planes`, which is already in its place: `CUT`, `UNTOUCHED`, `EMPTY`, or `LEFT`.
-INLINE uint clip_together(Store *s) {
+// Whether vertex v is among the marked ones.
+INLINE uint is_marked(const uint *bits, uint v) {
+#if LANES == 32u
+    return (((v < LANES) ? bits[0] : bits[1]) >> (v & (LANES - 1u))) & 1u;
+#else
+    return bits[v];
+#endif
+}
+
+// Those of the lanes' edges a→b that are to be there into the row of the hole's edges, of which there are `count`; returns how many
+// there are now.
+INLINE uint enter_hole(Store *s, uint is_there, uint a, uint b, uint count) {
+    const uint all = lanes_with(is_there);
+    const uint rank = count + popcount(all & ((1u << s->lane) - 1u));
+    if ((is_there != 0u) && (rank < LANES_V)) {
+        s->cell->hole[rank] = a | (b << 10);
+    }
+    return count + popcount(all);
+}
+
+// Clips by half-space k = `planes`, which is already in its place: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT` or `OPEN`.
+INLINE uint clip_together(Store *s, Trial trial) {
     __local Cell *cell = s->cell;
     const uint k = s->planes;
     const uint end = s->vertices;
-    const float4 plane = cell->trial;
-    const float2 slack = cell->slack;
-    // 1. Mark, as `store.cl` does.
+    const float4 plane = trial.plane;
+    // 1. Mark, as `store.cl` does. (Beyond the last vertex there is room, and anything in it.)
     uint bits[WORDS];
     uint marked = 0;
-    for (uint word = 0; (word * LANES) < end; word++) {
-        const uint v = (word * LANES) + s->lane;
-        uint mark = MARK_KEEP;
-        if (v < end) {
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        bits[word] = 0;
+        if ((word * LANES) < end) {
+            const uint v = (word * LANES) + s->lane;
             const float4 p = cell->rough[v];
             const float value = (((plane.x * p.x) + (plane.y * p.y)) + (plane.z * p.z)) + plane.w;
-            const float bound = (slack.x * p.w) + slack.y;
-            mark = (value < -bound) ? MARK_CONFLICT : ((value > bound) ? MARK_KEEP : MARK_UNCERTAIN);
-        }
-        if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
-            if (mark == MARK_UNCERTAIN) {
-                mark = mark_of_open(s, v, k);
-            }
+            const float bound = (trial.size * p.w) + trial.slack;
+            uint mark = (value < -bound) ? MARK_CONFLICT : ((value > bound) ? MARK_KEEP : MARK_UNCERTAIN);
+            mark = (v < end) ? mark : MARK_KEEP;
             if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
-                return LEFT;
+#if WITH_EXACT
+                if (mark == MARK_UNCERTAIN) {
+                    uint exact = 0;
+                    mark = mark_of_open(cell, v, k, &exact);
+                    s->exact |= exact;
+                }
+                if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
+                    return LEFT;
+                }
+#else
+                return OPEN;
+#endif
             }
+            bits[word] = lanes_with(mark == MARK_CONFLICT);
+            marked += popcount(bits[word]);
         }
-        bits[word] = lanes_with(mark == MARK_CONFLICT);
-        marked += popcount(bits[word]);
     }
     if (marked == 0u) {
         return UNTOUCHED;
@@ -89,77 +169,74 @@ INLINE uint clip_together(Store *s) {
     if (marked == end) {
         return EMPTY;
     }
-    // 2. The marked vertices in a row.
+    // 2. The marked vertices in a row; and their edges a→b whose reverse belongs to none in another: each gives the new vertex (a, b, k),
+    // first into the places of the marked vertices, then at the end.
     const uint below = (1u << s->lane) - 1u;
     uint before = 0;
-    for (uint word = 0; (word * LANES) < end; word++) {
-        if (((bits[word] >> s->lane) & 1u) != 0u) {
-            const uint v = (word * LANES) + s->lane;
-            const uint rank = before + popcount(bits[word] & below);
-            cell->marked[rank] = v;
-            cell->hole[rank] = cell->triplet[v];
-        }
-        before += popcount(bits[word]);
-    }
-    lanes_wait();
-    // 3. Each directed edge a→b of a marked vertex whose reverse belongs to none gives the new vertex (a, b, k): first into the places of
-    // the marked vertices, then at the end.
-    const uint items = 3u * marked;
-    for (uint item = s->lane; item < items; item += LANES) {
-        const uint2 edge = edge_of(s, item);
-        const uint place = edge_place(edge.x, edge.y);
-        atomic_or(cell->edges + (place >> 5), 1u << (place & 31u));
-    }
-    lanes_wait();
     uint born = 0;
-    for (uint first = 0; first < items; first += LANES) {
-        const uint item = first + s->lane;
-        uint is_boundary = 0;
-        uint a = 0;
-        uint b = 0;
-        if (item < items) {
-            const uint2 edge = edge_of(s, item);
-            a = edge.x;
-            b = edge.y;
-            const uint back = edge_place(b, a);
-            is_boundary = ((cell->edges[back >> 5] >> (back & 31u)) & 1u) ^ 1u;
-        }
-        const uint all = lanes_with(is_boundary);
-        const uint rank = born + popcount(all & below);
-        const uint slot = (rank < marked) ? cell->marked[rank] : ((end + rank) - marked);
-        uint status = COMPLETE;
-        if ((is_boundary != 0u) && (slot < LANES_V)) {
-            const Triplet t = (Triplet){ .a = a, .b = b, .c = k };
-            V3 position;
-            real radius;
-            status = find_vertex(s, t, &position, &radius);
-            s->view = WHOLE;
-            store_set_triplet(s, slot, t);
-            store_set_position(s, slot, position, radius);
-        }
-        born += popcount(all);
-        if (lanes_with((status != COMPLETE) || ((is_boundary != 0u) && (slot >= LANES_V))) != 0u) {
-            return LEFT;
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        if (bits[word] != 0u) {
+            const uint v = (word * LANES) + s->lane;
+            const uint is_there = (bits[word] >> s->lane) & 1u;
+            const Triplet t = unpacked((is_there != 0u) ? cell->triplet[v] : 0u);
+            if (is_there != 0u) {
+                cell->marked[before + popcount(bits[word] & below)] = v;
+            }
+            before += popcount(bits[word]);
+            const uint behind_ab = is_marked(bits, cell->vertex_of[edge_place(t.b, t.a)]);
+            const uint behind_bc = is_marked(bits, cell->vertex_of[edge_place(t.c, t.b)]);
+            const uint behind_ca = is_marked(bits, cell->vertex_of[edge_place(t.a, t.c)]);
+            born = enter_hole(s, is_there & ~behind_ab, t.a, t.b, born);
+            born = enter_hole(s, is_there & ~behind_bc, t.b, t.c, born);
+            born = enter_hole(s, is_there & ~behind_ca, t.c, t.a, born);
         }
     }
+    const uint count = (end - marked) + born;
+    if (count > LANES_V) {
+        return LEFT;
+    }
     lanes_wait();
-    for (uint item = s->lane; item < items; item += LANES) {
-        const uint2 edge = edge_of(s, item);
-        cell->edges[edge_place(edge.x, edge.y) >> 5] = 0;
+    // 3. The new vertices.
+    uint status = COMPLETE;
+    for (uint rank = s->lane; rank < born; rank += LANES) {
+        const uint edge = cell->hole[rank];
+        const uint slot = (rank < marked) ? cell->marked[rank] : ((end + rank) - marked);
+        const Triplet t = (Triplet){ .a = edge & 1023u, .b = edge >> 10, .c = k };
+        V3 position;
+        real radius;
+        store_set_triplet(s, slot, t);
+        enter_edges(cell, t, slot);
+        if (find_vertex_once(s, t, &position, &radius) == COMPLETE) {
+            store_set_position(s, slot, position, radius);
+        } else {
+#if WITH_EXACT
+            uint exact = 0;
+            status |= place_carefully(cell, slot, &exact);
+            s->exact |= exact;
+#else
+            status = UNCERTAIN;
+#endif
+        }
+    }
+    if (lanes_with(status != COMPLETE) != 0u) {
+        return (WITH_EXACT != 0) ? LEFT : OPEN;
     }
     // 4. Fill the places left over from the end.
-    const uint count = (end - marked) + born;
     lanes_wait();
     if (born < marked) {
         uint moved = born;
-        for (uint word = 0; (word * LANES) < end; word++) {
+        UNROLLED
+        for (uint word = 0; word < WORDS; word++) {
             const uint v = (word * LANES) + s->lane;
             const uint at_end = (v >= count) && (v < end) && (((bits[word] >> s->lane) & 1u) == 0u);
             const uint all = lanes_with(at_end);
             if (at_end != 0u) {
                 const uint to = cell->marked[moved + popcount(all & below)];
-                cell->triplet[to] = cell->triplet[v];
+                const uint same = cell->triplet[v];
+                cell->triplet[to] = same;
                 cell->rough[to] = cell->rough[v];
+                enter_edges(cell, unpacked(same), to);
             }
             moved += popcount(all);
         }
@@ -170,21 +247,25 @@ INLINE uint clip_together(Store *s) {
     return CUT;
 }
 
-// The corners of the box of the vertices into the cell, and the view of it.
-INLINE void turn_to_box(Store *s) {
-    __local Cell *cell = s->cell;
+// The corners of the box of the vertices, which are in double precision, into the cell.
+OUTLINE void find_box(__local Cell *cell, uint lane, uint vertices) {
+    Store share;
+    share.cell = cell;
+    share.lane = lane;
+    share.vertices = vertices;
+    share.is_fine = 1;
+    share.view = SHARE;
     V3 low = (V3){ .x = INFINITY, .y = INFINITY, .z = INFINITY };
     V3 high = (V3){ .x = -INFINITY, .y = -INFINITY, .z = -INFINITY };
     real radius = REAL(0.0);
-    s->view = SHARE;
-    if (store_vertices(s) != 0u) {
-        radius = box_of_cell(s, &low, &high);
+    if (store_vertices(&share) != 0u) {
+        radius = box_of_cell(&share, &low, &high);
     }
     low = lanes_most_of(scale(-REAL(1.0), low));
     high = lanes_most_of(high);
     radius = lanes_folded(radius, 0u);
     lanes_wait();
-    if (s->lane == 0u) {
+    if (lane == 0u) {
         cell->corner[0] = -low.x;
         cell->corner[1] = -low.y;
         cell->corner[2] = -low.z;
@@ -194,11 +275,13 @@ INLINE void turn_to_box(Store *s) {
         cell->corner[6] = radius;
     }
     lanes_wait();
-    s->view = BOX_CORNERS;
 }
 
-// Room for what single precision rounds off in a few operations.
-#define ROUGH_SAFE 1.000002f
+// The view of that box.
+INLINE void turn_to_box(Store *s) {
+    find_box(s->cell, s->lane, s->vertices);
+    s->view = BOX_CORNERS;
+}
 
 #if WITH_DOMAIN
 // Room for the roundings of a place in voxels in single precision, three of them, of which the site's is relative.
@@ -237,19 +320,22 @@ INLINE uint is_outside(Store *s, float farthest) {
 // An upper bound of the distance from the site to the farthest vertex (`farthest_vertex`, in single precision).
 INLINE float farthest_of(Store *s) {
     float most = 0.0f;
-    for (uint v = s->lane; v < s->vertices; v += LANES) {
-        const float4 p = s->cell->rough[v];
-        const float square = fmax(((p.x * p.x) + (p.y * p.y)) + (p.z * p.z), ROUGH_SQUARE);
-        most = fmax(most, (sqrt(square) + (2.0f * p.w)) * ROUGH_SAFE);
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        if ((word * LANES) < s->vertices) {
+            const uint v = (word * LANES) + s->lane;
+            const float4 p = s->cell->rough[v];
+            const float square = fmax(((p.x * p.x) + (p.y * p.y)) + (p.z * p.z), ROUGH_SQUARE);
+            const float far = (sqrt(square) + (2.0f * p.w)) * ROUGH_SAFE;
+            most = fmax(most, (v < s->vertices) ? far : 0.0f);
+        }
     }
     return lanes_largest(most);
 }
 
-// Squared distance from which on no site of a weight that is larger by at most `extra` can cut (`security_reach`).
+// Squared distance from which on no site can cut whose weight is the cell's; or larger by at most `extra` (`security_reach`).
+INLINE float reach_square_even(float farthest) { return (4.0f * farthest) * (farthest * ROUGH_SAFE); }
 INLINE float reach_square(float farthest, real extra) {
-    if (extra == REAL(0.0)) {
-        return (4.0f * farthest) * (farthest * ROUGH_SAFE);
-    }
     const real reach = security_reach((real)farthest, extra);
     return convert_float_rtp(reach * reach);
 }
@@ -299,7 +385,7 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
     return found;
 }
 
-// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, or `LEFT`.
+// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *farthest) {
     __local Cell *cell = s->cell;
     __global const Params *params = s->world.params;
@@ -314,10 +400,11 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                               (float)(((p.z - params->grid_lo[2]) * per_width) - (real)center[2]));
     const real extra = params->largest_weight - s->weight;
     const uint equal = params->equal_weights;
+    const uint is_even = extra == REAL(0.0);
     const uint below = (1u << s->lane) - 1u;
     const float per_width_up = convert_float_rtp(per_width);
     *farthest = farthest_of(s);
-    float reach = reach_square(*farthest, extra);
+    float reach = (is_even != 0u) ? reach_square_even(*farthest) : reach_square(*farthest, extra);
 #if WITH_DOMAIN
     // A cell that its site's own voxel tells to be inside, or near the surface, is none of those that end early.
     const uint outside = is_outside(s, 0.0f);
@@ -354,7 +441,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
             lanes_wait();
             uint site[2];
             uint key[2];
-            Plane plane[2];
+            UNROLLED
             for (uint c = 0; c < 2u; c++) {
                 const uint at = (c * LANES) + s->lane;
                 key[c] = USED;
@@ -368,7 +455,6 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                         && ((equal != 0u) || (square < reach_square(*farthest, other.w - s->weight)))) {
                         key[c] = as_uint(square);
                     }
-                    plane[c] = bisector(way, s->weight - other.w);
                 }
             }
             // 3. The nearest of them, again and again, until none is in reach.
@@ -378,29 +464,31 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                 if (nearest >= as_uint(reach)) {
                     break;
                 }
-                const uint from = lowest_bit(lanes_with(mine == nearest));
                 if (s->planes == LANES_P) {
                     return LEFT;
                 }
-                lanes_wait();
+                // (No index, so that all stays in registers.)
+                const uint from = lowest_bit(lanes_with(mine == nearest));
+                const uint is_first = key[0] == mine;
+                const uint beyond = lane_value((is_first != 0u) ? site[0] : site[1], from);
                 if (s->lane == from) {
-                    // (No index, so that all stays in registers.)
-                    const uint is_first = key[0] == nearest;
-                    const Plane chosen = is_first ? plane[0] : plane[1];
-                    cell->plane[s->planes] = chosen;
-                    cell->source[s->planes] = is_first ? site[0] : site[1];
-                    cell->trial = (float4)((float)chosen.n.x, (float)chosen.n.y, (float)chosen.n.z, (float)chosen.d);
-                    cell->slack = (float2)(convert_float_rtp(norm_1(chosen.n)),
-                                           convert_float_rtp((ROUGH * fabs(chosen.d)) + ROUGH_UNDERFLOW));
-                    key[0] = is_first ? USED : key[0];
-                    key[1] = is_first ? key[1] : USED;
+                    key[0] = (is_first != 0u) ? USED : key[0];
+                    key[1] = (is_first != 0u) ? key[1] : USED;
+                }
+                // Each lane makes the half-space for itself.
+                const real4 other = s->world.sites[beyond];
+                const V3 way = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
+                const Plane plane = bisector(way, s->weight - other.w);
+                if (s->lane == 0u) {
+                    cell->plane[s->planes] = plane;
+                    cell->source[s->planes] = beyond;
                 }
                 lanes_wait();
                 *visited += 1u;
-                const uint status = clip_together(s);
+                const uint status = clip_together(s, trial_of(plane));
                 if (status == CUT) {
                     *farthest = farthest_of(s);
-                    reach = reach_square(*farthest, extra);
+                    reach = (is_even != 0u) ? reach_square_even(*farthest) : reach_square(*farthest, extra);
 #if WITH_DOMAIN
                     cuts++;
                     if (((outside != 0u) && ((cuts % BETWEEN_LOOKS) == 0u)) && (is_outside(s, *farthest) != 0u)) {
@@ -417,6 +505,49 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
             return (entry > SHELLS) ? COMPLETE : LEFT;
         }
     }
+}
+
+// All vertices in double precision: they take the place of the rough ones.
+OUTLINE uint refine_together(__local Cell *cell, uint lane, uint vertices, uint *exact) {
+    Store share;
+    share.cell = cell;
+    share.lane = lane;
+    share.vertices = vertices;
+    share.view = SHARE;
+    share.is_fine = 1;
+    share.exact = 0;
+    uint status = COMPLETE;
+    lanes_wait();
+    for (uint v = 0; v < store_vertices(&share); v++) {
+        status |= place_vertex(&share, v);
+    }
+    *exact = share.exact;
+    lanes_wait();
+    return (lanes_with(status != COMPLETE) != 0u) ? UNCERTAIN : COMPLETE;
+}
+
+// The sums over all vertices.
+OUTLINE uint sum_together(__local Cell *cell, uint lane, uint vertices, real winding, V3 center, uint flags, CellSums *sums) {
+    Store share;
+    share.cell = cell;
+    share.lane = lane;
+    share.vertices = vertices;
+    share.view = SHARE;
+    share.is_fine = 1;
+    *sums = (CellSums){ 0 };
+    const uint status = integrate(&share, winding, center, REAL(0.0), flags, sums);
+    if (lanes_with(status != COMPLETE) != 0u) {
+        return UNCERTAIN;
+    }
+    sums->volume = lanes_sum(sums->volume);
+    sums->first = lanes_sum_of(sums->first);
+    sums->rounding = lanes_sum(sums->rounding);
+    sums->largest_rounding = sums->rounding;
+    if ((flags & SECOND_MOMENTS) != 0u) {
+        sums->second_diagonal = lanes_sum_of(sums->second_diagonal);
+        sums->second_mixed = lanes_sum_of(sums->second_mixed);
+    }
+    return COMPLETE;
 }
 
 // The integrals of a complete cell, whose farthest vertex is not beyond `farthest`: `COMPLETE`, `EMPTY`, or `LEFT`.
@@ -439,18 +570,12 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
         return EMPTY;
     }
 #endif
-    // All vertices in double precision: they take the place of the rough ones.
-    lanes_wait();
-    s->is_fine = 1;
-    s->view = SHARE;
-    uint status = COMPLETE;
-    for (uint v = 0; v < store_vertices(s); v++) {
-        status |= place_vertex(s, v);
-    }
-    if (lanes_with(status != COMPLETE) != 0u) {
+    uint exact = 0;
+    if (refine_together(cell, s->lane, s->vertices, &exact) != COMPLETE) {
         return LEFT;
     }
-    lanes_wait();
+    s->exact |= exact;
+    s->is_fine = 1;
 #if WITH_DOMAIN
     if (near != 0u) {
         turn_to_box(s);
@@ -490,27 +615,15 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
         turn_to_box(s);
         *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
     }
-    s->view = SHARE;
-    *sums = (CellSums){ 0 };
-    status = integrate(s, *winding, *center, REAL(0.0), flags & ~FACETS, sums);
-    if (lanes_with(status != COMPLETE) != 0u) {
+    if (sum_together(cell, s->lane, s->vertices, *winding, *center, flags & SECOND_MOMENTS, sums) != COMPLETE) {
         return LEFT;
     }
-    sums->volume = lanes_sum(sums->volume);
-    sums->first = lanes_sum_of(sums->first);
-    sums->rounding = lanes_sum(sums->rounding);
-    sums->largest_rounding = sums->rounding;
-    if ((flags & SECOND_MOMENTS) != 0u) {
-        sums->second_diagonal = lanes_sum_of(sums->second_diagonal);
-        sums->second_mixed = lanes_sum_of(sums->second_mixed);
+    if (sums->volume > sums->rounding) {
+        // What `settle` would say first.
+        return COMPLETE;
     }
-    if (!(sums->volume > sums->rounding)) {
-        // Only then does `settle` look at the box.
-        turn_to_box(s);
-    }
-    status = settle(s, sums);
-    s->view = WHOLE;
-    return status;
+    turn_to_box(s);
+    return settle(s, sums);
 }
 
 // The vertices of half-space f, as the view: each lane may have another.

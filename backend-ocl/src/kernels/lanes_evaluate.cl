@@ -1,5 +1,5 @@
 // The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group. What is left
-// to that kernel is listed as `boundary`.
+// to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`.
 __kernel void cells_together(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
     __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
@@ -32,20 +32,13 @@ __kernel void cells_together(
     s->view = WHOLE;
     s->is_fine = 0;
     s->exact = 0;
+    s->corner = 0;
+    s->corners = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
-    // The lanes write the same planes, and a corner each.
-    set_box_planes(s, lo, hi);
-    for (uint word = s->lane; word < ((LANES_P * LANES_P) / 32u); word += LANES) {
-        cell->edges[word] = 0;
-    }
-    lanes_wait();
-    uint status = COMPLETE;
-    for (uint v = s->lane; v < 8u; v += LANES) {
-        status |= place_corner(s, v);
-    }
-    status = (lanes_with(status != COMPLETE) != 0u) ? LEFT : COMPLETE;
-    lanes_wait();
+    uint status = begin_together(cell, s->lane, lo, hi);
+    s->planes = 6;
+    s->vertices = 8;
     uint visited = 0;
     float farthest = 0.0f;
     if (status == COMPLETE) {
@@ -64,30 +57,36 @@ __kernel void cells_together(
         uint kept[LANES_P / LANES];
         uint trouble = 0;
         uint n = 0;
+        Store copy = *s;
+        uchar corner[MOST_CORNERS];
+        copy.corner = corner;
+        CellSums walls = (CellSums){ 0 };
+        UNROLLED
         for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
             const uint f = (turn * LANES) + s->lane;
             uint is_facet = 0;
             if (f < s->planes) {
-                turn_to_facet(s, f);
-                trouble |= integrate_facet(s, f, center, facet + turn) != COMPLETE;
-                facet[turn].area *= winding;
-                facet[turn].moment = scale(winding, facet[turn].moment);
+                turn_to_facet(&copy, f);
+                FacetSum sum;
+                trouble |= integrate_facet(&copy, f, center, &sum) != COMPLETE;
+                sum.area *= winding;
+                sum.moment = scale(winding, sum.moment);
                 if ((cell->source[f] == TAG_BOX) && (WITH_DOMAIN == 0)) {
-                    add_boundary(facet[turn], cell->plane[f], REAL(1.0), &part);
+                    add_boundary(sum, cell->plane[f], REAL(1.0), &walls);
                 }
-                is_facet = (cell->source[f] < TAG_BOX) && (facet_is_above_bound(facet[turn]) != 0u);
+                is_facet = (cell->source[f] < TAG_BOX) && (facet_is_above_bound(sum) != 0u);
+                facet[turn] = sum;
             }
-            s->view = WHOLE;
             kept[turn] = lanes_with(is_facet);
             n += popcount(kept[turn]);
         }
         if (lanes_with(trouble) != 0u) {
             status = LEFT;
         } else {
-            part.boundary_area = lanes_sum(part.boundary_area);
-            part.boundary_moment = lanes_sum_of(part.boundary_moment);
-            part.boundary_vector = lanes_sum_of(part.boundary_vector);
-            part.boundary_flux = lanes_sum(part.boundary_flux);
+            part.boundary_area = lanes_sum(walls.boundary_area);
+            part.boundary_moment = lanes_sum_of(walls.boundary_moment);
+            part.boundary_vector = lanes_sum_of(walls.boundary_vector);
+            part.boundary_flux = lanes_sum(walls.boundary_flux);
             uint begin = 0;
             if (s->lane == 0u) {
                 begin = atomic_add(counters + OF_FACETS, n);
@@ -97,6 +96,7 @@ __kernel void cells_together(
                 status = FACETS_FULL;
             } else {
                 uint next = begin;
+                UNROLLED
                 for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
                     if (((kept[turn] >> s->lane) & 1u) != 0u) {
                         __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
@@ -125,6 +125,10 @@ __kernel void cells_together(
     }
     if (status == FACETS_FULL) {
         full[atomic_inc(counters + OF_FULL)] = site;
+        return;
+    }
+    if (status == OPEN) {
+        failed[atomic_inc(counters + OF_FAILED)] = site;
         return;
     }
     if ((status != COMPLETE) && (status != EMPTY)) {

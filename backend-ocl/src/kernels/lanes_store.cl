@@ -1,6 +1,9 @@
 // Where a cell lives that LANES work-items compute together: in their local memory. Each of them has a `Store` of its own, which
 // shows it either the whole cell, or its own share of the vertices, or the two corners of the cell's box, or the vertices of one
 // facet: the generated functions do the same work on each.
+//
+// A `Store` stays in registers as long as no function that is not inlined is given its address, and nothing in it is indexed: such
+// functions are given a copy. (Without that, half of all instructions were about memory.)
 
 // Built with -D LANES: 32, a warp of NVIDIA's, which talks through its registers; or 1, with which any device can run it and find the same
 // cells.
@@ -22,18 +25,19 @@ typedef struct {
     // Site beyond each half-space, or a tag.
     uint source[LANES_P];
     uint triplet[LANES_V];
-    // While the cell is clipped: positions in single precision and their error radii. Afterwards positions and radii in double precision.
     union {
-        float4 rough[LANES_V];
+        // While the cell is clipped: positions in single precision and their error radii; and of each directed edge a→b, in place
+        // `edge_place`, the vertex whose triplet has it.
+        struct {
+            float4 rough[LANES_V];
+            uchar vertex_of[LANES_P * LANES_P];
+        };
+        // Afterwards positions and radii in double precision.
         real4 fine[LANES_V];
     };
-    // Marked vertices, and their triplets; and a bit for each directed edge of theirs.
+    // Marked vertices; and the edges, packed, that bound the hole.
     uint marked[LANES_V];
     uint hole[LANES_V];
-    uint edges[(LANES_P * LANES_P) / 32u];
-    // The half-space that is tried, in single precision; and the size of its normal, and what its offset rounds off.
-    float4 trial;
-    float2 slack;
     // Box of the vertices: minimum corner, maximum corner, largest error radius.
     real corner[7];
 } Cell;
@@ -49,11 +53,14 @@ typedef struct {
     uint view;
     uint is_fine;
     uint exact;
+    // The corners of a facet: places, and how many.
+    uchar *corner;
     uint corners;
-    uchar corner[MOST_CORNERS];
 } Store;
 
 #if LANES == 32u
+// Before a loop over words or places that have to stay in registers.
+#define UNROLLED _Pragma("unroll")
 // The lanes wait for each other, and see what they wrote.
 INLINE void lanes_wait() { asm volatile("bar.warp.sync 0xffffffff;" ::: "memory"); }
 // The lanes for which `bit` is not 0.
@@ -80,6 +87,7 @@ INLINE uint lane_beside(uint x, uint step) {
     return value;
 }
 #else
+#define UNROLLED
 INLINE void lanes_wait() {}
 INLINE uint lanes_with(uint bit) { return (bit != 0u) ? 1u : 0u; }
 INLINE uint lanes_most(uint x) { return x; }
@@ -138,9 +146,10 @@ INLINE uint packed(Triplet t) { return t.a | (t.b << 10) | (t.c << 20); }
 INLINE Triplet store_triplet(Store *s, uint v) { return unpacked(s->cell->triplet[place_of(s, v)]); }
 INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->cell->triplet[place_of(s, v)] = packed(t); }
 
-// What single precision adds to an error radius, as in `store.cl`.
-#define ROUGH ((real)1.0 / (real)(1 << 24) * REAL(10.0))
-#define ROUGH_UNDERFLOW 1e-33
+// What single precision adds to an error radius, as in `store.cl`; and room for what it rounds off in a few operations.
+#define ROUGH (10.0f / (float)(1 << 24))
+#define ROUGH_UNDERFLOW 1e-33f
+#define ROUGH_SAFE 1.000002f
 
 INLINE V3 store_position(Store *s, uint v) {
     if (s->view == BOX_CORNERS) {
@@ -168,9 +177,9 @@ INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
         s->cell->fine[place] = (real4)(position.x, position.y, position.z, radius);
         return;
     }
-    const real largest = fmax(fmax(fabs(position.x), fabs(position.y)), fabs(position.z));
-    const float w = convert_float_rtp((radius + (ROUGH * largest)) + ROUGH_UNDERFLOW);
-    s->cell->rough[place] = (float4)((float)position.x, (float)position.y, (float)position.z, w);
+    const float4 p = (float4)((float)position.x, (float)position.y, (float)position.z, 0.0f);
+    const float largest = fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z));
+    s->cell->rough[place] = (float4)(p.x, p.y, p.z, ((convert_float_rtp(radius) + (ROUGH * largest)) + ROUGH_UNDERFLOW) * ROUGH_SAFE);
 }
 
 // For the host's way of asking; here `farthest_of` (`lanes.cl`) does.

@@ -37,6 +37,27 @@ OUTLINE void give_Triplet(Output *out, Triplet value) {
     give_uint(out, value.c);
 }
 
+INLINE Cramer take_Cramer(Input *in) {
+    Cramer value;
+    value.bc = take_V3(in);
+    value.ca = take_V3(in);
+    value.ab = take_V3(in);
+    value.d = take_V3(in);
+    value.det = take_real(in);
+    value.size = take_real(in);
+    value.offsets = take_real(in);
+    return value;
+}
+OUTLINE void give_Cramer(Output *out, Cramer value) {
+    give_V3(out, value.bc);
+    give_V3(out, value.ca);
+    give_V3(out, value.ab);
+    give_V3(out, value.d);
+    give_real(out, value.det);
+    give_real(out, value.size);
+    give_real(out, value.offsets);
+}
+
 INLINE Wide take_Wide(Input *in) {
     Wide value;
     value.hi = take_real(in);
@@ -299,6 +320,36 @@ __kernel void parity_find_vertex(PARITY_ARGUMENTS) {
     give_V3(&out, position);
     give_real(&out, radius);
     parity_dump(&out, s);
+}
+
+__kernel void parity_find_vertex_once(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Triplet t = take_Triplet(&in);
+    V3 position = take_V3(&in);
+    real radius = take_real(&in);
+    const uint result = find_vertex_once(s, t, &position, &radius);
+    give_uint(&out, result);
+    give_V3(&out, position);
+    give_real(&out, radius);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_cramer(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Triplet t = take_Triplet(&in);
+    const Cramer result = cramer(s, t);
+    give_Cramer(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_solve(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Cramer by = take_Cramer(&in);
+    const real inverse = take_real(&in);
+    const V3 result = solve(by, inverse);
+    give_V3(&out, result);
 }
 
 __kernel void parity_residual(PARITY_ARGUMENTS) {

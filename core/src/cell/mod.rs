@@ -55,7 +55,7 @@ pub use security::{box_cannot_cut, farthest_vertex, security_reach};
 pub use status::*;
 pub use store::{CellStore, Triangle, Voxel};
 pub use vector::{Real, UNIT_ROUNDOFF, V3, v3};
-pub use vertex::Triplet;
+pub use vertex::{Triplet, find_vertex_once};
 
 /// The flags of [`integrate_cell`] that answer a request.
 pub fn flags_of(request: &crate::Request) -> u32 {

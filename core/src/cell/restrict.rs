@@ -185,6 +185,7 @@ pub(super) fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
 }
 
 /// The bounding box of the vertices; returns their largest error radius.
+#[inline]
 pub(super) fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> Real {
     *low = s.position(0);
     *high = *low;

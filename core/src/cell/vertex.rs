@@ -54,45 +54,96 @@ pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
 /// The position of the vertex with triplet `t`, and an error radius such that
 /// `|fl(n·v + d) − (n·v* + d)| ≤ ‖n‖₁·radius + 4u|d|` for every plane, `v*` the exact vertex.
 ///
-/// Position: `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`.
+/// (The rare ways out read the planes again: what is handed to a function that is not inlined cannot stay in a GPU's registers before it.)
 #[inline]
 pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
+    let by: Cramer = cramer(s, t);
+    if !(by.det > (NEARLY_DEPENDENT * by.size)) {
+        s.note_exact();
+        let mut exact: V3 = v3(0.0, 0.0, 0.0);
+        if expansion_position(s.plane(t.a), s.plane(t.b), s.plane(t.c), &mut exact) != COMPLETE {
+            if s.exact_position(t, &mut exact) != COMPLETE {
+                return UNCERTAIN;
+            }
+        }
+        *position = exact;
+        *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(exact);
+        return COMPLETE;
+    }
+    let inverse: Real = 1.0 / by.det;
+    let amplified: Real = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
+    *position = solve(by, inverse);
+    *radius = amplified * (by.offsets + (norm_max(*position) * by.size));
+    if by.det < (WORTH_REFINING * by.size) {
+        // A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
+        // in which the planes hardly tell one point from the next.
+        let rest_a: Real = residual(s.plane(t.a), *position);
+        let rest_b: Real = residual(s.plane(t.b), *position);
+        let rest_c: Real = residual(s.plane(t.c), *position);
+        *position = sub(*position, scale(inverse, combine(rest_a, rest_b, rest_c, by.bc, by.ca, by.ab)));
+        *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * by.size));
+    }
+    return COMPLETE;
+}
+
+/// The position of the vertex with triplet `t` without refinement, and its error radius: enough where both are rounded to single precision
+/// anyway. `UNCERTAIN` where the normals are nearly dependent.
+#[inline]
+pub fn find_vertex_once<S: CellStore>(s: &S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
+    let by: Cramer = cramer(s, t);
+    if !(by.det > (NEARLY_DEPENDENT * by.size)) {
+        return UNCERTAIN;
+    }
+    let inverse: Real = 1.0 / by.det;
+    *position = solve(by, inverse);
+    *radius = ((ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse) * (by.offsets + (norm_1(*position) * by.size));
+    return COMPLETE;
+}
+
+/// What Cramer's rule for three planes is made of.
+#[derive(Clone, Copy)]
+pub(super) struct Cramer {
+    /// `n_b×n_c`.
+    pub(super) bc: V3,
+    /// `n_c×n_a`.
+    pub(super) ca: V3,
+    /// `n_a×n_b`.
+    pub(super) ab: V3,
+    /// The offsets.
+    pub(super) d: V3,
+    /// `det(n_a, n_b, n_c)`.
+    pub(super) det: Real,
+    /// `‖n_a‖₁‖n_b‖₁‖n_c‖₁`.
+    pub(super) size: Real,
+    /// The same, each norm in turn replaced by the offset, and summed.
+    pub(super) offsets: Real,
+}
+
+#[inline(always)]
+pub(super) fn cramer<S: CellStore>(s: &S, t: Triplet) -> Cramer {
     let pa: Plane = s.plane(t.a);
     let pb: Plane = s.plane(t.b);
     let pc: Plane = s.plane(t.c);
     let bc: V3 = cross(pb.n, pc.n);
-    let ca: V3 = cross(pc.n, pa.n);
-    let ab: V3 = cross(pa.n, pb.n);
-    let det: Real = dot(pa.n, bc);
     let size_a: Real = norm_1(pa.n);
     let size_b: Real = norm_1(pb.n);
     let size_c: Real = norm_1(pc.n);
-    let size: Real = (size_a * size_b) * size_c;
-    if !(det > (NEARLY_DEPENDENT * size)) {
-        s.note_exact();
-        if expansion_position(pa, pb, pc, position) != COMPLETE {
-            if s.exact_position(t, position) != COMPLETE {
-                return UNCERTAIN;
-            }
-        }
-        *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position);
-        return COMPLETE;
-    }
-    let inverse: Real = 1.0 / det;
-    let found: V3 = scale(-inverse, combine(pa.d, pb.d, pc.d, bc, ca, ab));
-    let offsets: Real =
-        (((pa.d.abs() * size_b) * size_c) + ((pb.d.abs() * size_c) * size_a)) + ((pc.d.abs() * size_a) * size_b);
-    let amplified: Real = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
-    *position = found;
-    *radius = amplified * (offsets + (norm_max(found) * size));
-    if det < (WORTH_REFINING * size) {
-        // A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
-        // in which the planes hardly tell one point from the next.
-        let rest: V3 = combine(residual(pa, found), residual(pb, found), residual(pc, found), bc, ca, ab);
-        *position = sub(found, scale(inverse, rest));
-        *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * size));
-    }
-    return COMPLETE;
+    return Cramer {
+        bc: bc,
+        ca: cross(pc.n, pa.n),
+        ab: cross(pa.n, pb.n),
+        d: v3(pa.d, pb.d, pc.d),
+        det: dot(pa.n, bc),
+        size: (size_a * size_b) * size_c,
+        offsets: (((pa.d.abs() * size_b) * size_c) + ((pb.d.abs() * size_c) * size_a))
+            + ((pc.d.abs() * size_a) * size_b),
+    };
+}
+
+/// `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`, `inverse` one over that determinant.
+#[inline(always)]
+pub(super) fn solve(by: Cramer, inverse: Real) -> V3 {
+    return scale(-inverse, combine(by.d.x, by.d.y, by.d.z, by.bc, by.ca, by.ab));
 }
 
 /// `n·x + d`, rounded once or little more.

@@ -1,11 +1,12 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
 use super::{FLAGS, Function, Word, Words};
-use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, security, quadrature, integrate, facet, cone, near, restrict, vector::V3, plane::Plane, vertex::Triplet, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
+use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, security, quadrature, integrate, facet, cone, near, restrict, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
 
 words!(V3 { x, y, z });
 words!(Plane { n, d });
 words!(Triplet { a, b, c });
+words!(Cramer { bc, ca, ab, d, det, size, offsets });
 words!(Wide { hi, lo });
 words!(Expansion { terms, count });
 words!(CellSums { volume, first, second_diagonal, second_mixed, integral, rounding, largest_rounding, boundary_area, boundary_moment, boundary_vector, boundary_flux });
@@ -33,6 +34,9 @@ pub static FUNCTIONS: &[Function] = &[
     host!((n: V3, a: V3, b: V3) plane::wall_over_edge(n, a, b), []),
     host!(s, (v: u32) vertex::place_vertex(&mut s, v), []),
     host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex(&mut s, t, &mut position, &mut radius), [position, radius]),
+    host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex_once(&s, t, &mut position, &mut radius), [position, radius]),
+    host!(s, (t: Triplet) vertex::cramer(&s, t), []),
+    host!((by: Cramer, inverse: f64) vertex::solve(by, inverse), []),
     host!((plane: Plane, x: V3) vertex::residual(plane, x), []),
     host!((ra: f64, rb: f64, rc: f64, bc: V3, ca: V3, ab: V3) vertex::combine(ra, rb, rc, bc, ca, ab), []),
     host!(s, (v: u32, k: u32) wide::sign_of_conflict(&mut s, v, k), []),

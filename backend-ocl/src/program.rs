@@ -29,7 +29,7 @@ const EVALUATE: [&str; 12] = [
     include_str!("kernels/evaluate.cl"),
 ];
 
-const TOGETHER: [&str; 11] = [
+const TOGETHER: [&str; 13] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
@@ -39,6 +39,8 @@ const TOGETHER: [&str; 11] = [
     include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),
     include_str!("kernels/output.cl"),
+    include_str!("kernels/lanes_exact.cl"),
+    include_str!("kernels/lanes_clip.cl"),
     include_str!("kernels/lanes.cl"),
     include_str!("kernels/lanes_evaluate.cl"),
 ];

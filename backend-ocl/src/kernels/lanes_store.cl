@@ -12,6 +12,10 @@
 #define LANES_P 64u
 #define LANES_V 64u
 
+// Determinants that are decided at once by integers, and terms of each.
+#define AT_ONCE 5u
+#define TERMS 6u
+
 #define WHOLE 0u
 #define SHARE 1u
 #define BOX_CORNERS 2u
@@ -19,6 +23,12 @@
 
 // Corners of a facet that its view has room for; a facet with more is seen in the whole.
 #define MOST_CORNERS 24u
+
+// An integer of 256 bits.
+typedef struct {
+    Wrapped lo;
+    Wrapped hi;
+} Product;
 
 typedef struct {
     Plane plane[LANES_P];
@@ -35,9 +45,13 @@ typedef struct {
         // Afterwards positions and radii in double precision.
         real4 fine[LANES_V];
     };
-    // Marked vertices; and the edges, packed, that bound the hole.
+    // Marked vertices; and the edges, packed, that bound the hole, or the vertices whose sign is open.
     uint marked[LANES_V];
-    uint hole[LANES_V];
+    uint row[LANES_V];
+#if WITH_EXACT
+    Product term[AT_ONCE * TERMS];
+    int sign[AT_ONCE];
+#endif
     // Box of the vertices: minimum corner, maximum corner, largest error radius.
     real corner[7];
 } Cell;

@@ -1,0 +1,186 @@
+// How a cell that LANES work-items compute together is begun, and clipped.
+
+// Words of a bit for each vertex, LANES bits in each.
+#define WORDS (LANES_V / LANES)
+
+// How a cell ends that is left to the other kernel; and one that is left to this kernel built WITH_EXACT.
+#define LEFT 32u
+#define OPEN 33u
+
+INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
+INLINE void enter_edges(__local Cell *cell, Triplet t, uint v) {
+    cell->vertex_of[edge_place(t.a, t.b)] = (uchar)v;
+    cell->vertex_of[edge_place(t.b, t.c)] = (uchar)v;
+    cell->vertex_of[edge_place(t.c, t.a)] = (uchar)v;
+}
+
+// Starts a cell as the box `[lo, hi]`: the lanes write the same planes, and a corner each.
+OUTLINE uint begin_together(__local Cell *cell, uint lane, V3 lo, V3 hi) {
+    Store store;
+    store.cell = cell;
+    store.view = WHOLE;
+    store.is_fine = 0;
+    set_box_planes(&store, lo, hi);
+    lanes_wait();
+    uint status = COMPLETE;
+    for (uint v = lane; v < 8u; v += LANES) {
+        status |= place_corner(&store, v);
+        enter_edges(cell, store_triplet(&store, v), v);
+    }
+    status = (lanes_with(status != COMPLETE) != 0u) ? LEFT : COMPLETE;
+    lanes_wait();
+    return status;
+}
+
+// A half-space in single precision; the size of its normal, and what its offset rounds off.
+typedef struct {
+    float4 plane;
+    float size;
+    float slack;
+} Trial;
+
+INLINE Trial trial_of(Plane plane) {
+    return (Trial){
+        .plane = (float4)((float)plane.n.x, (float)plane.n.y, (float)plane.n.z, (float)plane.d),
+        .size = convert_float_rtp(norm_1(plane.n)),
+        .slack = ((ROUGH * fabs((float)plane.d)) + ROUGH_UNDERFLOW) * ROUGH_SAFE
+    };
+}
+
+// Whether vertex v is among the marked ones.
+INLINE uint is_marked(const uint *bits, uint v) {
+#if LANES == 32u
+    return (((v < LANES) ? bits[0] : bits[1]) >> (v & (LANES - 1u))) & 1u;
+#else
+    return bits[v];
+#endif
+}
+
+// Those of the lanes' edges a→b that are to be there into the row of the hole's edges, of which there are `count`; returns how many
+// there are now.
+INLINE uint enter_hole(Store *s, uint is_there, uint a, uint b, uint count) {
+    const uint all = lanes_with(is_there);
+    const uint rank = count + popcount(all & ((1u << s->lane) - 1u));
+    if ((is_there != 0u) && (rank < LANES_V)) {
+        s->cell->row[rank] = a | (b << 10);
+    }
+    return count + popcount(all);
+}
+
+// Clips by half-space k = `planes`, which is already in its place: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT` or `OPEN`.
+INLINE uint clip_together(Store *s, Trial trial) {
+    __local Cell *cell = s->cell;
+    const uint k = s->planes;
+    const uint end = s->vertices;
+    const float4 plane = trial.plane;
+    // 1. Mark, as `store.cl` does. (Beyond the last vertex there is room, and anything in it.)
+    uint bits[WORDS];
+    uint marked = 0;
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        bits[word] = 0;
+        if ((word * LANES) < end) {
+            const uint v = (word * LANES) + s->lane;
+            const float4 p = cell->rough[v];
+            const float value = (((plane.x * p.x) + (plane.y * p.y)) + (plane.z * p.z)) + plane.w;
+            const float bound = (trial.size * p.w) + trial.slack;
+            uint mark = (value < -bound) ? MARK_CONFLICT : ((value > bound) ? MARK_KEEP : MARK_UNCERTAIN);
+            mark = (v < end) ? mark : MARK_KEEP;
+            if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
+#if WITH_EXACT
+                s->exact |= settle_together(cell, s->lane, v, k, &mark);
+                if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
+                    return LEFT;
+                }
+#else
+                return OPEN;
+#endif
+            }
+            bits[word] = lanes_with(mark == MARK_CONFLICT);
+            marked += popcount(bits[word]);
+        }
+    }
+    if (marked == 0u) {
+        return UNTOUCHED;
+    }
+    if (marked == end) {
+        return EMPTY;
+    }
+    // 2. The marked vertices in a row; and their edges a→b whose reverse belongs to none in another: each gives the new vertex (a, b, k),
+    // first into the places of the marked vertices, then at the end.
+    const uint below = (1u << s->lane) - 1u;
+    uint before = 0;
+    uint born = 0;
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        if (bits[word] != 0u) {
+            const uint v = (word * LANES) + s->lane;
+            const uint is_there = (bits[word] >> s->lane) & 1u;
+            const Triplet t = unpacked((is_there != 0u) ? cell->triplet[v] : 0u);
+            if (is_there != 0u) {
+                cell->marked[before + popcount(bits[word] & below)] = v;
+            }
+            before += popcount(bits[word]);
+            const uint behind_ab = is_marked(bits, cell->vertex_of[edge_place(t.b, t.a)]);
+            const uint behind_bc = is_marked(bits, cell->vertex_of[edge_place(t.c, t.b)]);
+            const uint behind_ca = is_marked(bits, cell->vertex_of[edge_place(t.a, t.c)]);
+            born = enter_hole(s, is_there & ~behind_ab, t.a, t.b, born);
+            born = enter_hole(s, is_there & ~behind_bc, t.b, t.c, born);
+            born = enter_hole(s, is_there & ~behind_ca, t.c, t.a, born);
+        }
+    }
+    const uint count = (end - marked) + born;
+    if (count > LANES_V) {
+        return LEFT;
+    }
+    lanes_wait();
+    // 3. The new vertices.
+    uint status = COMPLETE;
+    for (uint rank = s->lane; rank < born; rank += LANES) {
+        const uint edge = cell->row[rank];
+        const uint slot = (rank < marked) ? cell->marked[rank] : ((end + rank) - marked);
+        const Triplet t = (Triplet){ .a = edge & 1023u, .b = edge >> 10, .c = k };
+        V3 position;
+        real radius;
+        store_set_triplet(s, slot, t);
+        enter_edges(cell, t, slot);
+        if (find_vertex_once(s, t, &position, &radius) == COMPLETE) {
+            store_set_position(s, slot, position, radius);
+        } else {
+#if WITH_EXACT
+            uint exact = 0;
+            status |= place_carefully(cell, slot, &exact);
+            s->exact |= exact;
+#else
+            status = UNCERTAIN;
+#endif
+        }
+    }
+    if (lanes_with(status != COMPLETE) != 0u) {
+        return (WITH_EXACT != 0) ? LEFT : OPEN;
+    }
+    // 4. Fill the places left over from the end.
+    lanes_wait();
+    if (born < marked) {
+        uint moved = born;
+        UNROLLED
+        for (uint word = 0; word < WORDS; word++) {
+            const uint v = (word * LANES) + s->lane;
+            const uint at_end = (v >= count) && (v < end) && (((bits[word] >> s->lane) & 1u) == 0u);
+            const uint all = lanes_with(at_end);
+            if (at_end != 0u) {
+                const uint to = cell->marked[moved + popcount(all & below)];
+                const uint same = cell->triplet[v];
+                cell->triplet[to] = same;
+                cell->rough[to] = cell->rough[v];
+                enter_edges(cell, unpacked(same), to);
+            }
+            moved += popcount(all);
+        }
+        lanes_wait();
+    }
+    s->vertices = count;
+    s->planes = k + 1u;
+    return CUT;
+}
+

@@ -19,10 +19,12 @@ pub(crate) struct Params {
     box_hi: [f64; 3],
     grid_lo: [f64; 3],
     grid_width: f64,
+    grid_per_width: f64,
     grid_pad: [f64; 3],
     largest_weight: f64,
     domain_lo: [f64; 3],
     domain_width: f64,
+    domain_per_width: f64,
     enlarged: f64,
     frame_shift: [f64; 3],
     frame_unit: f64,
@@ -123,6 +125,7 @@ impl Params {
         if let Some(grid) = container.domain_grid() {
             params.domain_lo = grid.corner([0; 3]);
             params.domain_width = grid.voxel_width();
+            params.domain_per_width = 1.0 / params.domain_width;
             params.domain_dims = grid.dims();
             params.has_domain = 1;
         }
@@ -138,6 +141,7 @@ impl Params {
     pub(crate) fn sort_into(&mut self, voxels: &Voxels, range: &Range, has_clusters: bool) -> usize {
         self.grid_lo = voxels.lo;
         self.grid_width = voxels.width;
+        self.grid_per_width = 1.0 / voxels.width;
         self.grid_pad = voxels.pad;
         self.grid_dims = voxels.dims;
         self.largest_weight = range.largest_weight;

@@ -29,7 +29,7 @@ const EVALUATE: [&str; 12] = [
     include_str!("kernels/evaluate.cl"),
 ];
 
-const TOGETHER: [&str; 13] = [
+const TOGETHER: [&str; 16] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
@@ -42,6 +42,9 @@ const TOGETHER: [&str; 13] = [
     include_str!("kernels/lanes_exact.cl"),
     include_str!("kernels/lanes_clip.cl"),
     include_str!("kernels/lanes.cl"),
+    include_str!("kernels/lanes_sums.cl"),
+    include_str!("kernels/lanes_surface.cl"),
+    include_str!("kernels/lanes_integrate.cl"),
     include_str!("kernels/lanes_evaluate.cl"),
 ];
 
@@ -56,8 +59,19 @@ pub(crate) const MOST_PLANES: u32 = 216;
 pub(crate) enum Way {
     /// One work-item, with so much room.
     Alone(Capacities),
-    /// A group of so many work-items: `LANES` of `lanes_store.cl`; with or without exact signs.
-    Together { lanes: usize, exact: bool },
+    /// A group of so many work-items: `LANES` of `lanes_store.cl`.
+    Together(usize, Stage),
+}
+
+/// What cells that are computed together are built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Stage {
+    /// All of them; those are given up that need exact signs, or may meet the surface.
+    First,
+    /// Those that may meet the surface; those are given up that need exact signs.
+    Surface,
+    /// Those that need exact signs.
+    Exact,
 }
 
 /// Work-items of a group where each computes a cell alone. They share nothing; a multiple of what any GPU runs in step.
@@ -125,7 +139,7 @@ impl Programs {
         flags: u32,
         has_domain: bool,
     ) -> Result<&mut Kernels> {
-        let domain = if has_domain && matches!(way, Way::Together { .. }) { DOMAIN } else { 0 };
+        let domain = if has_domain && matches!(way, Way::Together(..)) { DOMAIN } else { 0 };
         let compiled = (flags & (FACETS | FACET_SECOND_MOMENTS | INTEGRAL)) | domain;
         match self.built.entry((way, compiled)) {
             Entry::Occupied(built) => Ok(built.into_mut()),
@@ -144,11 +158,19 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
             let options = format!("-D CAP_P={planes} -D CAP_V={vertices} {asked}");
             (compile(context, device, &EVALUATE.concat(), &options)?, "cells")
         }
-        Way::Together { lanes, exact } => {
+        Way::Together(lanes, stage) => {
             // With more registers each, too few cells would be computed at a time (measured; an option of NVIDIA's alone).
-            let registers = if lanes > 1 { "-cl-nv-maxrregcount=128" } else { "" };
-            let options =
-                format!("-D LANES={lanes}u -D CELLS={CELLS} -D WITH_EXACT={} {asked} {registers}", u32::from(exact));
+            let registers = match stage {
+                _ if lanes == 1 => String::new(),
+                Stage::First => "-cl-nv-maxrregcount=96".into(),
+                _ => "-cl-nv-maxrregcount=128".into(),
+            };
+            // The facets of a cell that the surface cuts are not computed together.
+            let surface = stage != Stage::First && flags & DOMAIN != 0 && flags & FACETS == 0;
+            let [exact, surface] = [stage == Stage::Exact, surface].map(u32::from);
+            let options = format!(
+                "-D LANES={lanes}u -D CELLS={CELLS} -D WITH_EXACT={exact} -D WITH_SURFACE={surface} {asked} {registers}"
+            );
             (compile(context, device, &TOGETHER.concat(), &options)?, "cells_together")
         }
     };
@@ -156,7 +178,7 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
     let largest = cells.largest_group(device)?;
     let (group, per_cell) = match way {
         Way::Alone(_) => (GROUP.min(largest), 1),
-        Way::Together { lanes, .. } => (lanes * CELLS, lanes),
+        Way::Together(lanes, _) => (lanes * CELLS, lanes),
     };
     Ok(Kernels { cells, group, per_cell, probe: Kernel::new(&program, "probe")?, probed: false })
 }

@@ -4,7 +4,7 @@ use super::{Computed, Device, Memory};
 use crate::buffer::lacked_memory;
 use crate::launch::{enqueue, launch};
 use crate::params;
-use crate::program::{Kernels, MOST_PLANES, Way};
+use crate::program::{Kernels, MOST_PLANES, Stage, Way};
 use crate::results::{NOT_COMPUTED, width_of};
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, FacetSecond, INTEGRAL};
@@ -159,8 +159,8 @@ impl Device {
         }
     }
 
-    /// One pass. The first in two substeps: all cells, `together` if so asked (first without exact signs, then those that need them), and
-    /// then those that turn out to meet the surface or were left.
+    /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to be near the surface. What
+    /// needs exact signs, or more than can be done together, is left to the end.
     fn pass(
         &mut self,
         request: &Request,
@@ -170,7 +170,7 @@ impl Device {
         together: Option<usize>,
     ) -> Result<PassOutcome<Todo>> {
         let mut now = cells.clone();
-        let mut way = together.map_or(Way::Alone(room), |lanes| Way::Together { lanes, exact: false });
+        let mut way = together.map_or(Way::Alone(room), |lanes| Way::Together(lanes, Stage::First));
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
         let begin = self.seconds;
@@ -186,16 +186,25 @@ impl Device {
             if counters[FULL] > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters[FULL] = 0;
-            } else if let (Way::Together { lanes, exact: false }, 1..) = (way, counters[FAILED]) {
+            } else if let (Way::Together(lanes, Stage::First), 1..) = (way, counters[UNDECIDED]) {
+                now = Todo::Listed(counters[UNDECIDED] as usize);
+                std::mem::swap(&mut memory.todo, &mut memory.undecided);
+                counters[UNDECIDED] = 0;
+                way = Way::Together(lanes, Stage::Surface);
+                second.cells = now.count();
+                is_second = true;
+            } else if let (Way::Together(lanes, Stage::First | Stage::Surface), 1..) = (way, counters[FAILED]) {
                 now = Todo::Listed(counters[FAILED] as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.failed);
                 counters[FAILED] = 0;
-                way = Way::Together { lanes, exact: true };
+                way = Way::Together(lanes, Stage::Exact);
             } else if counters[BOUNDARY] > 0 {
                 now = Todo::Listed(counters[BOUNDARY] as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);
-                second.cells = now.count();
                 counters[BOUNDARY] = 0;
+                if !is_second {
+                    second.cells = now.count();
+                }
                 way = Way::Alone(room);
                 interior_only = false;
                 is_second = true;

@@ -105,6 +105,7 @@ INLINE V3 most_of(V3 a, V3 b, V3 c);
 INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel);
 OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums);
 OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums);
+HOT uint is_undivided(CellSums sums, CellSums whole, int *winding);
 HOT uint settle(Store *s, CellSums *sums);
 OUTLINE uint lies_outside(Store *s);
 OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
@@ -1752,19 +1753,31 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
         if (volume_is_above_bound(whole) == 0) {
             return EMPTY;
         }
-        const real quotient = sums->volume / whole.volume;
-        int inner = (int)(fabs(quotient) + REAL(0.5));
-        if (quotient < REAL(0.0)) {
-            inner = -inner;
-        }
-        // A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
-        const real off = fabs(sums->volume - (((real)inner) * whole.volume));
-        if (off <= (sums->rounding + whole.rounding)) {
+        if (is_undivided(*sums, whole, &inner) != 0) {
             *sums = (CellSums){ 0 };
             return integrate_whole(s, (real)inner, center, flags, sums);
         }
     }
     return settle(s, sums);
+}
+
+// Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
+// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
+HOT uint is_undivided(CellSums sums, CellSums whole, int *winding) {
+    const real quotient = sums.volume / whole.volume;
+    if (!(fabs(quotient) < MOST_WINDINGS)) {
+        return 0;
+    }
+    int inner = (int)(fabs(quotient) + REAL(0.5));
+    if (quotient < REAL(0.0)) {
+        inner = -inner;
+    }
+    *winding = inner;
+    const real off = fabs(sums.volume - (((real)inner) * whole.volume));
+    if (off <= (sums.rounding + whole.rounding)) {
+        return 1;
+    }
+    return 0;
 }
 
 // `COMPLETE` where something is left of the cell, else `EMPTY`.

@@ -404,6 +404,9 @@ typedef struct {
 
 // core/src/cell/restrict.rs
 
+// No quotient of volumes beyond this is a winding number.
+#define MOST_WINDINGS ((real)(REAL(1e9)))
+
 // Roundings, in units of the cube of a cell's extent, that may make a volume negative where the cell is a needle, whose own bound
 // does not know what cancels within its tetrahedra.
 #define ROUNDINGS_OF_NEEDLE ((real)(REAL(64.0)))

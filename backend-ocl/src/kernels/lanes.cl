@@ -4,8 +4,9 @@
 // the surface, and those that need more room, more sites than the table of offsets holds, or exact arithmetic that is the host's, are left
 // to that kernel.
 //
-// Built with -D WITH_EXACT: 0 first, where a cell is given up as soon as a sign is open in single precision, so that nothing in the inner
-// loop calls a function; then 1, for those cells.
+// Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
+// nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
+// inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either.
 
 // The table of offsets (`search.cl`).
 #define SHELL_RADIUS 4u
@@ -20,42 +21,6 @@
 
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
-// The corners of the box of the vertices, which are in double precision, into the cell.
-OUTLINE void find_box(__local Cell *cell, uint lane, uint vertices) {
-    Store share;
-    share.cell = cell;
-    share.lane = lane;
-    share.vertices = vertices;
-    share.is_fine = 1;
-    share.view = SHARE;
-    V3 low = (V3){ .x = INFINITY, .y = INFINITY, .z = INFINITY };
-    V3 high = (V3){ .x = -INFINITY, .y = -INFINITY, .z = -INFINITY };
-    real radius = REAL(0.0);
-    if (store_vertices(&share) != 0u) {
-        radius = box_of_cell(&share, &low, &high);
-    }
-    low = lanes_most_of(scale(-REAL(1.0), low));
-    high = lanes_most_of(high);
-    radius = lanes_folded(radius, 0u);
-    lanes_wait();
-    if (lane == 0u) {
-        cell->corner[0] = -low.x;
-        cell->corner[1] = -low.y;
-        cell->corner[2] = -low.z;
-        cell->corner[3] = high.x;
-        cell->corner[4] = high.y;
-        cell->corner[5] = high.z;
-        cell->corner[6] = radius;
-    }
-    lanes_wait();
-}
-
-// The view of that box.
-INLINE void turn_to_box(Store *s) {
-    find_box(s->cell, s->lane, s->vertices);
-    s->view = BOX_CORNERS;
-}
-
 #if WITH_DOMAIN
 // Room for the roundings of a place in voxels in single precision, three of them, of which the site's is relative.
 #define VOXEL_SLACK 1e-4f
@@ -64,7 +29,7 @@ INLINE void turn_to_box(Store *s) {
 // How many voxels near the site that the surface meets: all that a ball of radius `farthest` may meet; and the lowest of them.
 INLINE uint surface_near(Store *s, float farthest, Voxel *lo) {
     __global const Params *params = s->world.params;
-    const real per_width = REAL(1.0) / params->domain_width;
+    const real per_width = params->domain_per_width;
     const float reach = ((farthest * ROUGH_SAFE) * convert_float_rtp(per_width)) + VOXEL_SLACK;
     uint low[3];
     uint high[3];
@@ -163,14 +128,14 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     __local Cell *cell = s->cell;
     __global const Params *params = s->world.params;
     const V3 p = s->site;
-    uint center[3];
-    center[0] = voxel_along(params, 0, p.x);
-    center[1] = voxel_along(params, 1, p.y);
-    center[2] = voxel_along(params, 2, p.z);
-    const real per_width = REAL(1.0) / params->grid_width;
-    const float3 f = (float3)((float)(((p.x - params->grid_lo[0]) * per_width) - (real)center[0]),
-                              (float)(((p.y - params->grid_lo[1]) * per_width) - (real)center[1]),
-                              (float)(((p.z - params->grid_lo[2]) * per_width) - (real)center[2]));
+    const real per_width = params->grid_per_width;
+    const V3 at = (V3){ .x = (p.x - params->grid_lo[0]) * per_width, .y = (p.y - params->grid_lo[1]) * per_width,
+                        .z = (p.z - params->grid_lo[2]) * per_width };
+    // (Which voxel it is at the wall between two does not matter here.)
+    const uint center[3] = { min((uint)fmax(at.x, REAL(0.0)), params->grid_dims[0] - 1u),
+                             min((uint)fmax(at.y, REAL(0.0)), params->grid_dims[1] - 1u),
+                             min((uint)fmax(at.z, REAL(0.0)), params->grid_dims[2] - 1u) };
+    const float3 f = (float3)((float)(at.x - (real)center[0]), (float)(at.y - (real)center[1]), (float)(at.z - (real)center[2]));
     const real extra = params->largest_weight - s->weight;
     const uint equal = params->equal_weights;
     const uint is_even = extra == REAL(0.0);
@@ -181,7 +146,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
 #if WITH_DOMAIN
     // A cell that its site's own voxel tells to be inside, or near the surface, is none of those that end early.
     const uint outside = is_outside(s, 0.0f);
-    uint cuts = 0;
+    uint cuts = BETWEEN_LOOKS;
 #endif
     uint entry = 0;
     for (;;) {
@@ -263,9 +228,11 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     *farthest = farthest_of(s);
                     reach = (is_even != 0u) ? reach_square_even(*farthest) : reach_square(*farthest, extra);
 #if WITH_DOMAIN
-                    cuts++;
-                    if (((outside != 0u) && ((cuts % BETWEEN_LOOKS) == 0u)) && (is_outside(s, *farthest) != 0u)) {
-                        return EMPTY;
+                    if (outside != 0u) {
+                        cuts = (cuts == 0u) ? (BETWEEN_LOOKS - 1u) : (cuts - 1u);
+                        if ((cuts == 0u) && (is_outside(s, *farthest) != 0u)) {
+                            return EMPTY;
+                        }
                     }
 #endif
                 } else if (status != UNTOUCHED) {
@@ -278,140 +245,4 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
             return (entry > SHELLS) ? COMPLETE : LEFT;
         }
     }
-}
-
-// All vertices in double precision: they take the place of the rough ones.
-OUTLINE uint refine_together(__local Cell *cell, uint lane, uint vertices, uint *exact) {
-    Store share;
-    share.cell = cell;
-    share.lane = lane;
-    share.vertices = vertices;
-    share.view = SHARE;
-    share.is_fine = 1;
-    share.exact = 0;
-    uint status = COMPLETE;
-    lanes_wait();
-    for (uint v = 0; v < store_vertices(&share); v++) {
-        status |= place_vertex(&share, v);
-    }
-    *exact = share.exact;
-    lanes_wait();
-    return (lanes_with(status != COMPLETE) != 0u) ? UNCERTAIN : COMPLETE;
-}
-
-// The sums over all vertices.
-OUTLINE uint sum_together(__local Cell *cell, uint lane, uint vertices, real winding, V3 center, uint flags, CellSums *sums) {
-    Store share;
-    share.cell = cell;
-    share.lane = lane;
-    share.vertices = vertices;
-    share.view = SHARE;
-    share.is_fine = 1;
-    *sums = (CellSums){ 0 };
-    const uint status = integrate(&share, winding, center, REAL(0.0), flags, sums);
-    if (lanes_with(status != COMPLETE) != 0u) {
-        return UNCERTAIN;
-    }
-    sums->volume = lanes_sum(sums->volume);
-    sums->first = lanes_sum_of(sums->first);
-    sums->rounding = lanes_sum(sums->rounding);
-    sums->largest_rounding = sums->rounding;
-    if ((flags & SECOND_MOMENTS) != 0u) {
-        sums->second_diagonal = lanes_sum_of(sums->second_diagonal);
-        sums->second_mixed = lanes_sum_of(sums->second_mixed);
-    }
-    return COMPLETE;
-}
-
-// The integrals of a complete cell, whose farthest vertex is not beyond `farthest`: `COMPLETE`, `EMPTY`, or `LEFT`.
-INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center, real *winding, CellSums *sums) {
-    __local Cell *cell = s->cell;
-    // Whether the site is outside its cell, or only not strictly inside.
-    uint outside = 0;
-    uint on_wall = 0;
-    for (uint f = s->lane; f < s->planes; f += LANES) {
-        outside |= cell->plane[f].d < REAL(0.0);
-        on_wall |= cell->plane[f].d == REAL(0.0);
-    }
-    outside = lanes_with(outside);
-    *winding = REAL(1.0);
-#if WITH_DOMAIN
-    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    const uint near = surface_near(s, farthest, &lo);
-    *winding = (real)store_winding(s, lo);
-    if ((near == 0u) && (*winding == REAL(0.0))) {
-        return EMPTY;
-    }
-#endif
-    uint exact = 0;
-    if (refine_together(cell, s->lane, s->vertices, &exact) != COMPLETE) {
-        return LEFT;
-    }
-    s->exact |= exact;
-    s->is_fine = 1;
-#if WITH_DOMAIN
-    if (near != 0u) {
-        turn_to_box(s);
-        V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-        V3 high = low;
-        Voxel hi = lo;
-        outer_box_of_cell(s, &low, &high);
-        voxels_of_box(s, low, high, &lo, &hi);
-        s->view = WHOLE;
-        *winding = (real)store_winding(s, lo);
-        if (store_surface_voxels(s, lo, hi) != 0u) {
-            // As `surface_passes_by`, each lane with other voxels.
-            uint meets = on_wall | (outside != 0u);
-            int crossed = 0;
-            const uint across = (hi.i - lo.i) + 1u;
-            const uint layer = across * ((hi.j - lo.j) + 1u);
-            const uint all = layer * ((hi.k - lo.k) + 1u);
-            for (uint n = s->lane; (n < all) && (meets == 0u); n += LANES) {
-                const Voxel voxel = (Voxel){
-                    .i = lo.i + (n % across), .j = lo.j + ((n % layer) / across), .k = lo.k + (n / layer)
-                };
-                meets = voxel_passes_by(s, voxel, lo, low, high, &crossed) == 0u;
-            }
-            if (lanes_with(meets) != 0u) {
-                return LEFT;
-            }
-            *winding += lanes_sum((real)crossed);
-        }
-        if (*winding == REAL(0.0)) {
-            return EMPTY;
-        }
-    }
-#endif
-    // The common point of the tetrahedra: the site where it is inside, else the middle of the vertices' box.
-    *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    if (outside != 0u) {
-        turn_to_box(s);
-        *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
-    }
-    if (sum_together(cell, s->lane, s->vertices, *winding, *center, flags & SECOND_MOMENTS, sums) != COMPLETE) {
-        return LEFT;
-    }
-    if (sums->volume > sums->rounding) {
-        // What `settle` would say first.
-        return COMPLETE;
-    }
-    turn_to_box(s);
-    return settle(s, sums);
-}
-
-// The vertices of half-space f, as the view: each lane may have another.
-INLINE void turn_to_facet(Store *s, uint f) {
-    s->corners = 0;
-    s->view = WHOLE;
-    for (uint v = 0; v < s->vertices; v++) {
-        const Triplet t = unpacked(s->cell->triplet[v]);
-        if (((t.a == f) || (t.b == f)) || (t.c == f)) {
-            if (s->corners == MOST_CORNERS) {
-                return;
-            }
-            s->corner[s->corners] = (uchar)v;
-            s->corners++;
-        }
-    }
-    s->view = FACET_CORNERS;
 }

@@ -3,9 +3,10 @@
 // Words of a bit for each vertex, LANES bits in each.
 #define WORDS (LANES_V / LANES)
 
-// How a cell ends that is left to the other kernel; and one that is left to this kernel built WITH_EXACT.
+// How a cell ends that is left to the other kernel; to this kernel built WITH_EXACT; to this kernel built WITH_SURFACE.
 #define LEFT 32u
 #define OPEN 33u
+#define NEAR 34u
 
 INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
 INLINE void enter_edges(__local Cell *cell, Triplet t, uint v) {

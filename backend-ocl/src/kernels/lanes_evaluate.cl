@@ -1,5 +1,5 @@
 // The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group. What is left
-// to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`.
+// to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`, and WITH_SURFACE as `undecided`.
 __kernel void cells_together(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
     __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
@@ -123,12 +123,21 @@ __kernel void cells_together(
     if (visited > counters[VISITED]) {
         atomic_max(counters + VISITED, visited);
     }
+#if WITH_SURFACE
+    if (s->world.tried > counters[TRIED]) {
+        atomic_max(counters + TRIED, s->world.tried);
+    }
+#endif
     if (status == FACETS_FULL) {
         full[atomic_inc(counters + OF_FULL)] = site;
         return;
     }
     if (status == OPEN) {
         failed[atomic_inc(counters + OF_FAILED)] = site;
+        return;
+    }
+    if (status == NEAR) {
+        undecided[atomic_inc(counters + OF_UNDECIDED)] = site;
         return;
     }
     if ((status != COMPLETE) && (status != EMPTY)) {

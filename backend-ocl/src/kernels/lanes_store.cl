@@ -52,6 +52,10 @@ typedef struct {
     Product term[AT_ONCE * TERMS];
     int sign[AT_ONCE];
 #endif
+#if WITH_SURFACE
+    // The half-spaces of a truncated cone.
+    Plane cone[4];
+#endif
     // Box of the vertices: minimum corner, maximum corner, largest error radius.
     real corner[7];
 } Cell;

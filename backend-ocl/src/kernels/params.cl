@@ -5,14 +5,16 @@ typedef struct {
     // Initial cell: the box, or the domain's grid.
     real box_lo[3];
     real box_hi[3];
-    // Site grid: minimum corner, width of the voxels, what rounding can misplace a site by, largest weight of all.
+    // Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by, largest weight of all.
     real grid_lo[3];
     real grid_width;
+    real grid_per_width;
     real grid_pad[3];
     real largest_weight;
-    // Domain grid: minimum corner and width of the voxels.
+    // Domain grid: minimum corner, width of the voxels and its inverse.
     real domain_lo[3];
     real domain_width;
+    real domain_per_width;
     // 1 + ε of the paper's security radius, or 0 for a proof.
     real enlarged;
     // `Frame`: x' = (x − shift) / unit, and what is taken as zero.

@@ -1183,6 +1183,16 @@ __kernel void parity_integrate_restricted(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_is_undivided(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const CellSums sums = take_CellSums(&in);
+    const CellSums whole = take_CellSums(&in);
+    int winding = take_int(&in);
+    const uint result = is_undivided(sums, whole, &winding);
+    give_uint(&out, result);
+    give_int(&out, winding);
+}
+
 __kernel void parity_settle(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

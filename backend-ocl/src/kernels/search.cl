@@ -268,7 +268,7 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
     const uint nx = params->grid_dims[0];
     const uint ny = params->grid_dims[1];
     const uint nz = params->grid_dims[2];
-    const real per_width = REAL(1.0) / params->grid_width;
+    const real per_width = params->grid_per_width;
     const float fx = (float)(((p.x - params->grid_lo[0]) * per_width) - (real)search->center[0]);
     const float fy = (float)(((p.y - params->grid_lo[1]) * per_width) - (real)search->center[1]);
     const float fz = (float)(((p.z - params->grid_lo[2]) * per_width) - (real)search->center[2]);

@@ -90,19 +90,35 @@ pub(super) fn integrate_restricted<S: CellStore>(
         if volume_is_above_bound(whole) == 0 {
             return EMPTY;
         }
-        let quotient: Real = sums.volume / whole.volume;
-        let mut inner: i32 = (quotient.abs() + 0.5) as i32;
-        if quotient < 0.0 {
-            inner = -inner;
-        }
-        // A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
-        let off: Real = (sums.volume - ((inner as Real) * whole.volume)).abs();
-        if off <= (sums.rounding + whole.rounding) {
+        if is_undivided(*sums, whole, &mut inner) != 0 {
             *sums = CellSums::default();
             return integrate_whole(s, inner as Real, center, flags, sums);
         }
     }
     return settle(s, sums);
+}
+
+/// No quotient of volumes beyond this is a winding number.
+const MOST_WINDINGS: Real = 1e9;
+
+/// Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
+/// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
+#[inline]
+pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -> u32 {
+    let quotient: Real = sums.volume / whole.volume;
+    if !(quotient.abs() < MOST_WINDINGS) {
+        return 0;
+    }
+    let mut inner: i32 = (quotient.abs() + 0.5) as i32;
+    if quotient < 0.0 {
+        inner = -inner;
+    }
+    *winding = inner;
+    let off: Real = (sums.volume - ((inner as Real) * whole.volume)).abs();
+    if off <= (sums.rounding + whole.rounding) {
+        return 1;
+    }
+    return 0;
 }
 
 /// Roundings, in units of the cube of a cell's extent, that may make a volume negative where the cell is a needle, whose own bound

@@ -119,6 +119,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!((lowest: Voxel, lo: Voxel, voxel: Voxel) near::is_first_voxel(lowest, lo, voxel), []),
     host!(s, (flags: u32 in FLAGS, interior_only: u32, sums: CellSums) restrict::integrate_cell(&mut s, flags, interior_only, &mut sums), [sums]),
     host!(s, (center: V3, flags: u32 in FLAGS, interior_only: u32, sums: CellSums) restrict::integrate_restricted(&mut s, center, flags, interior_only, &mut sums), [sums]),
+    host!((sums: CellSums, whole: CellSums, winding: i32) restrict::is_undivided(sums, whole, &mut winding), [winding]),
     host!(s, (sums: CellSums) restrict::settle(&s, &sums), []),
     host!(s, () restrict::lies_outside(&s), []),
     host!(s, (weight: f64, center: V3, flags: u32 in FLAGS, sums: CellSums) restrict::integrate_whole(&mut s, weight, center, flags, &mut sums), [sums]),

@@ -1,0 +1,82 @@
+// The integrals of a cell that LANES work-items compute together.
+
+// The integrals of a complete cell, whose farthest vertex is not beyond `farthest`: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or
+// `NEAR`.
+INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center, real *winding, CellSums *sums) {
+    __local Cell *cell = s->cell;
+    // Whether the site is outside its cell, or only not strictly inside.
+    uint outside = 0;
+    uint on_wall = 0;
+    for (uint f = s->lane; f < s->planes; f += LANES) {
+        outside |= cell->plane[f].d < REAL(0.0);
+        on_wall |= cell->plane[f].d == REAL(0.0);
+    }
+    outside = lanes_with(outside);
+    *sums = (CellSums){ 0 };
+    *winding = REAL(1.0);
+    *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+#if WITH_DOMAIN
+    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    const uint near = surface_near(s, farthest, &lo);
+    *winding = (real)store_winding(s, lo);
+#if (WITH_SURFACE == 0) && (WITH_FACETS == 0)
+    if (near != 0u) {
+        return NEAR;
+    }
+#else
+    if (near != 0u) {
+        Store copy = *s;
+        CellSums part = (CellSums){ 0 };
+        real inner = REAL(0.0);
+        const uint ended = meet_surface(&copy, outside, outside | lanes_with(on_wall), flags & SECOND_MOMENTS, &inner, &part);
+        s->exact |= copy.exact;
+        s->world.tried = copy.world.tried;
+        if (ended != UNTOUCHED) {
+            *sums = part;
+            return ended;
+        }
+        *winding = inner;
+    }
+#endif
+    if (*winding == REAL(0.0)) {
+        return EMPTY;
+    }
+#endif
+    uint exact = 0;
+    if (refine_together(cell, s->lane, s->vertices, &exact) != COMPLETE) {
+        return LEFT;
+    }
+    s->exact |= exact;
+    s->is_fine = 1;
+    // The common point of the tetrahedra: the site where it is inside, else the middle of the vertices' box.
+    if (outside != 0u) {
+        turn_to_box(s);
+        *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
+    }
+    if (sum_together(cell, s->lane, s->vertices, *winding, *center, REAL(0.0), flags & SECOND_MOMENTS, sums) != COMPLETE) {
+        return LEFT;
+    }
+    if (sums->volume > sums->rounding) {
+        // What `settle` would say first.
+        return COMPLETE;
+    }
+    turn_to_box(s);
+    return settle(s, sums);
+}
+
+// The vertices of half-space f, as the view: each lane may have another.
+INLINE void turn_to_facet(Store *s, uint f) {
+    s->corners = 0;
+    s->view = WHOLE;
+    for (uint v = 0; v < s->vertices; v++) {
+        const Triplet t = unpacked(s->cell->triplet[v]);
+        if (((t.a == f) || (t.b == f)) || (t.c == f)) {
+            if (s->corners == MOST_CORNERS) {
+                return;
+            }
+            s->corner[s->corners] = (uchar)v;
+            s->corners++;
+        }
+    }
+    s->view = FACET_CORNERS;
+}

@@ -1,0 +1,83 @@
+// Sums over the vertices of a polytope that LANES work-items compute together.
+
+// The corners of the box of the vertices into the cell.
+OUTLINE void find_box(__local Cell *cell, uint lane, uint vertices, uint is_fine) {
+    Store share;
+    share.cell = cell;
+    share.lane = lane;
+    share.vertices = vertices;
+    share.is_fine = is_fine;
+    share.view = SHARE;
+    V3 low = (V3){ .x = INFINITY, .y = INFINITY, .z = INFINITY };
+    V3 high = (V3){ .x = -INFINITY, .y = -INFINITY, .z = -INFINITY };
+    real radius = REAL(0.0);
+    if (store_vertices(&share) != 0u) {
+        radius = box_of_cell(&share, &low, &high);
+    }
+    low = lanes_most_of(scale(-REAL(1.0), low));
+    high = lanes_most_of(high);
+    radius = lanes_folded(radius, 0u);
+    lanes_wait();
+    if (lane == 0u) {
+        cell->corner[0] = -low.x;
+        cell->corner[1] = -low.y;
+        cell->corner[2] = -low.z;
+        cell->corner[3] = high.x;
+        cell->corner[4] = high.y;
+        cell->corner[5] = high.z;
+        cell->corner[6] = radius;
+    }
+    lanes_wait();
+}
+
+// The view of that box.
+INLINE void turn_to_box(Store *s) {
+    find_box(s->cell, s->lane, s->vertices, s->is_fine);
+    s->view = BOX_CORNERS;
+}
+
+// All vertices in double precision: they take the place of the rough ones.
+OUTLINE uint refine_together(__local Cell *cell, uint lane, uint vertices, uint *exact) {
+    Store share;
+    share.cell = cell;
+    share.lane = lane;
+    share.vertices = vertices;
+    share.view = SHARE;
+    share.is_fine = 1;
+    share.exact = 0;
+    uint status = COMPLETE;
+    lanes_wait();
+    for (uint v = 0; v < store_vertices(&share); v++) {
+        status |= place_vertex(&share, v);
+    }
+    *exact = share.exact;
+    lanes_wait();
+    return (lanes_with(status != COMPLETE) != 0u) ? UNCERTAIN : COMPLETE;
+}
+
+// Adds `weight` times the integrals of the present polytope to `sums`, as `integrate` does with one vertex after the other.
+OUTLINE uint sum_together(
+    __local Cell *cell, uint lane, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *sums
+) {
+    Store share;
+    share.cell = cell;
+    share.lane = lane;
+    share.vertices = vertices;
+    share.view = SHARE;
+    share.is_fine = 1;
+    CellSums part = (CellSums){ 0 };
+    const uint status = integrate(&share, weight, center, reach, flags, &part);
+    if (lanes_with(status != COMPLETE) != 0u) {
+        return UNCERTAIN;
+    }
+    const real rounding = lanes_sum(part.rounding);
+    sums->volume += lanes_sum(part.volume);
+    sums->first = add(sums->first, lanes_sum_of(part.first));
+    sums->rounding += rounding;
+    sums->largest_rounding = fmax(sums->largest_rounding, rounding);
+    if ((flags & SECOND_MOMENTS) != 0u) {
+        sums->second_diagonal = add(sums->second_diagonal, lanes_sum_of(part.second_diagonal));
+        sums->second_mixed = add(sums->second_mixed, lanes_sum_of(part.second_mixed));
+    }
+    return COMPLETE;
+}

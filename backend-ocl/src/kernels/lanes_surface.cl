@@ -1,0 +1,247 @@
+// Cells near the domain's surface, where LANES work-items compute one together. Those that it cuts, too, but for their facets.
+#if WITH_DOMAIN && (WITH_SURFACE || WITH_FACETS)
+
+#if WITH_SURFACE
+// The vertices of a finished cell, each lane's own, and how many half-spaces and vertices there are.
+typedef struct {
+    uint triplet[WORDS];
+    float4 rough[WORDS];
+    uint planes;
+    uint vertices;
+} Saved;
+
+INLINE Saved saved_cell(Store *s) {
+    Saved saved;
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        const uint v = (word * LANES) + s->lane;
+        saved.triplet[word] = s->cell->triplet[v];
+        saved.rough[word] = s->cell->rough[v];
+    }
+    saved.planes = s->planes;
+    saved.vertices = s->vertices;
+    return saved;
+}
+
+INLINE void restore_cell(Store *s, const Saved *saved) {
+    __local Cell *cell = s->cell;
+    lanes_wait();
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        const uint v = (word * LANES) + s->lane;
+        if (v < saved->vertices) {
+            cell->triplet[v] = saved->triplet[word];
+            cell->rough[v] = saved->rough[word];
+            enter_edges(cell, unpacked(saved->triplet[word]), v);
+        }
+    }
+    s->planes = saved->planes;
+    s->vertices = saved->vertices;
+    s->is_fine = 0;
+    s->view = WHOLE;
+    lanes_wait();
+}
+
+// The triangles in voxels `lo` to `hi` into the row `marked`, each once, a voxel for each lane; returns how many there are.
+INLINE uint gather_triangles(Store *s, Voxel lo, Voxel hi) {
+    const uint below = (1u << s->lane) - 1u;
+    const uint across = (hi.i - lo.i) + 1u;
+    const uint layer = across * ((hi.j - lo.j) + 1u);
+    const uint all = layer * ((hi.k - lo.k) + 1u);
+    uint found = 0;
+    for (uint first = 0; first < all; first += LANES) {
+        const uint n = first + s->lane;
+        const Voxel voxel = (Voxel){ .i = lo.i + (n % across), .j = lo.j + ((n % layer) / across), .k = lo.k + (n / layer) };
+        uint entry = (n < all) ? store_list_begin(s, voxel) : 0u;
+        const uint end = (n < all) ? store_list_end(s, voxel) : 0u;
+        while (lanes_with(entry < end) != 0u) {
+            uint t = 0;
+            uint is_there = 0;
+            if (entry < end) {
+                t = store_list_entry(s, entry);
+                is_there = is_first_voxel(store_lowest_voxel(s, t), lo, voxel);
+                entry++;
+            }
+            const uint listed = lanes_with(is_there);
+            const uint rank = found + popcount(listed & below);
+            if ((is_there != 0u) && (rank < LANES_V)) {
+                s->cell->marked[rank] = t;
+            }
+            found += popcount(listed);
+        }
+    }
+    lanes_wait();
+    return found;
+}
+
+// Whether all vertices of the cell are certainly in conflict with one of the cone's half-spaces.
+INLINE uint misses_cone(Store *s, const TruncatedCone *cone) {
+    const Plane plane[4] = { cone->side_0, cone->side_1, cone->side_2, cone->end };
+    uint beyond = 15u;
+    for (uint v = 0; (v < s->vertices) && (beyond != 0u); v++) {
+        const float4 p = s->cell->rough[v];
+        UNROLLED
+        for (uint i = 0; i < 4u; i++) {
+            const V3 n = plane[i].n;
+            const real value = (((n.x * p.x) + (n.y * p.y)) + (n.z * p.z)) + plane[i].d;
+            const real bound = (norm_1(n) * p.w) + ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane[i].d));
+            beyond &= (value < -bound) ? 15u : ~(1u << i);
+        }
+    }
+    return beyond;
+}
+
+// What lane `from` has.
+INLINE real lane_real(real x, uint from) {
+    const uint2 own = as_uint2(x);
+    return as_double((uint2)(lane_value(own.x, from), lane_value(own.y, from)));
+}
+
+// Adds `weight` times the integrals of the present polytope, whose vertices are in single precision.
+INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
+    uint exact = 0;
+    if (refine_together(s->cell, s->lane, s->vertices, &exact) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    s->exact |= exact;
+    return sum_together(s->cell, s->lane, s->vertices, weight, center, reach, flags, sums);
+}
+
+// Subtracts from the integrals of the whole cell, times the winding number of the corner of voxel `lo`, those of its intersections
+// with the truncated cones over the triangles near it (`integrate_restricted`); a lane makes and culls each cone, all lanes cut.
+// `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
+INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums) {
+    __local Cell *cell = s->cell;
+    const Saved saved = saved_cell(s);
+    const uint count = gather_triangles(s, lo, hi);
+    s->world.tried = count;
+    if ((count > LANES_V) || ((s->planes + 4u) > LANES_P)) {
+        return LEFT;
+    }
+    uint triangle[WORDS];
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        triangle[word] = cell->marked[(word * LANES) + s->lane];
+    }
+    if (winding != REAL(0.0)) {
+        if (add_polytope(s, winding, center, REAL(0.0), flags, sums) != COMPLETE) {
+            return LEFT;
+        }
+        restore_cell(s, &saved);
+    }
+    uint touched = 0;
+    for (uint word = 0; (word * LANES) < count; word++) {
+        TruncatedCone cone;
+        uint meets = 0;
+        uint is_flat = 0;
+        uint is_open = 0;
+        if (((word * LANES) + s->lane) < count) {
+            Store copy = *s;
+            is_open = make_cone(&copy, triangle[word], lo, &cone) != COMPLETE;
+            is_flat = (is_open == 0u) && (cone.sign == REAL(0.0));
+            meets = ((is_open | is_flat) == 0u) && (misses_cone(s, &cone) == 0u);
+        }
+        if (lanes_with(is_open) != 0u) {
+            return LEFT;
+        }
+        touched |= lanes_with(is_flat);
+        for (uint left = lanes_with(meets); left != 0u; left &= left - 1u) {
+            const uint from = lowest_bit(left);
+            if (s->lane == from) {
+                cell->cone[0] = cone.side_0;
+                cell->cone[1] = cone.side_1;
+                cell->cone[2] = cone.side_2;
+                cell->cone[3] = cone.end;
+            }
+            const real sign = lane_real(cone.sign, from);
+            const real reach = lane_real(cone.reach, from);
+            lanes_wait();
+            uint status = UNTOUCHED;
+            for (uint i = 0; (i < 4u) && ((status == CUT) || (status == UNTOUCHED)); i++) {
+                const Plane plane = cell->cone[i];
+                if (s->lane == 0u) {
+                    cell->plane[s->planes] = plane;
+                }
+                lanes_wait();
+                status = clip_together(s, trial_of(plane));
+                touched |= (i == 3u) && (status == CUT);
+            }
+            if (((status != CUT) && (status != UNTOUCHED)) && (status != EMPTY)) {
+                return status;
+            }
+            if ((status != EMPTY) && (add_polytope(s, -sign, center, reach, flags, sums) != COMPLETE)) {
+                return LEFT;
+            }
+            restore_cell(s, &saved);
+        }
+    }
+    if (touched == 0u) {
+        // No piece ends at its triangle: the surface does not meet the cell.
+        CellSums whole = (CellSums){ 0 };
+        int inner = 0;
+        if (add_polytope(s, REAL(1.0), center, REAL(0.0), VOLUME_ONLY, &whole) != COMPLETE) {
+            return LEFT;
+        }
+        if (volume_is_above_bound(whole) == 0u) {
+            return EMPTY;
+        }
+        if (is_undivided(*sums, whole, &inner) != 0u) {
+            *sums = (CellSums){ 0 };
+            if (inner == 0) {
+                return EMPTY;
+            }
+            if (sum_together(cell, s->lane, s->vertices, (real)inner, center, REAL(0.0), flags, sums) != COMPLETE) {
+                return LEFT;
+            }
+        }
+    }
+    // What rounding may have made is the other kernel's to settle.
+    return (sums->volume > sums->rounding) ? COMPLETE : LEFT;
+}
+#endif
+
+// What becomes of a cell near the surface, whose vertices are in single precision: `UNTOUCHED` where the surface does not meet it, with its
+// winding number; else `COMPLETE` with its integrals, `EMPTY`, `LEFT` or `OPEN`. `is_out`: its site is not strictly inside it.
+OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, real *inner, CellSums *sums) {
+    Store store = *given;
+    Store *s = &store;
+    find_box(s->cell, s->lane, s->vertices, 0);
+    s->view = BOX_CORNERS;
+    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    V3 high = low;
+    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    Voxel hi = lo;
+    outer_box_of_cell(s, &low, &high);
+    voxels_of_box(s, low, high, &lo, &hi);
+    const V3 middle = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
+    s->view = WHOLE;
+    const real winding = (real)store_winding(s, lo);
+    *inner = winding;
+    if (store_surface_voxels(s, lo, hi) == 0u) {
+        return UNTOUCHED;
+    }
+    // As `surface_passes_by`, each lane with other voxels.
+    uint meets = is_out;
+    int crossed = 0;
+    const uint across = (hi.i - lo.i) + 1u;
+    const uint layer = across * ((hi.j - lo.j) + 1u);
+    const uint all = layer * ((hi.k - lo.k) + 1u);
+    for (uint n = s->lane; (n < all) && (meets == 0u); n += LANES) {
+        const Voxel voxel = (Voxel){ .i = lo.i + (n % across), .j = lo.j + ((n % layer) / across), .k = lo.k + (n / layer) };
+        meets = voxel_passes_by(s, voxel, lo, low, high, &crossed) == 0u;
+    }
+    if (lanes_with(meets) == 0u) {
+        *inner = winding + lanes_sum((real)crossed);
+        return UNTOUCHED;
+    }
+#if WITH_SURFACE
+    const V3 center = (outside != 0u) ? middle : v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    const uint status = restrict_together(s, lo, hi, center, winding, flags, sums);
+    given->exact = s->exact;
+    given->world.tried = s->world.tried;
+    return status;
+#else
+    return LEFT;
+#endif
+}
+#endif

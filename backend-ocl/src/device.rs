@@ -74,6 +74,8 @@ struct Memory {
     failed: Room<u32>,
     full: Room<u32>,
     undecided: Room<u32>,
+    /// Records of finished cells near the surface (`lanes_near.cl`).
+    near: Room<[u32; 4]>,
     outcome: Room<u32>,
     sums: Room<f64>,
     rows: Room<[u64; 2]>,
@@ -195,6 +197,7 @@ impl Memory {
             failed: Room::new("a list of cells"),
             full: Room::new("a list of cells"),
             undecided: Room::new("a list of cells"),
+            near: Room::new("cells near the surface"),
             outcome: Room::new("how cells ended"),
             sums: Room::new("cells' sums"),
             rows: Room::new("rows of facets"),

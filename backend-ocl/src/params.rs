@@ -42,6 +42,7 @@ pub(crate) struct Params {
     pub(crate) facet_room: u32,
     nodes: u32,
     degree: u32,
+    pub(crate) near_room: u32,
 }
 
 /// `Cluster` of `store.cl`.

@@ -29,7 +29,7 @@ const EVALUATE: [&str; 12] = [
     include_str!("kernels/evaluate.cl"),
 ];
 
-const TOGETHER: [&str; 16] = [
+const TOGETHER: [&str; 17] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
@@ -42,6 +42,7 @@ const TOGETHER: [&str; 16] = [
     include_str!("kernels/lanes_exact.cl"),
     include_str!("kernels/lanes_clip.cl"),
     include_str!("kernels/lanes.cl"),
+    include_str!("kernels/lanes_near.cl"),
     include_str!("kernels/lanes_sums.cl"),
     include_str!("kernels/lanes_surface.cl"),
     include_str!("kernels/lanes_integrate.cl"),

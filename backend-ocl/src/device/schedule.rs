@@ -43,7 +43,8 @@ const UNDECIDED: usize = 3;
 const VISITED: usize = 4;
 const FACETS: usize = 5;
 const TRIED: usize = 6;
-const COUNTERS: usize = 7;
+const NEAR: usize = 7;
+const COUNTERS: usize = 8;
 
 /// Cells of a pass: a range of sorted sites, or as many as stand in `todo`.
 #[derive(Clone, Debug)]
@@ -59,6 +60,14 @@ impl Cells for Todo {
             Self::Listed(count) => *count,
         }
     }
+}
+
+/// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes.
+const NEAR_LENGTH: usize = 40;
+
+/// Cells of a batch near the surface that there is room for; others are computed alone. Of few cells all may be.
+fn near_cells(share: usize) -> usize {
+    share.min(MOST_CELLS).min((share.min(MOST_CELLS) / 4).max(1 << 16))
 }
 
 impl Default for Todo {
@@ -115,7 +124,7 @@ impl Device {
 
     /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.
     fn clear(&mut self, request: &Request, sites: usize, share: usize) -> Result<()> {
-        let Self { context, queue, memory, shared, results, .. } = self;
+        let Self { context, queue, memory, shared, results, domain, together, .. } = self;
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * width_of(shared.params.flags))?;
         memory.rows.grow(context, if request.facets { sites } else { 1 })?;
@@ -124,6 +133,10 @@ impl Device {
         {
             list.grow(context, share)?;
         }
+        let gives_near = domain.is_some() && together.is_some() && !request.facets;
+        let near = if gives_near { near_cells(share) * NEAR_LENGTH } else { 1 };
+        memory.near.grow(context, near)?;
+        shared.params.near_room = near as u32;
         results.rows.clear();
         results.facet_count = 0;
         self.counters = vec![0; COUNTERS];
@@ -177,7 +190,7 @@ impl Device {
         let mut second = Substep::default();
         while now.count() > 0 {
             let before = self.seconds;
-            self.sweep(request, way, &now, interior_only)?;
+            self.sweep(request, way, &now, interior_only, &mut second)?;
             if is_second {
                 second.seconds += self.seconds - before;
             }
@@ -186,14 +199,7 @@ impl Device {
             if counters[FULL] > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters[FULL] = 0;
-            } else if let (Way::Together(lanes, Stage::First), 1..) = (way, counters[UNDECIDED]) {
-                now = Todo::Listed(counters[UNDECIDED] as usize);
-                std::mem::swap(&mut memory.todo, &mut memory.undecided);
-                counters[UNDECIDED] = 0;
-                way = Way::Together(lanes, Stage::Surface);
-                second.cells = now.count();
-                is_second = true;
-            } else if let (Way::Together(lanes, Stage::First | Stage::Surface), 1..) = (way, counters[FAILED]) {
+            } else if let (Way::Together(lanes, Stage::First), 1..) = (way, counters[FAILED]) {
                 now = Todo::Listed(counters[FAILED] as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.failed);
                 counters[FAILED] = 0;
@@ -202,9 +208,7 @@ impl Device {
                 now = Todo::Listed(counters[BOUNDARY] as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);
                 counters[BOUNDARY] = 0;
-                if !is_second {
-                    second.cells = now.count();
-                }
+                second.cells += now.count();
                 way = Way::Alone(room);
                 interior_only = false;
                 is_second = true;
@@ -218,13 +222,21 @@ impl Device {
     }
 
     /// Runs over the given cells, batch by batch.
-    fn sweep(&mut self, request: &Request, way: Way, cells: &Todo, interior_only: bool) -> Result<()> {
+    fn sweep(
+        &mut self,
+        request: &Request,
+        way: Way,
+        cells: &Todo,
+        interior_only: bool,
+        second: &mut Substep,
+    ) -> Result<()> {
         let count = cells.count();
         let mut batch = self.room_for_batch(request, count, MOST_CELLS)?;
         let mut begin = 0;
         while begin < count {
             let end = (begin + batch).min(count);
             self.shared.params.facet_base = self.results.facet_count as u64;
+            self.counters[NEAR] = 0;
             let left = |counters: &[u32]| counters[BOUNDARY] + counters[FAILED] + counters[FULL];
             let before = left(&self.counters);
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
@@ -236,6 +248,10 @@ impl Device {
                 self.memory.facet_seconds.free();
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
+            }
+            if let (Way::Together(lanes, Stage::First), near @ 1..) = (way, self.counters[UNDECIDED]) {
+                second.cells += near as usize;
+                second.seconds += self.near_cells(lanes, near as usize)?;
             }
             request.progress.advance((end - begin).saturating_sub((left(&self.counters) - before) as usize));
             if request.facets {
@@ -252,6 +268,18 @@ impl Device {
             begin = end;
         }
         Ok(())
+    }
+
+    /// The cells of a batch that turn out to be near the surface, while their records are there; returns the seconds it took.
+    fn near_cells(&mut self, lanes: usize, count: usize) -> Result<f64> {
+        let begin = self.seconds;
+        std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
+        self.counters[UNDECIDED] = 0;
+        let records = Todo::Listed(count);
+        match self.run(Way::Together(lanes, Stage::Surface), &records, 1, 0..count, true)? {
+            Some(late) => Err(late),
+            None => Ok(self.seconds - begin),
+        }
     }
 
     /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
@@ -312,7 +340,7 @@ impl Device {
             memory.surface_table.get()?, sites.order.get()?, memory.todo.get()?, &has_list, &first, &(stride as u32),
             &(turns.len() as u32), &u32::from(interior_only), memory.outcome.get()?, memory.sums.get()?,
             memory.facets.get()?, memory.rows.get()?, memory.counters.get()?, memory.boundary.get()?, memory.failed.get()?,
-            memory.full.get()?, memory.undecided.get()?, memory.facet_seconds.get()?, memory.integrand.get()?);
+            memory.full.get()?, memory.undecided.get()?, memory.facet_seconds.get()?, memory.integrand.get()?, memory.near.get()?);
         if let Err(error) = ran {
             let late = lacked_memory(&error);
             let failed = kernels.cells.failed(error);

@@ -11,7 +11,8 @@ __kernel void cells(
     __global const uint *surface_table, __global const uint *order, __global const uint *list, uint has_list, uint first,
     uint stride, uint count, uint interior_only, __global uint *outcome, __global real *sums, __global FacetRecord *facets,
     __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
-    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand
+    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand,
+    __global uint4 *near
 ) {
     if (get_global_id(0) >= count) {
         return;

@@ -1,5 +1,6 @@
 // The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group. What is left
-// to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`, and WITH_SURFACE as `undecided`.
+// to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`; `undecided` lists
+// the records of cells that are given to it WITH_SURFACE.
 __kernel void cells_together(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
     __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
@@ -8,14 +9,20 @@ __kernel void cells_together(
     __global const uint *surface_table, __global const uint *order, __global const uint *list, uint has_list, uint first,
     uint stride, uint count, uint interior_only, __global uint *outcome, __global real *sums, __global FacetRecord *facets,
     __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
-    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand
+    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand,
+    __global uint4 *near
 ) {
     __local Cell cells[CELLS];
     if ((get_global_id(0) / LANES) >= count) {
         return;
     }
     const uint turn = first + ((uint)(get_global_id(0) / LANES) * stride);
+#if TAKES_NEAR
+    __global const uint4 *record = near + list[turn];
+    const uint site = record->x;
+#else
     const uint site = (has_list != 0u) ? list[turn] : turn;
+#endif
     Store store;
     Store *s = &store;
     s->world = (World){
@@ -41,9 +48,13 @@ __kernel void cells_together(
     s->vertices = 8;
     uint visited = 0;
     float farthest = 0.0f;
+#if TAKES_NEAR
+    take_cell(s, record);
+#else
     if (status == COMPLETE) {
         status = complete_together(s, shells, site, &visited, &farthest);
     }
+#endif
     CellSums part = (CellSums){ 0 };
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real winding = REAL(1.0);
@@ -117,6 +128,12 @@ __kernel void cells_together(
     }
 #endif
     const uint exact = lanes_with(s->exact);
+#if GIVES_NEAR
+    uint place = 0;
+    if (status == NEAR) {
+        status = give_cell(s, near, counters, site, exact, &place);
+    }
+#endif
     if (s->lane != 0u) {
         return;
     }
@@ -136,10 +153,12 @@ __kernel void cells_together(
         failed[atomic_inc(counters + OF_FAILED)] = site;
         return;
     }
+#if GIVES_NEAR
     if (status == NEAR) {
-        undecided[atomic_inc(counters + OF_UNDECIDED)] = site;
+        undecided[atomic_inc(counters + OF_UNDECIDED)] = place;
         return;
     }
+#endif
     if ((status != COMPLETE) && (status != EMPTY)) {
         boundary[atomic_inc(counters + OF_BOUNDARY)] = site;
         return;

@@ -17,9 +17,9 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
     *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
 #if WITH_DOMAIN
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    const uint near = surface_near(s, farthest, &lo);
+    const uint near = (TAKES_NEAR != 0) ? 1u : surface_near(s, farthest, &lo);
     *winding = (real)store_winding(s, lo);
-#if (WITH_SURFACE == 0) && (WITH_FACETS == 0)
+#if GIVES_NEAR
     if (near != 0u) {
         return NEAR;
     }

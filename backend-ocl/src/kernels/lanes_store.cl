@@ -8,6 +8,10 @@
 // Built with -D LANES: 32, a warp of NVIDIA's, which talks through its registers; or 1, with which any device can run it and find the same
 // cells.
 
+// Whether finished cells near the surface are given to the stage WITH_SURFACE, as records; and whether this is that stage.
+#define GIVES_NEAR (WITH_DOMAIN && !WITH_FACETS && !WITH_SURFACE && !WITH_EXACT)
+#define TAKES_NEAR (WITH_SURFACE && !WITH_EXACT)
+
 // Room of a cell; what needs more is left to the kernel that computes a cell with one work-item.
 #define LANES_P 64u
 #define LANES_V 64u

@@ -16,7 +16,7 @@ typedef struct {
 #define ALL_SUMS 18u
 
 // Counters: the lengths of the lists of cells that did not end, the most sites that a cell visited, facet records, the most triangles
-// that a cell tried.
+// that a cell tried, the length of the records of cells near the surface.
 #define OF_BOUNDARY 0u
 #define OF_FAILED 1u
 #define OF_FULL 2u
@@ -24,6 +24,7 @@ typedef struct {
 #define VISITED 4u
 #define OF_FACETS 5u
 #define TRIED 6u
+#define OF_NEAR 7u
 
 // Writes the sums of the caller's site i.
 INLINE void write_sums(__global real *sums, uint flags, uint i, const CellSums *part) {

@@ -40,6 +40,8 @@ typedef struct {
     // Nodes of the quadrature rule, and the polynomial's degree.
     uint nodes;
     uint degree;
+    // Room for records of cells near the surface.
+    uint near_room;
 } Params;
 
 // A node of the tree inside a crowded voxel (`ClusterNode`).

@@ -1,0 +1,59 @@
+// Finished cells near the domain's surface, on their way from the stage that cuts all cells to the stage that looks at the surface. A record:
+// site, numbers of half-spaces and of vertices, whether exact arithmetic was needed; the vertices in single precision; their
+// triplets, and the sites beyond the half-spaces.
+
+#if GIVES_NEAR
+// Writes the record of a cell, whose place is `place`: `NEAR`, or `LEFT` where there is no room.
+INLINE uint give_cell(
+    Store *s, __global uint4 *near, volatile __global uint *counters, uint site, uint exact, uint *place
+) {
+    const uint words = s->vertices + s->planes;
+    const uint length = (1u + s->vertices) + ((words + 3u) / 4u);
+    uint begin = 0;
+    if (s->lane == 0u) {
+        begin = atomic_add(counters + OF_NEAR, length);
+    }
+    begin = lane_value(begin, 0);
+    *place = begin;
+    if ((begin + length) > s->world.params->near_room) {
+        return LEFT;
+    }
+    __global uint4 *record = near + begin;
+    if (s->lane == 0u) {
+        *record = (uint4)(site, s->planes, s->vertices, exact);
+    }
+    __global uint *word = (__global uint *)((record + 1) + s->vertices);
+    for (uint v = s->lane; v < s->vertices; v += LANES) {
+        record[1u + v] = as_uint4(s->cell->rough[v]);
+        word[v] = s->cell->triplet[v];
+    }
+    for (uint f = s->lane; f < s->planes; f += LANES) {
+        word[s->vertices + f] = s->cell->source[f];
+    }
+    return NEAR;
+}
+#endif
+
+#if TAKES_NEAR
+// The cell of a record; that of the box, of which the first half-spaces are, has been begun.
+INLINE void take_cell(Store *s, __global const uint4 *record) {
+    __local Cell *cell = s->cell;
+    s->planes = record->y;
+    s->vertices = record->z;
+    s->exact = record->w;
+    __global const uint *word = (__global const uint *)((record + 1) + s->vertices);
+    for (uint v = s->lane; v < s->vertices; v += LANES) {
+        cell->rough[v] = as_float4(record[1u + v]);
+        cell->triplet[v] = word[v];
+        enter_edges(cell, unpacked(word[v]), v);
+    }
+    for (uint f = 6u + s->lane; f < s->planes; f += LANES) {
+        const uint beyond = word[s->vertices + f];
+        const real4 other = s->world.sites[beyond];
+        const V3 way = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
+        cell->plane[f] = bisector(way, s->weight - other.w);
+        cell->source[f] = beyond;
+    }
+    lanes_wait();
+}
+#endif

@@ -164,7 +164,8 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
             let registers = match stage {
                 _ if lanes == 1 => String::new(),
                 Stage::First => "-cl-nv-maxrregcount=96".into(),
-                _ => "-cl-nv-maxrregcount=128".into(),
+                Stage::Surface => "-cl-nv-maxrregcount=168".into(),
+                Stage::Exact => "-cl-nv-maxrregcount=128".into(),
             };
             // The facets of a cell that the surface cuts are not computed together.
             let surface = stage != Stage::First && flags & DOMAIN != 0 && flags & FACETS == 0;

@@ -26,29 +26,53 @@ INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); 
 #define VOXEL_SLACK 1e-4f
 #define VOXEL_ROUNDING 1e-6f
 
-// How many voxels near the site that the surface meets: all that a ball of radius `farthest` may meet; and the lowest of them.
-INLINE uint surface_near(Store *s, float farthest, Voxel *lo) {
+// How many voxels the surface meets of those that a box may, which reaches so far below and above the site; and the lowest of them.
+INLINE uint surface_near(Store *s, float3 below, float3 above, Voxel *lo) {
     __global const Params *params = s->world.params;
-    const real per_width = params->domain_per_width;
-    const float reach = ((farthest * ROUGH_SAFE) * convert_float_rtp(per_width)) + VOXEL_SLACK;
+    const float per_width = ROUGH_SAFE * convert_float_rtp(params->domain_per_width);
+    const real site[3] = { s->site.x, s->site.y, s->site.z };
+    const float down[3] = { below.x, below.y, below.z };
+    const float up[3] = { above.x, above.y, above.z };
     uint low[3];
     uint high[3];
-    const real site[3] = { s->site.x, s->site.y, s->site.z };
     for (uint k = 0; k < 3u; k++) {
-        const float at = (float)((site[k] - params->domain_lo[k]) * per_width);
+        const float at = (float)((site[k] - params->domain_lo[k]) * params->domain_per_width);
         const float last = (float)(params->domain_dims[k] - 1u);
-        const float wide = (reach * ROUGH_SAFE) + (fabs(at) * VOXEL_ROUNDING);
-        low[k] = (uint)clamp(at - wide, 0.0f, last);
-        high[k] = (uint)clamp(at + wide, 0.0f, last);
+        const float slack = VOXEL_SLACK + (fabs(at) * VOXEL_ROUNDING);
+        low[k] = (uint)clamp(at - ((down[k] * per_width) * ROUGH_SAFE + slack), 0.0f, last);
+        high[k] = (uint)clamp(at + ((up[k] * per_width) * ROUGH_SAFE + slack), 0.0f, last);
     }
     *lo = (Voxel){ .i = low[0], .j = low[1], .k = low[2] };
     return store_surface_voxels(s, *lo, (Voxel){ .i = high[0], .j = high[1], .k = high[2] });
 }
 
+// The same for a ball about the site, and so for its cell.
+INLINE uint surface_near_ball(Store *s, float farthest, Voxel *lo) {
+    return surface_near(s, (float3)(farthest, farthest, farthest), (float3)(farthest, farthest, farthest), lo);
+}
+
+// The same for the box of the vertices, which are in single precision, and the site.
+INLINE uint surface_near_box(Store *s, Voxel *lo) {
+    float3 below = (float3)(0.0f, 0.0f, 0.0f);
+    float3 above = below;
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        const uint v = (word * LANES) + s->lane;
+        if (v < s->vertices) {
+            const float4 p = s->cell->rough[v];
+            below = fmax(below, (float3)(p.w - p.x, p.w - p.y, p.w - p.z));
+            above = fmax(above, (float3)(p.w + p.x, p.w + p.y, p.w + p.z));
+        }
+    }
+    below = (float3)(lanes_largest(below.x), lanes_largest(below.y), lanes_largest(below.z));
+    above = (float3)(lanes_largest(above.x), lanes_largest(above.y), lanes_largest(above.z));
+    return surface_near(s, below * ROUGH_SAFE, above * ROUGH_SAFE, lo);
+}
+
 // Whether the ball of radius `farthest` about the site, and so its cell, lies outside the domain.
 INLINE uint is_outside(Store *s, float farthest) {
     Voxel lo;
-    return (surface_near(s, farthest, &lo) == 0u) && (store_winding(s, lo) == 0);
+    return (surface_near_ball(s, farthest, &lo) == 0u) && (store_winding(s, lo) == 0);
 }
 #endif
 

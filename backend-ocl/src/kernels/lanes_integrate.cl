@@ -17,7 +17,10 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
     *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
 #if WITH_DOMAIN
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    const uint near = (TAKES_NEAR != 0) ? 1u : surface_near(s, farthest, &lo);
+    uint near = (TAKES_NEAR != 0) ? 1u : surface_near_ball(s, farthest, &lo);
+    if ((TAKES_NEAR == 0) && (near != 0u)) {
+        near = surface_near_box(s, &lo);
+    }
     *winding = (real)store_winding(s, lo);
 #if GIVES_NEAR
     if (near != 0u) {

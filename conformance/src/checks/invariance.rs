@@ -1,12 +1,22 @@
 //! What must not matter does not matter.
 
 use glam::{DMat3, DVec3};
-use laguerre_core::{Backend, Output};
+use laguerre_core::{Backend, Output, Request};
 
 use crate::bounds::Planes;
 use crate::compare::{identical, moved_back, same};
 use crate::weights::Weights;
 use crate::{Case, Scene, Verdict};
+
+/// What else is asked for changes nothing, though a backend may compute a cell of which no facets are asked for in another way.
+pub fn request(backend: &dyn Backend, case: &Case) -> Verdict {
+    let scene = case.scene();
+    let all = scene.evaluate(backend, &Request::moments().with_facets().with_second_moments())?;
+    for request in [Request::moments(), Request::moments().with_second_moments()] {
+        same(&scene, &all, &scene.evaluate(backend, &request)?, Planes::Same)?;
+    }
+    Ok(())
+}
 
 /// A common shift of all weights changes nothing.
 pub fn shift_of_weights(backend: &dyn Backend, case: &Case) -> Verdict {

@@ -71,6 +71,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     law!(places::cell_barycenters),
     law!(places::facet_barycenters),
     law!(places::random_points),
+    law!(invariance::request),
     law!(invariance::shift_of_weights),
     law!(invariance::permutation),
     law!(invariance::rotation),

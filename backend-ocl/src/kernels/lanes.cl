@@ -19,6 +19,9 @@
 // Cuts between two looks at whether the cell already lies outside the domain.
 #define BETWEEN_LOOKS 3u
 
+// Radius of the ball about the site that is looked at first, in voxels of the site grid.
+#define WIDTHS_LOOKED_AT REAL(2.0)
+
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
 #if WITH_DOMAIN
@@ -168,8 +171,13 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     *farthest = farthest_of(s);
     float reach = (is_even != 0u) ? reach_square_even(*farthest) : reach_square(*farthest, extra);
 #if WITH_DOMAIN
-    // A cell that its site's own voxel tells to be inside, or near the surface, is none of those that end early.
-    const uint outside = is_outside(s, 0.0f);
+    // What a ball tells at once that most cells come to lie in.
+    Voxel around = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    const float ball = convert_float_rtz(WIDTHS_LOOKED_AT * params->grid_width);
+    s->clear = (surface_near_ball(s, ball, &around) == 0u) ? ball : 0.0f;
+    s->winding = store_winding(s, around);
+    // A cell that this or its site's own voxel tells to be inside, or near the surface, is none of those that end early.
+    const uint outside = (s->clear > 0.0f) ? (s->winding == 0) : is_outside(s, 0.0f);
     uint cuts = BETWEEN_LOOKS;
 #endif
     uint entry = 0;
@@ -253,6 +261,9 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     reach = (is_even != 0u) ? reach_square_even(*farthest) : reach_square(*farthest, extra);
 #if WITH_DOMAIN
                     if (outside != 0u) {
+                        if (*farthest <= s->clear) {
+                            return EMPTY;
+                        }
                         cuts = (cuts == 0u) ? (BETWEEN_LOOKS - 1u) : (cuts - 1u);
                         if ((cuts == 0u) && (is_outside(s, *farthest) != 0u)) {
                             return EMPTY;

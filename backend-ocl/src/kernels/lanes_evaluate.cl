@@ -39,6 +39,8 @@ __kernel void cells_together(
     s->view = WHOLE;
     s->is_fine = 0;
     s->exact = 0;
+    s->clear = -1.0f;
+    s->winding = 0;
     s->corner = 0;
     s->corners = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };

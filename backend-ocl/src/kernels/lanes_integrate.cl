@@ -17,11 +17,17 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
     *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
 #if WITH_DOMAIN
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    uint near = (TAKES_NEAR != 0) ? 1u : surface_near_ball(s, farthest, &lo);
-    if ((TAKES_NEAR == 0) && (near != 0u)) {
-        near = surface_near_box(s, &lo);
+    uint near = 1;
+    if (farthest <= s->clear) {
+        near = 0;
+        *winding = (real)s->winding;
+    } else if (TAKES_NEAR == 0) {
+        near = surface_near_ball(s, farthest, &lo);
+        if (near != 0u) {
+            near = surface_near_box(s, &lo);
+        }
+        *winding = (real)store_winding(s, lo);
     }
-    *winding = (real)store_winding(s, lo);
 #if GIVES_NEAR
     if (near != 0u) {
         return NEAR;

@@ -75,6 +75,9 @@ typedef struct {
     uint view;
     uint is_fine;
     uint exact;
+    // While the farthest vertex is within `clear`, the surface is nowhere near the cell, and its winding number is `winding`.
+    float clear;
+    int winding;
     // The corners of a facet: places, and how many.
     uchar *corner;
     uint corners;

@@ -65,7 +65,7 @@ impl Cells for Todo {
 /// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes.
 const NEAR_LENGTH: usize = 40;
 
-/// Cells of a batch near the surface that there is room for; others are computed alone. Of few cells all may be.
+/// Cells of a batch near the surface that there is room for; others are begun anew. Of few cells all may be.
 fn near_cells(share: usize) -> usize {
     share.min(MOST_CELLS).min((share.min(MOST_CELLS) / 4).max(1 << 16))
 }

@@ -3,7 +3,8 @@
 // triplets, and the sites beyond the half-spaces.
 
 #if GIVES_NEAR
-// Writes the record of a cell, whose place is `place`: `NEAR`, or `LEFT` where there is no room.
+// Writes the record of a cell, whose place is `place`: `NEAR`; or `OPEN` where there is no room: the stage WITH_EXACT finds the same cell anew,
+// so that no bit depends on which cells came first.
 INLINE uint give_cell(
     Store *s, __global uint4 *near, volatile __global uint *counters, uint site, uint exact, uint *place
 ) {
@@ -16,7 +17,7 @@ INLINE uint give_cell(
     begin = lane_value(begin, 0);
     *place = begin;
     if ((begin + length) > s->world.params->near_room) {
-        return LEFT;
+        return OPEN;
     }
     __global uint4 *record = near + begin;
     if (s->lane == 0u) {

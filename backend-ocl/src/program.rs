@@ -160,7 +160,7 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
             (compile(context, device, &EVALUATE.concat(), &options)?, "cells")
         }
         Way::Together(lanes, stage) => {
-            // With more registers each, too few cells would be computed at a time (measured; an option of NVIDIA's alone).
+            // More registers each, and fewer cells are computed at a time (measured for each stage; an option of NVIDIA's alone).
             let registers = match stage {
                 _ if lanes == 1 => String::new(),
                 Stage::First => "-cl-nv-maxrregcount=96".into(),

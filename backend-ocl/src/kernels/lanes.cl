@@ -1,8 +1,8 @@
 // A cell computed by LANES work-items together: the vertices are shared out among them when a half-space is tried, the new
 // vertices when it cuts, the candidates when the next one is looked for, the tetrahedra when the cell is integrated. It gives the same
-// cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells at
-// the surface, and those that need more room, more sites than the table of offsets holds, or exact arithmetic that is the host's, are left
-// to that kernel.
+// cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells
+// that need more room, more sites than the table of offsets holds, or exact arithmetic that is the host's, and those that the surface cuts
+// where facets are asked for, are left to that kernel.
 //
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
 // nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
@@ -104,6 +104,16 @@ INLINE float reach_square(float farthest, real extra) {
     const real reach = security_reach((real)farthest, extra);
     return convert_float_rtp(reach * reach);
 }
+INLINE float reach_square_of(float farthest, uint is_even, real extra) {
+    return (is_even != 0u) ? reach_square_even(farthest) : reach_square(farthest, extra);
+}
+
+// The half-space of the bisector with another site.
+INLINE Plane bisector_with(Store *s, uint beyond) {
+    const real4 other = s->world.sites[beyond];
+    const V3 way = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
+    return bisector(way, s->weight - other.w);
+}
 
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
@@ -169,7 +179,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     const uint below = (1u << s->lane) - 1u;
     const float per_width_up = convert_float_rtp(per_width);
     *farthest = farthest_of(s);
-    float reach = (is_even != 0u) ? reach_square_even(*farthest) : reach_square(*farthest, extra);
+    float reach = reach_square_of(*farthest, is_even, extra);
 #if WITH_DOMAIN
     // What a ball tells at once that most cells come to lie in.
     Voxel around = (Voxel){ .i = 0, .j = 0, .k = 0 };
@@ -246,9 +256,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     key[1] = (is_first != 0u) ? key[1] : USED;
                 }
                 // Each lane makes the half-space for itself.
-                const real4 other = s->world.sites[beyond];
-                const V3 way = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
-                const Plane plane = bisector(way, s->weight - other.w);
+                const Plane plane = bisector_with(s, beyond);
                 if (s->lane == 0u) {
                     cell->plane[s->planes] = plane;
                     cell->source[s->planes] = beyond;
@@ -258,7 +266,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                 const uint status = clip_together(s, trial_of(plane));
                 if (status == CUT) {
                     *farthest = farthest_of(s);
-                    reach = (is_even != 0u) ? reach_square_even(*farthest) : reach_square(*farthest, extra);
+                    reach = reach_square_of(*farthest, is_even, extra);
 #if WITH_DOMAIN
                     if (outside != 0u) {
                         if (*farthest <= s->clear) {

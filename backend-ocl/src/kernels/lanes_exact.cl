@@ -3,6 +3,14 @@
 // What double precision leaves open, too, is mostly a lattice's: there the coefficients of a column are integers of at most 62 bits times a
 // power of two, and the determinant is the sum of six products of 2×2 minors, of which each lane computes one. Otherwise each lane
 // goes through the stages of `sign_of_conflict` for its own vertex.
+
+// The side of a half-space on which a point is, in double precision.
+INLINE uint side_of(Plane plane, V3 position, real radius) {
+    const real value = (((plane.n.x * position.x) + (plane.n.y * position.y)) + (plane.n.z * position.z)) + plane.d;
+    const real bound = (norm_1(plane.n) * radius) + ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane.d));
+    return (value > bound) ? MARK_KEEP : ((value < -bound) ? MARK_CONFLICT : MARK_UNCERTAIN);
+}
+
 #if WITH_EXACT
 
 // The sum, or the difference, modulo 2²⁵⁶.
@@ -106,10 +114,7 @@ INLINE uint mark_in_double(Store *s, uint v, uint k) {
     if (find_vertex_once(s, unpacked(s->cell->triplet[v]), &position, &radius) != COMPLETE) {
         return MARK_UNCERTAIN;
     }
-    const Plane plane = s->cell->plane[k];
-    const real value = (((plane.n.x * position.x) + (plane.n.y * position.y)) + (plane.n.z * position.z)) + plane.d;
-    const real bound = (norm_1(plane.n) * radius) + ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane.d));
-    return (value > bound) ? MARK_KEEP : ((value < -bound) ? MARK_CONFLICT : MARK_UNCERTAIN);
+    return side_of(s->cell->plane[k], position, radius);
 }
 
 // Settles the lanes' marks of vertices v for half-space k, of which some are uncertain, and stay so where the host has to decide; returns

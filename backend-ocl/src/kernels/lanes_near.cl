@@ -50,9 +50,7 @@ INLINE void take_cell(Store *s, __global const uint4 *record) {
     }
     for (uint f = 6u + s->lane; f < s->planes; f += LANES) {
         const uint beyond = word[s->vertices + f];
-        const real4 other = s->world.sites[beyond];
-        const V3 way = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
-        cell->plane[f] = bisector(way, s->weight - other.w);
+        cell->plane[f] = bisector_with(s, beyond);
         cell->source[f] = beyond;
     }
     lanes_wait();

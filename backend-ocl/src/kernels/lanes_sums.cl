@@ -1,13 +1,20 @@
 // Sums over the vertices of a polytope that LANES work-items compute together.
 
-// The corners of the box of the vertices into the cell.
-OUTLINE void find_box(__local Cell *cell, uint lane, uint vertices, uint is_fine) {
+// A lane's view of its share of the vertices.
+INLINE Store share_of(__local Cell *cell, uint lane, uint vertices, uint is_fine) {
     Store share;
     share.cell = cell;
     share.lane = lane;
     share.vertices = vertices;
-    share.is_fine = is_fine;
     share.view = SHARE;
+    share.is_fine = is_fine;
+    share.exact = 0;
+    return share;
+}
+
+// The corners of the box of the vertices into the cell.
+OUTLINE void find_box(__local Cell *cell, uint lane, uint vertices, uint is_fine) {
+    Store share = share_of(cell, lane, vertices, is_fine);
     V3 low = (V3){ .x = INFINITY, .y = INFINITY, .z = INFINITY };
     V3 high = (V3){ .x = -INFINITY, .y = -INFINITY, .z = -INFINITY };
     real radius = REAL(0.0);
@@ -38,13 +45,7 @@ INLINE void turn_to_box(Store *s) {
 
 // All vertices in double precision: they take the place of the rough ones.
 OUTLINE uint refine_together(__local Cell *cell, uint lane, uint vertices, uint *exact) {
-    Store share;
-    share.cell = cell;
-    share.lane = lane;
-    share.vertices = vertices;
-    share.view = SHARE;
-    share.is_fine = 1;
-    share.exact = 0;
+    Store share = share_of(cell, lane, vertices, 1);
     uint status = COMPLETE;
     lanes_wait();
     for (uint v = 0; v < store_vertices(&share); v++) {
@@ -59,12 +60,7 @@ OUTLINE uint refine_together(__local Cell *cell, uint lane, uint vertices, uint 
 OUTLINE uint sum_together(
     __local Cell *cell, uint lane, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *sums
 ) {
-    Store share;
-    share.cell = cell;
-    share.lane = lane;
-    share.vertices = vertices;
-    share.view = SHARE;
-    share.is_fine = 1;
+    Store share = share_of(cell, lane, vertices, 1);
     CellSums part = (CellSums){ 0 };
     const uint status = integrate(&share, weight, center, reach, flags, &part);
     if (lanes_with(status != COMPLETE) != 0u) {

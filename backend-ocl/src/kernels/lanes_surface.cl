@@ -1,6 +1,16 @@
 // Cells near the domain's surface, where LANES work-items compute one together. Those that it cuts, too, but for their facets.
 #if WITH_DOMAIN && (WITH_SURFACE || WITH_FACETS)
 
+// How many voxels there are from `lo` to `hi`, and number n of them.
+INLINE uint voxels_between(Voxel lo, Voxel hi) {
+    return (((hi.i - lo.i) + 1u) * ((hi.j - lo.j) + 1u)) * ((hi.k - lo.k) + 1u);
+}
+INLINE Voxel voxel_between(Voxel lo, Voxel hi, uint n) {
+    const uint across = (hi.i - lo.i) + 1u;
+    const uint layer = across * ((hi.j - lo.j) + 1u);
+    return (Voxel){ .i = lo.i + (n % across), .j = lo.j + ((n % layer) / across), .k = lo.k + (n / layer) };
+}
+
 #if WITH_SURFACE
 // The vertices of a finished cell, each lane's own, and how many half-spaces and vertices there are.
 typedef struct {
@@ -45,13 +55,11 @@ INLINE void restore_cell(Store *s, const Saved *saved) {
 // The triangles in voxels `lo` to `hi` into the row `marked`, each once, a voxel for each lane; returns how many there are.
 INLINE uint gather_triangles(Store *s, Voxel lo, Voxel hi) {
     const uint below = (1u << s->lane) - 1u;
-    const uint across = (hi.i - lo.i) + 1u;
-    const uint layer = across * ((hi.j - lo.j) + 1u);
-    const uint all = layer * ((hi.k - lo.k) + 1u);
+    const uint all = voxels_between(lo, hi);
     uint found = 0;
     for (uint first = 0; first < all; first += LANES) {
         const uint n = first + s->lane;
-        const Voxel voxel = (Voxel){ .i = lo.i + (n % across), .j = lo.j + ((n % layer) / across), .k = lo.k + (n / layer) };
+        const Voxel voxel = voxel_between(lo, hi, n);
         uint entry = (n < all) ? store_list_begin(s, voxel) : 0u;
         const uint end = (n < all) ? store_list_end(s, voxel) : 0u;
         while (lanes_with(entry < end) != 0u) {
@@ -82,10 +90,8 @@ INLINE uint misses_cone(Store *s, const TruncatedCone *cone) {
         const float4 p = s->cell->rough[v];
         UNROLLED
         for (uint i = 0; i < 4u; i++) {
-            const V3 n = plane[i].n;
-            const real value = (((n.x * p.x) + (n.y * p.y)) + (n.z * p.z)) + plane[i].d;
-            const real bound = (norm_1(n) * p.w) + ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(plane[i].d));
-            beyond &= (value < -bound) ? 15u : ~(1u << i);
+            const uint side = side_of(plane[i], (V3){ .x = p.x, .y = p.y, .z = p.z }, p.w);
+            beyond &= (side == MARK_CONFLICT) ? 15u : ~(1u << i);
         }
     }
     return beyond;
@@ -223,11 +229,9 @@ OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, r
     // As `surface_passes_by`, each lane with other voxels.
     uint meets = is_out;
     int crossed = 0;
-    const uint across = (hi.i - lo.i) + 1u;
-    const uint layer = across * ((hi.j - lo.j) + 1u);
-    const uint all = layer * ((hi.k - lo.k) + 1u);
+    const uint all = voxels_between(lo, hi);
     for (uint n = s->lane; (n < all) && (meets == 0u); n += LANES) {
-        const Voxel voxel = (Voxel){ .i = lo.i + (n % across), .j = lo.j + ((n % layer) / across), .k = lo.k + (n / layer) };
+        const Voxel voxel = voxel_between(lo, hi, n);
         meets = voxel_passes_by(s, voxel, lo, low, high, &crossed) == 0u;
     }
     if (lanes_with(meets) == 0u) {

@@ -104,10 +104,18 @@ impl Sites {
         if farthest > FARTHEST_SITE || range.largest_weight - range.smallest_weight > LARGEST_WEIGHT_SPREAD {
             diagram.check_range(container)?;
         }
-        let voxels = Voxels::new(range.lo, range.hi, n, SITES_PER_VOXEL);
+        let coarse = Voxels::coarse(range.lo, range.hi, n);
+        shared.params.sort_into(&coarse, &range, false);
+        shared.send(context, queue)?;
+        self.starts.fill_with(context, queue, 0, coarse.count())?;
+        enqueue!(queue, &kernels.mark_voxels, n, GROUP;
+            shared.room.get()?, self.placed.get()?, &count, self.starts.get()?);
+        self.starts.read(queue, coarse.count(), &mut self.on_host.number)?;
+        let filled = self.on_host.number.iter().filter(|&&mark| mark != 0).count();
+        let voxels = coarse.over_part(range.lo, range.hi, n, filled, SITES_PER_VOXEL);
         let nodes = shared.params.sort_into(&voxels, &range, false);
         shared.send(context, queue)?;
-        let boxes = voxels.dims.iter().map(|&n| n as usize).product::<usize>();
+        let boxes = voxels.count();
         let box_count = boxes as u32;
         self.reserve(context, n, boxes, nodes)?;
 
@@ -146,10 +154,10 @@ impl Sites {
         Ok(Some(self.on_host.number[0] as usize))
     }
 
-    /// Makes room for any grid of `n` sites, so that nothing is allocated where they move and its shape is another one; and for this
-    /// one of `boxes` voxels and `nodes` of the pyramid.
+    /// Makes room for this grid of `boxes` voxels and `nodes` of the pyramid and a fourth more, and for any of `n` sites that fill half of their
+    /// box, so that nothing is allocated where they move and its shape is another one.
     fn reserve(&mut self, context: &Context, n: usize, boxes: usize, nodes: usize) -> Result<()> {
-        let boxes = boxes.max((n as f64 / SITES_PER_VOXEL) as usize);
+        let boxes = (boxes + boxes / 4).max((2.0 * n as f64 / SITES_PER_VOXEL) as usize);
         self.starts.grow(context, boxes + 1)?;
         self.offsets.grow(context, boxes + 1)?;
         // A row of voxels has the most: half as many in each level, rounded up.

@@ -29,7 +29,7 @@ const EVALUATE: [&str; 12] = [
     include_str!("kernels/evaluate.cl"),
 ];
 
-const TOGETHER: [&str; 17] = [
+const TOGETHER: [&str; 18] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
@@ -41,6 +41,7 @@ const TOGETHER: [&str; 17] = [
     include_str!("kernels/output.cl"),
     include_str!("kernels/lanes_exact.cl"),
     include_str!("kernels/lanes_clip.cl"),
+    include_str!("kernels/lanes_cap.cl"),
     include_str!("kernels/lanes.cl"),
     include_str!("kernels/lanes_near.cl"),
     include_str!("kernels/lanes_sums.cl"),
@@ -98,6 +99,7 @@ pub(crate) struct Kernels {
 /// The kernels that sort sites.
 pub(crate) struct GridKernels {
     pub(crate) enter_sites: Kernel,
+    pub(crate) mark_voxels: Kernel,
     pub(crate) count_sites: Kernel,
     pub(crate) scan_blocks: Kernel,
     pub(crate) add_blocks: Kernel,
@@ -112,6 +114,7 @@ impl GridKernels {
         let program = compile(context, device, &GRID.concat(), "")?;
         Ok(Self {
             enter_sites: Kernel::new(&program, "enter_sites")?,
+            mark_voxels: Kernel::new(&program, "mark_voxels")?,
             count_sites: Kernel::new(&program, "count_sites")?,
             scan_blocks: Kernel::new(&program, "scan_blocks")?,
             add_blocks: Kernel::new(&program, "add_blocks")?,

@@ -15,6 +15,10 @@ const ROWS: Real = 4.0;
 /// Candidates between two looks at whether the cell already lies outside the domain.
 const BETWEEN_LOOKS: usize = 8;
 
+/// Voxels from a site to its cell's farthest vertex from which on what is outside the domain is cut off; and where.
+const CAP_FROM: Real = 1.75;
+const CAP_AT: Real = 1.0;
+
 /// Finds near sites where they are crowded and a uniform grid is blind.
 pub trait Nearest: Sync {
     /// Fills `indices` with some sites of least power distance from `point`, as sorted indices, nearest first.
@@ -107,7 +111,9 @@ impl Search {
                 return search.outcome;
             }
         }
-        self.visit_rest(&mut search, block);
+        if search.cap() {
+            self.visit_rest(&mut search, block);
+        }
         search.outcome
     }
 
@@ -291,6 +297,25 @@ impl<S: CellStore> CellSearch<'_, S> {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    /// Cuts off what of the cell is far outside the domain; `false` ends the search.
+    fn cap(&mut self) -> bool {
+        let width = self.prepared.sites.voxel_width();
+        if self.farthest < CAP_FROM * width {
+            return true;
+        }
+        match cell::cap_outside(self.store, CAP_AT * width) {
+            cell::UNTOUCHED => true,
+            cell::CUT => {
+                self.farthest = farthest_vertex(self.store);
+                true
+            }
+            status => {
+                self.outcome.status = status;
+                false
             }
         }
     }

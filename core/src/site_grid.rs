@@ -3,6 +3,12 @@
 /// Sites per voxel that the resolution aims at, unless a backend asks for another (measured on the CPU: see BENCHMARKS.md).
 pub const SITES_PER_VOXEL: f64 = 4.0;
 
+/// Sites in each of the coarse voxels that tell how much of their box the sites fill, where they fill all of it: one in three thousand
+/// is empty by chance. How many there are at most, and the smallest share that counts: for the memory of the voxels that stay empty.
+const SITES_PER_COARSE_VOXEL: f64 = 8.0;
+const MOST_COARSE_VOXELS: f64 = 16384.0;
+const SMALLEST_SHARE: f64 = 1.0 / 16.0;
+
 /// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.
 pub const CROWDED: usize = 64;
 
@@ -52,11 +58,40 @@ pub struct Voxels {
 }
 
 impl Voxels {
-    /// Over `sites` sites within `[lo, hi]`, with about `sites_per_voxel` in each.
-    pub fn new(lo: [f64; 3], hi: [f64; 3], sites: usize, sites_per_voxel: f64) -> Self {
-        let (width, dims) = resolution(lo, hi, sites as f64 / sites_per_voxel);
+    /// About `wanted` voxels over `[lo, hi]`.
+    fn new(lo: [f64; 3], hi: [f64; 3], wanted: f64) -> Self {
+        let (width, dims) = resolution(lo, hi, wanted);
         let pad = std::array::from_fn(|k| 8.0 * f64::EPSILON * (f64::from(dims[k]) * width + lo[k].abs()));
         Self { lo, width, dims, pad }
+    }
+
+    /// Coarse voxels over `sites` sites within `[lo, hi]`, for [`over_part`](Self::over_part).
+    pub fn coarse(lo: [f64; 3], hi: [f64; 3], sites: usize) -> Self {
+        Self::new(lo, hi, (sites as f64 / SITES_PER_COARSE_VOXEL).min(MOST_COARSE_VOXELS))
+    }
+
+    /// Over `sites` sites within `[lo, hi]`, with about `sites_per_voxel` in each that has any, where of these coarse voxels `filled` have.
+    ///
+    /// Sites that fill a part of their box, such as those inside a domain, would else crowd in few voxels.
+    pub fn over_part(&self, lo: [f64; 3], hi: [f64; 3], sites: usize, filled: usize, sites_per_voxel: f64) -> Self {
+        let share = (filled as f64 / self.count() as f64).max(SMALLEST_SHARE);
+        Self::new(lo, hi, sites as f64 / (sites_per_voxel * share))
+    }
+
+    /// How many voxels.
+    pub fn count(&self) -> usize {
+        self.dims.iter().map(|&n| n as usize).product()
+    }
+
+    /// The voxel that holds position `x`, clamped into the grid.
+    pub fn voxel_of(&self, x: [f64; 3]) -> [u32; 3] {
+        std::array::from_fn(|k| (((x[k] - self.lo[k]) / self.width) as u32).min(self.dims[k] - 1))
+    }
+
+    /// Index of a voxel, x fastest.
+    pub fn index(&self, [i, j, k]: [u32; 3]) -> usize {
+        let [nx, ny, _] = self.dims;
+        ((k as usize * ny as usize) + j as usize) * nx as usize + i as usize
     }
 
     /// Nodes along each axis of every level of the pyramid, from the voxels up to one node.
@@ -88,10 +123,16 @@ impl SiteGrid {
         Self::with_density(positions, weights, SITES_PER_VOXEL)
     }
 
-    /// The same, with voxels of about `sites_per_voxel` sites.
+    /// The same, with about `sites_per_voxel` sites in each voxel that has any.
     pub fn with_density(positions: &[[f64; 3]], weights: &[f64], sites_per_voxel: f64) -> Self {
         let (lo, hi) = crate::diagram::bounding_box(positions);
-        let voxels = Voxels::new(lo, hi, positions.len(), sites_per_voxel);
+        let coarse = Voxels::coarse(lo, hi, positions.len());
+        let mut is_filled = vec![false; coarse.count()];
+        for &p in positions {
+            is_filled[coarse.index(coarse.voxel_of(p))] = true;
+        }
+        let filled = is_filled.iter().filter(|&&filled| filled).count();
+        let voxels = coarse.over_part(lo, hi, positions.len(), filled, sites_per_voxel);
         let mut grid = Self {
             sites: Vec::with_capacity(positions.len()),
             order: Vec::with_capacity(positions.len()),
@@ -160,14 +201,12 @@ impl SiteGrid {
 
     /// The voxel that holds position `x`, clamped into the grid.
     pub fn voxel_of(&self, x: [f64; 3]) -> [u32; 3] {
-        let dims = self.voxels.dims;
-        std::array::from_fn(|k| (((x[k] - self.voxels.lo[k]) / self.voxels.width) as u32).min(dims[k] - 1))
+        self.voxels.voxel_of(x)
     }
 
     /// Index of a voxel, x fastest.
-    pub fn voxel_index(&self, [i, j, k]: [u32; 3]) -> usize {
-        let [nx, ny, _] = self.voxels.dims;
-        ((k as usize * ny as usize) + j as usize) * nx as usize + i as usize
+    pub fn voxel_index(&self, voxel: [u32; 3]) -> usize {
+        self.voxels.index(voxel)
     }
 
     /// The sorted sites in the voxels from index `first` to `last`, inclusive.
@@ -221,7 +260,7 @@ impl SiteGrid {
     /// Counting sort by voxel; within a voxel by position, so that coincident sites stand together.
     fn sort(&mut self, positions: &[[f64; 3]], weights: &[f64]) {
         let voxels: Vec<u32> = positions.iter().map(|&p| self.voxel_index(self.voxel_of(p)) as u32).collect();
-        let count = self.voxels.dims.iter().map(|&n| n as usize).product::<usize>();
+        let count = self.voxels.count();
         let mut starts = vec![0_u32; count + 1];
         for &voxel in &voxels {
             starts[voxel as usize + 1] += 1;
@@ -399,6 +438,19 @@ mod tests {
             }
         }
         assert!(seen.iter().all(|&s| s));
+    }
+
+    #[test]
+    fn voxels_are_sized_for_the_part_that_sites_fill() {
+        let mean = |positions: &[[f64; 3]]| {
+            let grid = SiteGrid::new(positions, &[]);
+            let filled = grid.offsets().windows(2).filter(|pair| pair[0] < pair[1]).count();
+            positions.len() as f64 / filled as f64
+        };
+        let roberts = |i: u32| [0.819_173, 0.671_044, 0.549_700].map(|a| (f64::from(i) * a).fract());
+        let all: Vec<_> = (0..20_000).map(roberts).collect();
+        let part: Vec<_> = all.iter().map(|p| p.map(|x| 0.5 * x)).chain([[1.0; 3]]).collect();
+        assert!((mean(&part) / mean(&all) - 1.0).abs() < 0.25, "{} and {}", mean(&part), mean(&all));
     }
 
     #[test]

@@ -115,6 +115,11 @@ HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high);
 HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi);
 OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi);
 OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums);
+OUTLINE uint cap_outside(Store *s, real radius);
+OUTLINE V3 farthest_position(Store *s);
+OUTLINE uint part_is_outside(Store *s, V3 direction, real height);
+HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *high);
+OUTLINE uint box_of_part_is_outside(Store *s, V3 direction, real height, V3 low, V3 high, real radius);
 
 // core/src/cell/vector.rs
 
@@ -1924,4 +1929,115 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint
         k += 1;
     }
     return COMPLETE;
+}
+
+// core/src/cell/cap.rs
+
+// Cuts off, cap by cap, what lies outside the domain and farther from the site than about `radius`: `CUT` where something was, `UNTOUCHED`
+// where nothing was, or how the cell ended. Cells of sites about a domain of which `radius` is a few times their spacing come to be
+// little larger than it.
+OUTLINE uint cap_outside(Store *s, real radius) {
+    if (store_has_domain(s) == 0) {
+        return UNTOUCHED;
+    }
+    uint end = UNTOUCHED;
+    uint caps = 0;
+    while (caps < MOST_CAPS) {
+        const V3 far = farthest_position(s);
+        const real square = v3_dot(far, far);
+        real distance = radius;
+        uint status = UNTOUCHED;
+        uint doublings = 0;
+        while ((status == UNTOUCHED) && (doublings <= MOST_DOUBLINGS)) {
+            // A vertex that is not clearly farther is not worth a half-space.
+            if (square < ((REAL(2.0) * distance) * distance)) {
+                return end;
+            }
+            if (part_is_outside(s, far, distance * sqrt(square)) != 0) {
+                status = clip(s, (Plane){ .n = scale(-REAL(1.0), far), .d = distance * sqrt(square) }, TAG_CAP);
+            }
+            distance = REAL(2.0) * distance;
+            doublings += 1;
+        }
+        if (status != CUT) {
+            if (status == UNTOUCHED) {
+                return end;
+            }
+            return status;
+        }
+        end = CUT;
+        caps += 1;
+    }
+    return end;
+}
+
+// The position of the vertex that is farthest from the site.
+OUTLINE V3 farthest_position(Store *s) {
+    V3 far = store_position(s, 0);
+    uint v = 1;
+    while (v < store_vertices(s)) {
+        const V3 p = store_position(s, v);
+        if (v3_dot(p, p) > v3_dot(far, far)) {
+            far = p;
+        }
+        v += 1;
+    }
+    return far;
+}
+
+// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: no triangle is in the
+// voxels of its bounding box.
+OUTLINE uint part_is_outside(Store *s, V3 direction, real height) {
+    V3 low = direction;
+    V3 high = direction;
+    real radius = REAL(0.0);
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        add_to_part(s, v, direction, height, &low, &high);
+        radius = larger(radius, store_radius(s, v));
+        v += 1;
+    }
+    return box_of_part_is_outside(s, direction, height, low, high, radius);
+}
+
+// Widens `[low, high]`, if vertex `v` has `direction·x ≥ height`, by that vertex, and by where the ways to it from all vertices that have not
+// come to have: what of the cell has lies between such. (All by less than `height`, by a margin.)
+HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *high) {
+    const real below = height - (CAP_MARGIN * height);
+    const V3 p = store_position(s, v);
+    const real p_height = v3_dot(direction, p);
+    if (p_height < below) {
+        return;
+    }
+    *low = v3(smaller(low->x, p.x), smaller(low->y, p.y), smaller(low->z, p.z));
+    *high = v3(larger(high->x, p.x), larger(high->y, p.y), larger(high->z, p.z));
+    uint u = 0;
+    while (u < store_vertices(s)) {
+        const V3 q = store_position(s, u);
+        const real q_height = v3_dot(direction, q);
+        if (q_height < below) {
+            const V3 between = add(q, scale((below - q_height) / (p_height - q_height), sub(p, q)));
+            *low = v3(smaller(low->x, between.x), smaller(low->y, between.y), smaller(low->z, between.z));
+            *high = v3(larger(high->x, between.x), larger(high->y, between.y), larger(high->z, between.z));
+        }
+        u += 1;
+    }
+}
+
+// Whether (1) the part of the cell in the box `[low, high]` is outside, where `radius` is the vertices' largest error; no vertex is farther
+// than `direction`.
+OUTLINE uint box_of_part_is_outside(Store *s, V3 direction, real height, V3 low, V3 high, real radius) {
+    // The vertices' error, the roundings of heights and places, and of moving them into the diagram's frame.
+    const real rounding = radius + ((REAL(16.0) * UNIT_ROUNDOFF) * (norm_max(store_site(s)) + norm_1(direction)));
+    if (!((norm_1(direction) * rounding) < (REAL(0.25) * (CAP_MARGIN * height)))) {
+        return 0;
+    }
+    const V3 outward = v3(rounding, rounding, rounding);
+    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
+    voxels_of_box(s, sub(low, outward), add(high, outward), &lo, &hi);
+    if ((store_surface_voxels(s, lo, hi) == 0) && (store_winding(s, lo) == 0)) {
+        return 1;
+    }
+    return 0;
 }

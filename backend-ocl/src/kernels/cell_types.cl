@@ -77,6 +77,9 @@ typedef struct {
 // Tag of a side of a truncated cone.
 #define TAG_CONE ((uint)(0xFFFFFFF2))
 
+// Tag of a half-space that cuts off what is outside the domain.
+#define TAG_CAP ((uint)(0xFFFFFFF3))
+
 // core/src/cell/plane.rs
 
 // The half-space that keeps `n·x + d ≥ 0`; `n` need not be unit.
@@ -410,3 +413,14 @@ typedef struct {
 // Roundings, in units of the cube of a cell's extent, that may make a volume negative where the cell is a needle, whose own bound
 // does not know what cancels within its tetrahedra.
 #define ROUNDINGS_OF_NEEDLE ((real)(REAL(64.0)))
+
+// core/src/cell/cap.rs
+
+// Caps of a cell at most.
+#define MOST_CAPS ((uint)(8))
+
+// Part of the distance of a cap by which what it cuts off is taken for larger, for all roundings.
+#define CAP_MARGIN ((real)(REAL(0.015625)))
+
+// Times of `radius` that are tried as the distance of a cap: this often its double.
+#define MOST_DOUBLINGS ((uint)(3))

@@ -65,6 +65,24 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void enter_site
     }
 }
 
+// The voxel of a site.
+INLINE uint voxel_of(__global const Params *params, real4 p) {
+    const uint row = voxel_along(params, 1, p.y) + (params->grid_dims[1] * voxel_along(params, 2, p.z));
+    return voxel_along(params, 0, p.x) + (params->grid_dims[0] * row);
+}
+
+// Marks the voxels that have a site.
+__kernel void mark_voxels(__global const Params *params, __global const real4 *placed, uint count, __global uint *marks) {
+    const uint i = get_global_id(0);
+    if (i < count) {
+        // (Most are marked already, and reading costs less than writing.)
+        __global uint *mark = marks + voxel_of(params, placed[i]);
+        if (*mark == 0u) {
+            *mark = 1u;
+        }
+    }
+}
+
 // Counts the sites of each voxel, and gives each site its number among them (in no order: `sort_voxels` makes one).
 // `crowded` becomes 1 where a voxel has more than CROWDED: those the host sorts into trees.
 __kernel void count_sites(
@@ -75,9 +93,7 @@ __kernel void count_sites(
     if (i >= count) {
         return;
     }
-    const real4 p = placed[i];
-    const uint row = voxel_along(params, 1, p.y) + (params->grid_dims[1] * voxel_along(params, 2, p.z));
-    const uint voxel = voxel_along(params, 0, p.x) + (params->grid_dims[0] * row);
+    const uint voxel = voxel_of(params, placed[i]);
     const uint number = atomic_inc(counts + voxel);
     place[i] = (uint2)(voxel, number);
     if (number >= CROWDED) {

@@ -22,6 +22,12 @@
 // Radius of the ball about the site that is looked at first, in voxels of the site grid.
 #define WIDTHS_LOOKED_AT REAL(2.0)
 
+// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex from
+// which on what is outside the domain is cut off, and where: by the stage WITH_EXACT.
+#define INNER_SHELLS 27u
+#define CAP_FROM REAL(2.25)
+#define CAP_AT REAL(1.25)
+
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
 #if WITH_DOMAIN
@@ -189,9 +195,27 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     // A cell that this or its site's own voxel tells to be inside, or near the surface, is none of those that end early.
     const uint outside = (s->clear > 0.0f) ? (s->winding == 0) : is_outside(s, 0.0f);
     uint cuts = BETWEEN_LOOKS;
+    float cap_from = convert_float_rtp(CAP_FROM * params->grid_width);
 #endif
     uint entry = 0;
     for (;;) {
+#if WITH_DOMAIN
+        if ((entry >= INNER_SHELLS) && (*farthest > cap_from)) {
+#if WITH_EXACT
+            const uint status = cap_together(s, CAP_AT * params->grid_width);
+            if (status == CUT) {
+                *farthest = farthest_of(s);
+                reach = reach_square_of(*farthest, is_even, extra);
+            } else if (status != UNTOUCHED) {
+                return status;
+            }
+            // Once is enough.
+            cap_from = INFINITY;
+#else
+            return OPEN;
+#endif
+        }
+#endif
         // 1. A voxel for each lane, and where its sites stand in the row of all.
         const float in_voxels = (sqrt(reach) * (per_width_up * ROUGH_SAFE)) + SHELL_SLACK;
         const uint found = gather_voxels(s, shells, center, f, (in_voxels * in_voxels) * 1.00001f, &entry);

@@ -1294,3 +1294,57 @@ __kernel void parity_add_cones(PARITY_ARGUMENTS) {
     give_CellSums(&out, sums);
     parity_dump(&out, s);
 }
+
+__kernel void parity_cap_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const real radius = take_real(&in);
+    const uint result = cap_outside(s, radius);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_farthest_position(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 result = farthest_position(s);
+    give_V3(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_part_is_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    const uint result = part_is_outside(s, direction, height);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_add_to_part(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint v = take_uint(&in);
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    V3 low = take_V3(&in);
+    V3 high = take_V3(&in);
+    add_to_part(s, v, direction, height, &low, &high);
+    give_V3(&out, low);
+    give_V3(&out, high);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_box_of_part_is_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    const V3 low = take_V3(&in);
+    const V3 high = take_V3(&in);
+    const real radius = take_real(&in);
+    const uint result = box_of_part_is_outside(s, direction, height, low, high, radius);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}

@@ -73,6 +73,7 @@ OUTLINE uint parity_store(Store *s, Input *in) {
     s->exact = 0;
     s->is_fine = 0;
     s->specials = 0;
+    s->caps = 0;
     s->last_index = 0xFFFFFFFFu;
     __global const Params *params = s->world.params;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };

@@ -17,6 +17,12 @@
 #define IN_TREE 2u
 #define AT_END 3u
 
+// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex from
+// which on what is outside the domain is cut off, and where.
+#define INNER_SHELLS 27u
+#define CAP_FROM REAL(2.25)
+#define CAP_AT REAL(1.25)
+
 // What single precision may err by in a distance to a voxel, in units of a voxel: distances are below 8, and pads below 1e-9.
 #define SHELL_SLACK 1e-5f
 
@@ -28,6 +34,7 @@ typedef struct {
     real farthest;
     uint uncertified;
     uint visited;
+    uint is_capped;
     uint where;
     // Sites at hand.
     uint next;
@@ -250,9 +257,24 @@ INLINE uint cut_by(Store *s, Search *search, uint site) {
     return clip(s, bisector(d, search->weight - other.w), site);
 }
 
+// Cuts off once what of the cell is far outside the domain: `UNTOUCHED` where the search goes on, or how the cell ended.
+INLINE uint cap_once(Store *s, Search *search) {
+    const real width = s->world.params->grid_width;
+    if ((search->is_capped != 0u) || (search->farthest < (CAP_FROM * width))) {
+        return UNTOUCHED;
+    }
+    search->is_capped = 1;
+    const uint status = cap_outside(s, CAP_AT * width);
+    if (status == CUT) {
+        search->farthest = farthest_vertex(s);
+        return UNTOUCHED;
+    }
+    return status;
+}
+
 // Whether a cell is known to lie outside the domain: looked for after the voxel itself and those at its faces, edges and corners.
 INLINE uint is_outside(Store *s, uint entry) {
-    return (((entry == 7u) || (entry == 19u)) || (entry == 27u)) && (s->world.params->has_domain != 0) && (lies_outside(s) != 0);
+    return (((entry == 7u) || (entry == 19u)) || (entry == INNER_SHELLS)) && (s->world.params->has_domain != 0) && (lies_outside(s) != 0);
 }
 
 // Goes through the table of offsets. Returns `COMPLETE` where the cell is, `UNTOUCHED` where the rest of the sites has to be searched,
@@ -280,6 +302,12 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
     uint rest = 0;
     uint left_out = 0;
     for (;;) {
+        if (entry >= INNER_SHELLS) {
+            const uint status = cap_once(s, search);
+            if (status != UNTOUCHED) {
+                return status;
+            }
+        }
         // How far a site that can cut the cell may be; the same in units of a voxel, squared.
         real reach = security_reach(search->farthest, extra);
         if (enlarged > REAL(0.0)) {
@@ -378,6 +406,7 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->weight = own.w;
     search->uncertified = 0;
     search->visited = 0;
+    search->is_capped = s->world.params->has_domain == 0;
     search->where = IN_PYRAMID;
     search->next = 0;
     search->end = 0;
@@ -394,6 +423,7 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     s->exact = 0;
     s->is_fine = 0;
     s->specials = 0;
+    s->caps = 0;
     s->last_index = 0xFFFFFFFFu;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
@@ -403,6 +433,9 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     }
     search->farthest = farthest_vertex(s);
     status = search_shells(s, search, shells);
+    if (status == UNTOUCHED) {
+        status = cap_once(s, search);
+    }
     return (status == UNTOUCHED) ? search_rest(s, search) : status;
 }
 

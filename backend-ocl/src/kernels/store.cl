@@ -5,9 +5,10 @@
 // Sources of half-spaces from here on are no sites but places in `special`.
 #define SPECIAL 0xFFFFFF00u
 
-// Places for half-spaces that are no bisectors: the six of the box, and those of a cone, of which at most four live at a time.
+// Places for half-spaces that are no bisectors: the six of the box, those of a cone, of which at most four live at a time, and the caps.
 #define BOX_PLACES 6u
 #define CONE_PLACES 8u
+#define PLACES (BOX_PLACES + CONE_PLACES + MOST_CAPS)
 
 // While the cell is clipped, it is kept small, so that many cells fit into the cache: half-spaces as the site they come from, and
 // vertices rounded to single precision, with an error radius that knows it. Where that is not enough to decide a sign, the vertex is
@@ -24,9 +25,10 @@ typedef struct {
     // The half-space that was set last, and its index.
     uint last_index;
     Plane last;
-    Plane special[BOX_PLACES + CONE_PLACES];
-    uint special_tag[BOX_PLACES + CONE_PLACES];
+    Plane special[PLACES];
+    uint special_tag[PLACES];
     uint specials;
+    uint caps;
     uint source[CAP_P];
     ushort link[CAP_P];
 #if WITH_FACETS
@@ -87,7 +89,10 @@ INLINE void store_set_tag(Store *s, uint f, uint tag) {
         return;
     }
     uint place = f;
-    if (tag != TAG_BOX) {
+    if (tag == TAG_CAP) {
+        place = (BOX_PLACES + CONE_PLACES) + s->caps;
+        s->caps++;
+    } else if (tag != TAG_BOX) {
         place = BOX_PLACES + (s->specials % CONE_PLACES);
         s->specials++;
     }

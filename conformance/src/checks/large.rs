@@ -2,7 +2,7 @@
 
 use laguerre_core::oracle::Naive;
 use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, CellStatus, Request};
+use laguerre_core::{Backend, CellStatus, Output, Request};
 
 use crate::bounds::{Planes, SUM};
 use crate::compare::{same, same_cells};
@@ -38,10 +38,46 @@ pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
     same_cells(&scene, &output, &naive.map_err(|error| error.to_string())?, Planes::Same, &cells)
 }
 
+/// Sites that fill a part of their container, those near its inside or those on one side of it: cells at the edge of the cloud reach far
+/// beyond it, outside the container or within. The sums, and the oracle's answer in every 31st cell.
+pub fn clouds(backend: &dyn Backend) -> Verdict {
+    for (shape, weights) in [
+        (Shape::Trefoil, Weights::None),
+        (Shape::Cavity, Weights::Mild),
+        (Shape::Sphere, Weights::None),
+        (Shape::Torus, Weights::Mild),
+    ] {
+        let all = white(6000, weights, shape);
+        let cells = all.evaluate(backend, &Request::moments())?;
+        let (lo, hi) = all.room.bounding_box();
+        let near: Vec<usize> = (0..all.len()).filter(|&i| cells.volume[i] > 0.0).collect();
+        let aside = (0..all.len()).filter(|&i| all.positions[i][0] < lo[0] + 0.3 * (hi[0] - lo[0])).collect();
+        for cloud in [near, aside] {
+            let scene = Scene {
+                positions: cloud.iter().map(|&i| all.positions[i]).collect(),
+                weights: cloud.iter().filter_map(|&i| all.weights.get(i).copied()).collect(),
+                room: all.room.clone(),
+            };
+            let output = scene.with_facets(backend)?;
+            fills(&scene, &output).map_err(|reason| format!("{shape:?}: {reason}"))?;
+            let some: Vec<usize> = (0..scene.len()).step_by(31).collect();
+            let only: Vec<u32> = some.iter().map(|&i| i as u32).collect();
+            let naive = Naive::only(&only).evaluate(&scene.diagram()?, &Request::moments().with_facets());
+            same_cells(&scene, &output, &naive.map_err(|error| error.to_string())?, Planes::Same, &some)
+                .map_err(|reason| format!("{shape:?}: {reason}"))?;
+        }
+    }
+    Ok(())
+}
+
 /// 20,000 sites in a knot: the sums, to 1e-14.
 pub fn many_sites_in_a_mesh(backend: &dyn Backend) -> Verdict {
     let scene = white(20_000, Weights::Mild, Shape::Trefoil);
-    let output = scene.evaluate(backend, &Request::moments())?;
+    fills(&scene, &scene.evaluate(backend, &Request::moments())?)
+}
+
+/// The volumes sum to the container's.
+fn fills(scene: &Scene, output: &Output) -> Verdict {
     let mut sum = Sum::default();
     sum.extend(output.volume.iter().copied());
     let (total, volume) = (sum.total(), scene.room.volume());

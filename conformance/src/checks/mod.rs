@@ -102,6 +102,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(large::hiding_weights),
     given!(large::one_heavy_site),
     given!(large::many_sites_in_a_mesh),
+    given!(large::clouds),
     given!(near_degenerate::vertices_lie_on_their_planes),
     given!(near_degenerate::exact_positions_are_rounded_once),
     given!(near_degenerate::signs_are_exact),

@@ -23,6 +23,7 @@
     clippy::too_many_arguments
 )]
 
+mod cap;
 mod clip;
 mod cone;
 mod expansion;
@@ -42,6 +43,7 @@ mod vector;
 mod vertex;
 mod wide;
 
+pub use cap::{MOST_CAPS, cap_outside};
 pub use clip::{begin, clip, compact_planes};
 pub use facet::{FacetSecond, FacetSum, facet_is_above_bound};
 pub use integrate::{

@@ -41,3 +41,5 @@ pub const TAG_BOX: u32 = 0xFFFF_FFF0;
 pub const TAG_TRIANGLE: u32 = 0xFFFF_FFF1;
 /// Tag of a side of a truncated cone.
 pub const TAG_CONE: u32 = 0xFFFF_FFF2;
+/// Tag of a half-space that cuts off what is outside the domain.
+pub const TAG_CAP: u32 = 0xFFFF_FFF3;

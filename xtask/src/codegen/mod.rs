@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The files of the algorithm, each after what it uses by value.
-const FILES: [&str; 15] = [
+const FILES: [&str; 16] = [
     "vector",
     "status",
     "plane",
@@ -27,6 +27,7 @@ const FILES: [&str; 15] = [
     "cone",
     "near",
     "restrict",
+    "cap",
 ];
 
 /// Generated files: constants and structs, which the store is made of; functions, which use it; and what holds the functions of a device

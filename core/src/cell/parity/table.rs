@@ -1,7 +1,7 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
 use super::{FLAGS, Function, Word, Words};
-use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, security, quadrature, integrate, facet, cone, near, restrict, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
+use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, security, quadrature, integrate, facet, cone, near, restrict, cap, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
 
 words!(V3 { x, y, z });
 words!(Plane { n, d });
@@ -129,4 +129,9 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (low: V3, high: V3, lo: Voxel, hi: Voxel) restrict::voxels_of_box(&s, low, high, &mut lo, &mut hi), [lo, hi]),
     host!(s, (lo: Voxel, hi: Voxel) restrict::voxels_of_cell(&s, &mut lo, &mut hi), [lo, hi]),
     host!(s, (lo: Voxel, hi: Voxel, center: V3, flags: u32 in FLAGS, touched: u32, sums: CellSums) restrict::add_cones(&mut s, lo, hi, center, flags, &mut touched, &mut sums), [touched, sums]),
+    host!(s, (radius: f64) cap::cap_outside(&mut s, radius), []),
+    host!(s, () cap::farthest_position(&s), []),
+    host!(s, (direction: V3, height: f64) cap::part_is_outside(&s, direction, height), []),
+    host!(s, (v: u32, direction: V3, height: f64, low: V3, high: V3) cap::add_to_part(&s, v, direction, height, &mut low, &mut high), [low, high]),
+    host!(s, (direction: V3, height: f64, low: V3, high: V3, radius: f64) cap::box_of_part_is_outside(&s, direction, height, low, high, radius), []),
 ];

@@ -417,10 +417,16 @@ typedef struct {
 // core/src/cell/cap.rs
 
 // Caps of a cell at most.
-#define MOST_CAPS ((uint)(8))
+#define MOST_CAPS ((uint)(16))
 
 // Part of the distance of a cap by which what it cuts off is taken for larger, for all roundings.
 #define CAP_MARGIN ((real)(REAL(0.015625)))
 
-// Times of `radius` that are tried as the distance of a cap: this often its double.
-#define MOST_DOUBLINGS ((uint)(3))
+// Parts of what a cap cuts off, eight along each axis, that are looked at where its bounding box does not tell.
+#define ALL_PARTS ((uint)(512))
+
+// The first distance of a cap that is tried, in units of the radius to be reached: its facet has vertices that are farther.
+#define FIRST_DISTANCE ((real)(REAL(0.85)))
+
+// A vertex less than this times as far as a cap is not worth one.
+#define WORTH_A_CAP ((real)(REAL(1.1)))

@@ -22,12 +22,6 @@
 // Radius of the ball about the site that is looked at first, in voxels of the site grid.
 #define WIDTHS_LOOKED_AT REAL(2.0)
 
-// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex from
-// which on what is outside the domain is cut off, and where: by the stage WITH_EXACT.
-#define INNER_SHELLS 27u
-#define CAP_FROM REAL(2.25)
-#define CAP_AT REAL(1.25)
-
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
 #if WITH_DOMAIN
@@ -114,13 +108,6 @@ INLINE float reach_square_of(float farthest, uint is_even, real extra) {
     return (is_even != 0u) ? reach_square_even(farthest) : reach_square(farthest, extra);
 }
 
-// The half-space of the bisector with another site.
-INLINE Plane bisector_with(Store *s, uint beyond) {
-    const real4 other = s->world.sites[beyond];
-    const V3 way = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
-    return bisector(way, s->weight - other.w);
-}
-
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
 INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, uint *entry) {
@@ -195,6 +182,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     // A cell that this or its site's own voxel tells to be inside, or near the surface, is none of those that end early.
     const uint outside = (s->clear > 0.0f) ? (s->winding == 0) : is_outside(s, 0.0f);
     uint cuts = BETWEEN_LOOKS;
+    uint is_sampled = 0;
     float cap_from = convert_float_rtp(CAP_FROM * params->grid_width);
 #endif
     uint entry = 0;
@@ -202,13 +190,23 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
 #if WITH_DOMAIN
         if ((entry >= INNER_SHELLS) && (*farthest > cap_from)) {
 #if WITH_EXACT
-            const uint status = cap_together(s, CAP_AT * params->grid_width);
-            if (status == CUT) {
-                *farthest = farthest_of(s);
-                reach = reach_square_of(*farthest, is_even, extra);
-            } else if (status != UNTOUCHED) {
+            Store copy = *s;
+            uint status = cap_together(&copy, CAP_FROM * params->grid_width);
+            if (((status == CUT) || (status == UNTOUCHED)) && (farthest_of(&copy) > convert_float_rtp(SAMPLE_FROM * params->grid_width))) {
+                is_sampled = 1;
+                status = sample_together(&copy, own);
+                if ((status == CUT) || (status == UNTOUCHED)) {
+                    status = cap_together(&copy, CAP_FROM * params->grid_width);
+                }
+            }
+            s->planes = copy.planes;
+            s->vertices = copy.vertices;
+            s->exact |= copy.exact;
+            if ((status != CUT) && (status != UNTOUCHED)) {
                 return status;
             }
+            *farthest = farthest_of(s);
+            reach = reach_square_of(*farthest, is_even, extra);
             // Once is enough.
             cap_from = INFINITY;
 #else
@@ -268,9 +266,6 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                 if (nearest >= as_uint(reach)) {
                     break;
                 }
-                if (s->planes == LANES_P) {
-                    return LEFT;
-                }
                 // (No index, so that all stays in registers.)
                 const uint from = lowest_bit(lanes_with(mine == nearest));
                 const uint is_first = key[0] == mine;
@@ -279,15 +274,14 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     key[0] = (is_first != 0u) ? USED : key[0];
                     key[1] = (is_first != 0u) ? key[1] : USED;
                 }
-                // Each lane makes the half-space for itself.
-                const Plane plane = bisector_with(s, beyond);
-                if (s->lane == 0u) {
-                    cell->plane[s->planes] = plane;
-                    cell->source[s->planes] = beyond;
+#if WITH_DOMAIN && WITH_EXACT
+                if ((is_sampled != 0u) && (has_cut(s, beyond) != 0u)) {
+                    continue;
                 }
-                lanes_wait();
+#endif
                 *visited += 1u;
-                const uint status = clip_together(s, trial_of(plane));
+                // Each lane makes the half-space for itself.
+                const uint status = cut_together(s, bisector_with(s, beyond), beyond);
                 if (status == CUT) {
                     *farthest = farthest_of(s);
                     reach = reach_square_of(*farthest, is_even, extra);

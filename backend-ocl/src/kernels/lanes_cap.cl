@@ -1,5 +1,15 @@
 // Cuts off what of a cell is far outside the domain (`core/src/cell/cap.rs`), where LANES work-items compute it together: only built
 // WITH_EXACT, since a cell of a site amid others reaches nowhere far.
+
+// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex beyond
+// which what is outside the domain is cut off: somewhat less than half of what the table holds.
+#define INNER_SHELLS 27u
+#define CAP_FROM REAL(1.95)
+
+// The same from which on the cell is cut by a sample of all sites before; and its size.
+#define SAMPLE_FROM REAL(5.0)
+#define SAMPLE 512u
+
 #if WITH_DOMAIN && WITH_EXACT
 
 // The position of the vertex that is farthest from the site.
@@ -27,39 +37,58 @@ INLINE uint part_is_outside_together(Store *s, V3 direction, real height) {
         radius = fmax(radius, store_radius(s, v));
     }
     low = scale(REAL(-1.0), lanes_most_of(scale(REAL(-1.0), low)));
-    return box_of_part_is_outside(s, direction, height, low, lanes_most_of(high), lanes_folded(radius, 0u));
+    high = lanes_most_of(high);
+    if (widen_part(s, direction, height, lanes_folded(radius, 0u), &low, &high) == 0u) {
+        return 0;
+    }
+    return lanes_with(boxes_are_outside(s, direction, height, low, high, s->lane, LANES) == 0u) == 0u;
 }
 
 // `cap_outside`: `CUT`, `UNTOUCHED`, or how the cell ended.
-INLINE uint cap_together(Store *s, real radius) {
+OUTLINE uint cap_together(Store *s, real radius) {
     uint end = UNTOUCHED;
     for (uint caps = 0; caps < MOST_CAPS; caps++) {
         const V3 far = farthest_together(s);
-        const real square = v3_dot(far, far);
-        real distance = radius;
+        const real length = sqrt(v3_dot(far, far));
+        if (length <= radius) {
+            return end;
+        }
+        real distance = FIRST_DISTANCE * radius;
         uint status = UNTOUCHED;
-        for (uint doublings = 0; (status == UNTOUCHED) && (doublings <= MOST_DOUBLINGS); doublings++) {
-            if (square < ((REAL(2.0) * distance) * distance)) {
-                return end;
-            }
-            if (s->planes == LANES_P) {
-                return LEFT;
-            }
-            const Plane plane = (Plane){ .n = scale(REAL(-1.0), far), .d = distance * sqrt(square) };
+        while ((status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length)) {
+            const Plane plane = (Plane){ .n = scale(REAL(-1.0), far), .d = distance * length };
             if (part_is_outside_together(s, far, plane.d) != 0u) {
-                if (s->lane == 0u) {
-                    s->cell->plane[s->planes] = plane;
-                    s->cell->source[s->planes] = TAG_CAP;
-                }
-                lanes_wait();
-                status = clip_together(s, trial_of(plane));
+                status = cut_together(s, plane, TAG_CAP);
             }
-            distance = REAL(2.0) * distance;
+            distance = next_distance(distance, radius);
+        }
+        if (status == UNTOUCHED) {
+            return end;
         }
         if (status != CUT) {
-            return (status == UNTOUCHED) ? end : status;
+            return status;
         }
         end = CUT;
+    }
+    return end;
+}
+
+// Cuts by a sample of all sites, as `cap_far` of `search.cl`: `CUT`, `UNTOUCHED`, or how the cell ended.
+OUTLINE uint sample_together(Store *s, uint own) {
+    __global const uint *dims = s->world.params->grid_dims;
+    const ulong sites = s->world.voxels[dims[0] * (dims[1] * dims[2])];
+    uint end = UNTOUCHED;
+    for (uint i = 0; i < SAMPLE; i++) {
+        const uint site = (uint)((i * sites) / SAMPLE);
+        if ((site == own) || (has_cut(s, site) != 0u)) {
+            continue;
+        }
+        const uint status = cut_together(s, bisector_with(s, site), site);
+        if (status == CUT) {
+            end = CUT;
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
     }
     return end;
 }

@@ -185,3 +185,89 @@ INLINE uint clip_together(Store *s, Trial trial) {
     return CUT;
 }
 
+
+#if WITH_EXACT
+// Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`).
+OUTLINE void compact_together(Store *s) {
+    __local Cell *cell = s->cell;
+    for (uint f = s->lane; f < LANES_P; f += LANES) {
+        cell->row[f] = 0;
+    }
+    lanes_wait();
+    for (uint v = s->lane; v < s->vertices; v += LANES) {
+        const Triplet t = unpacked(cell->triplet[v]);
+        cell->row[t.a] = 1;
+        cell->row[t.b] = 1;
+        cell->row[t.c] = 1;
+    }
+    lanes_wait();
+    Plane plane[LANES_P / LANES];
+    uint source[LANES_P / LANES];
+    uint used[LANES_P / LANES];
+    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+        const uint f = (turn * LANES) + s->lane;
+        plane[turn] = cell->plane[f];
+        source[turn] = cell->source[f];
+        used[turn] = lanes_with((f < s->planes) && (cell->row[f] != 0u));
+    }
+    lanes_wait();
+    uint kept = 0;
+    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+        if (((used[turn] >> s->lane) & 1u) != 0u) {
+            const uint to = kept + popcount(used[turn] & ((1u << s->lane) - 1u));
+            cell->plane[to] = plane[turn];
+            cell->source[to] = source[turn];
+            cell->row[(turn * LANES) + s->lane] = to;
+        }
+        kept += popcount(used[turn]);
+    }
+    lanes_wait();
+    for (uint v = s->lane; v < s->vertices; v += LANES) {
+        const Triplet t = unpacked(cell->triplet[v]);
+        const Triplet to = (Triplet){ .a = cell->row[t.a], .b = cell->row[t.b], .c = cell->row[t.c] };
+        cell->triplet[v] = packed(to);
+        enter_edges(cell, to, v);
+    }
+    s->planes = kept;
+    lanes_wait();
+}
+#endif
+
+// Whether there is room for another half-space; WITH_EXACT it is made, where some are not used.
+INLINE uint has_room(Store *s) {
+#if WITH_EXACT
+    if (s->planes == LANES_P) {
+        compact_together(s);
+    }
+#endif
+    return s->planes < LANES_P;
+}
+
+// Cuts by a half-space that `source` says whose it is: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT` or `OPEN`.
+INLINE uint cut_together(Store *s, Plane plane, uint source) {
+    if (has_room(s) == 0u) {
+        return (WITH_EXACT != 0) ? LEFT : OPEN;
+    }
+    if (s->lane == 0u) {
+        s->cell->plane[s->planes] = plane;
+        s->cell->source[s->planes] = source;
+    }
+    lanes_wait();
+    return clip_together(s, trial_of(plane));
+}
+
+// Whether a site's bisector is among the cell's half-spaces.
+INLINE uint has_cut(Store *s, uint site) {
+    uint found = 0;
+    for (uint f = s->lane; f < s->planes; f += LANES) {
+        found |= s->cell->source[f] == site;
+    }
+    return lanes_with(found) != 0u;
+}
+
+// The half-space of the bisector with another site.
+INLINE Plane bisector_with(Store *s, uint beyond) {
+    const real4 other = s->world.sites[beyond];
+    const V3 way = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
+    return bisector(way, s->weight - other.w);
+}

@@ -118,6 +118,11 @@ INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flag
 // `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums) {
     __local Cell *cell = s->cell;
+#if WITH_EXACT
+    if ((s->planes + 4u) > LANES_P) {
+        compact_together(s);
+    }
+#endif
     const Saved saved = saved_cell(s);
     const uint count = gather_triangles(s, lo, hi);
     s->world.tried = count;

@@ -1304,6 +1304,14 @@ __kernel void parity_cap_outside(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_next_distance(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real distance = take_real(&in);
+    const real radius = take_real(&in);
+    const real result = next_distance(distance, radius);
+    give_real(&out, result);
+}
+
 __kernel void parity_farthest_position(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -1336,15 +1344,61 @@ __kernel void parity_add_to_part(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
-__kernel void parity_box_of_part_is_outside(PARITY_ARGUMENTS) {
+__kernel void parity_widen_part(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    const real radius = take_real(&in);
+    V3 low = take_V3(&in);
+    V3 high = take_V3(&in);
+    const uint result = widen_part(s, direction, height, radius, &low, &high);
+    give_uint(&out, result);
+    give_V3(&out, low);
+    give_V3(&out, high);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_boxes_are_outside(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
     const V3 direction = take_V3(&in);
     const real height = take_real(&in);
     const V3 low = take_V3(&in);
     const V3 high = take_V3(&in);
-    const real radius = take_real(&in);
-    const uint result = box_of_part_is_outside(s, direction, height, low, high, radius);
+    const uint first = take_uint(&in);
+    const uint step = take_uint(&in);
+    const uint result = boxes_are_outside(s, direction, height, low, high, first, step);
     give_uint(&out, result);
     parity_dump(&out, s);
+}
+
+__kernel void parity_box_is_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 low = take_V3(&in);
+    const V3 high = take_V3(&in);
+    const uint result = box_is_outside(s, low, high);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_box_misses_part(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    const V3 middle = take_V3(&in);
+    const V3 halves = take_V3(&in);
+    const uint result = box_misses_part(s, direction, height, middle, halves);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_reach_along(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 n = take_V3(&in);
+    const V3 halves = take_V3(&in);
+    const real result = reach_along(n, halves);
+    give_real(&out, result);
 }

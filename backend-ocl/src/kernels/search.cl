@@ -17,11 +17,14 @@
 #define IN_TREE 2u
 #define AT_END 3u
 
-// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex from
-// which on what is outside the domain is cut off, and where.
+// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex beyond
+// which what is outside the domain is cut off: somewhat less than half of what the table holds.
 #define INNER_SHELLS 27u
-#define CAP_FROM REAL(2.25)
-#define CAP_AT REAL(1.25)
+#define CAP_FROM REAL(1.95)
+
+// The same from which on the cell is cut by a sample of all sites before; and its size.
+#define SAMPLE_FROM REAL(5.0)
+#define SAMPLE 512u
 
 // What single precision may err by in a distance to a voxel, in units of a voxel: distances are below 8, and pads below 1e-9.
 #define SHELL_SLACK 1e-5f
@@ -35,6 +38,8 @@ typedef struct {
     uint uncertified;
     uint visited;
     uint is_capped;
+    // Whether sites from all over have cut it, which are not to cut it twice.
+    uint is_sampled;
     uint where;
     // Sites at hand.
     uint next;
@@ -249,27 +254,68 @@ OUTLINE uint next_in_pyramid(Store *s, Search *search, uint *found) {
     }
 }
 
+// Whether a site's bisector is among the cell's half-spaces.
+OUTLINE uint has_cut(Store *s, uint site) {
+    for (uint f = 0; f < s->planes; f++) {
+        if (s->source[f] == site) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 // Cuts the cell by the bisector with a site.
 INLINE uint cut_by(Store *s, Search *search, uint site) {
+    if ((search->is_sampled != 0u) && (has_cut(s, site) != 0u)) {
+        return UNTOUCHED;
+    }
     const real4 other = s->world.sites[site];
     const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y, .z = other.z - search->position.z };
     search->visited++;
     return clip(s, bisector(d, search->weight - other.w), site);
 }
 
-// Cuts off once what of the cell is far outside the domain: `UNTOUCHED` where the search goes on, or how the cell ended.
-INLINE uint cap_once(Store *s, Search *search) {
-    const real width = s->world.params->grid_width;
-    if ((search->is_capped != 0u) || (search->farthest < (CAP_FROM * width))) {
-        return UNTOUCHED;
-    }
-    search->is_capped = 1;
-    const uint status = cap_outside(s, CAP_AT * width);
+// Cuts off what of the cell is outside the domain: `UNTOUCHED` where the search goes on, or how the cell ended.
+OUTLINE uint cap_cell(Store *s, Search *search) {
+    const uint status = cap_outside(s, CAP_FROM * s->world.params->grid_width);
     if (status == CUT) {
         search->farthest = farthest_vertex(s);
         return UNTOUCHED;
     }
     return status;
+}
+
+// The same, once, for a cell that reaches far; where that does not help, after some sites from all over have made it end half-way to the other
+// parts of the domain that it reaches to.
+OUTLINE uint cap_far(Store *s, Search *search) {
+    search->is_capped = 1;
+    uint status = cap_cell(s, search);
+    if ((status != UNTOUCHED) || (search->farthest < (SAMPLE_FROM * s->world.params->grid_width))) {
+        return status;
+    }
+    search->is_sampled = 1;
+    __global const uint *dims = s->world.params->grid_dims;
+    const ulong sites = s->world.voxels[dims[0] * (dims[1] * dims[2])];
+    for (uint i = 0; i < SAMPLE; i++) {
+        const uint site = (uint)((i * sites) / SAMPLE);
+        const real4 other = s->world.sites[site];
+        const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
+                           .z = other.z - search->position.z };
+        if ((site == search->site) || (out_of_reach(s, search, square_of(d), other.w) != 0u)) {
+            continue;
+        }
+        status = cut_by(s, search, site);
+        if (status == CUT) {
+            search->farthest = farthest_vertex(s);
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+    return cap_cell(s, search);
+}
+INLINE uint cap_once(Store *s, Search *search) {
+    const uint is_far = search->farthest >= (CAP_FROM * s->world.params->grid_width);
+    return ((is_far != 0u) && (search->is_capped == 0u)) ? cap_far(s, search) : UNTOUCHED;
 }
 
 // Whether a cell is known to lie outside the domain: looked for after the voxel itself and those at its faces, edges and corners.
@@ -407,6 +453,7 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->uncertified = 0;
     search->visited = 0;
     search->is_capped = s->world.params->has_domain == 0;
+    search->is_sampled = 0;
     search->where = IN_PYRAMID;
     search->next = 0;
     search->end = 0;

@@ -9,17 +9,21 @@ use super::store::{CellStore, Voxel};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, larger, norm_1, norm_max, scale, smaller, sub, v3};
 
 /// Caps of a cell at most.
-pub const MOST_CAPS: u32 = 8;
+pub const MOST_CAPS: u32 = 16;
 
 /// Part of the distance of a cap by which what it cuts off is taken for larger, for all roundings.
 const CAP_MARGIN: Real = 0.015625;
 
-/// Times of `radius` that are tried as the distance of a cap: this often its double.
-const MOST_DOUBLINGS: u32 = 3;
+/// Parts of what a cap cuts off, eight along each axis, that are looked at where its bounding box does not tell.
+const ALL_PARTS: u32 = 512;
 
-/// Cuts off, cap by cap, what lies outside the domain and farther from the site than about `radius`: `CUT` where something was, `UNTOUCHED`
-/// where nothing was, or how the cell ended. Cells of sites about a domain of which `radius` is a few times their spacing come to be
-/// little larger than it.
+/// The first distance of a cap that is tried, in units of the radius to be reached: its facet has vertices that are farther.
+const FIRST_DISTANCE: Real = 0.85;
+/// A vertex less than this times as far as a cap is not worth one.
+const WORTH_A_CAP: Real = 1.1;
+
+/// Cuts off, cap by cap, what lies outside the domain, until no vertex is farther from the site than `radius`, or what is cannot be cut
+/// off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
 pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
     if s.has_domain() == 0 {
         return UNTOUCHED;
@@ -28,31 +32,37 @@ pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
     let mut caps: u32 = 0;
     while caps < MOST_CAPS {
         let far: V3 = farthest_position(s);
-        let square: Real = dot(far, far);
-        let mut distance: Real = radius;
+        let length: Real = dot(far, far).sqrt();
+        if length <= radius {
+            return end;
+        }
+        let mut distance: Real = FIRST_DISTANCE * radius;
         let mut status: u32 = UNTOUCHED;
-        let mut doublings: u32 = 0;
-        while (status == UNTOUCHED) && (doublings <= MOST_DOUBLINGS) {
-            // A vertex that is not clearly farther is not worth a half-space.
-            if square < ((2.0 * distance) * distance) {
-                return end;
+        while (status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length) {
+            if part_is_outside(s, far, distance * length) != 0 {
+                status = clip(s, Plane { n: scale(-1.0, far), d: distance * length }, TAG_CAP);
             }
-            if part_is_outside(s, far, distance * square.sqrt()) != 0 {
-                status = clip(s, Plane { n: scale(-1.0, far), d: distance * square.sqrt() }, TAG_CAP);
-            }
-            distance = 2.0 * distance;
-            doublings += 1;
+            distance = next_distance(distance, radius);
+        }
+        if status == UNTOUCHED {
+            return end;
         }
         if status != CUT {
-            if status == UNTOUCHED {
-                return end;
-            }
             return status;
         }
         end = CUT;
         caps += 1;
     }
     return end;
+}
+
+/// The distance that is tried next: in small steps up to the radius, then in large ones.
+#[inline]
+pub(super) fn next_distance(distance: Real, radius: Real) -> Real {
+    if distance < radius {
+        return 1.2 * distance;
+    }
+    return 1.75 * distance;
 }
 
 /// The position of the vertex that is farthest from the site.
@@ -81,7 +91,10 @@ pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) 
         radius = larger(radius, s.radius(v));
         v += 1;
     }
-    return box_of_part_is_outside(s, direction, height, low, high, radius);
+    if widen_part(s, direction, height, radius, &mut low, &mut high) == 0 {
+        return 0;
+    }
+    return boxes_are_outside(s, direction, height, low, high, 0, 1);
 }
 
 /// Widens `[low, high]`, if vertex `v` has `direction·x ≥ height`, by that vertex, and by where the ways to it from all vertices that have not
@@ -109,15 +122,15 @@ pub(super) fn add_to_part<S: CellStore>(s: &S, v: u32, direction: V3, height: Re
     }
 }
 
-/// Whether (1) the part of the cell in the box `[low, high]` is outside, where `radius` is the vertices' largest error; no vertex is farther
-/// than `direction`.
-pub(super) fn box_of_part_is_outside<S: CellStore>(
+/// Widens `[low, high]` by all roundings, `radius` the vertices' largest error; 0 where they are too large to tell. No vertex is farther than
+/// `direction`.
+pub(super) fn widen_part<S: CellStore>(
     s: &S,
     direction: V3,
     height: Real,
-    low: V3,
-    high: V3,
     radius: Real,
+    low: &mut V3,
+    high: &mut V3,
 ) -> u32 {
     // The vertices' error, the roundings of heights and places, and of moving them into the diagram's frame.
     let rounding: Real = radius + ((16.0 * UNIT_ROUNDOFF) * (norm_max(s.site()) + norm_1(direction)));
@@ -125,11 +138,78 @@ pub(super) fn box_of_part_is_outside<S: CellStore>(
         return 0;
     }
     let outward: V3 = v3(rounding, rounding, rounding);
+    *low = sub(*low, outward);
+    *high = add(*high, outward);
+    return 1;
+}
+
+/// Whether (1) all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
+/// the domain, each of `ALL_PARTS` parts of it that the cell has something of, of which only every `step`th from `first` on is looked at.
+pub(super) fn boxes_are_outside<S: CellStore>(
+    s: &S,
+    direction: V3,
+    height: Real,
+    low: V3,
+    high: V3,
+    first: u32,
+    step: u32,
+) -> u32 {
+    if box_is_outside(s, low, high) != 0 {
+        return 1;
+    }
+    let size: V3 = scale(0.125, sub(high, low));
+    // Wider than a part by what its corners are rounded by.
+    let halves: V3 = scale(0.5 + CAP_MARGIN, size);
+    let mut n: u32 = first;
+    while n < ALL_PARTS {
+        let along_x: Real = ((n & 7) as Real) + 0.5;
+        let along_y: Real = (((n >> 3) & 7) as Real) + 0.5;
+        let along_z: Real = ((n >> 6) as Real) + 0.5;
+        let middle: V3 = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
+        if box_is_outside(s, sub(middle, halves), add(middle, halves)) == 0 {
+            if box_misses_part(s, direction, height, middle, halves) == 0 {
+                return 0;
+            }
+        }
+        n += step;
+    }
+    return 1;
+}
+
+/// Whether (1) the domain's winding number is 0 all over the box `[low, high]`.
+#[inline]
+pub(super) fn box_is_outside<S: CellStore>(s: &S, low: V3, high: V3) -> u32 {
     let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
     let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    voxels_of_box(s, sub(low, outward), add(high, outward), &mut lo, &mut hi);
+    voxels_of_box(s, low, high, &mut lo, &mut hi);
     if (s.surface_voxels(lo, hi) == 0) && (s.winding(lo) == 0) {
         return 1;
     }
     return 0;
+}
+
+/// Whether (1) a box about `middle` certainly has nothing of the cell with `direction·x ≥ height`.
+#[inline]
+pub(super) fn box_misses_part<S: CellStore>(s: &S, direction: V3, height: Real, middle: V3, halves: V3) -> u32 {
+    if (dot(direction, middle) + reach_along(direction, halves)) < (height - (CAP_MARGIN * height)) {
+        return 1;
+    }
+    let mut f: u32 = 0;
+    while f < s.planes() {
+        let plane: Plane = s.plane(f);
+        let largest: Real = (dot(plane.n, middle) + plane.d) + reach_along(plane.n, halves);
+        let rounding: Real =
+            (16.0 * UNIT_ROUNDOFF) * ((norm_1(plane.n) * (norm_max(middle) + norm_max(halves))) + plane.d.abs());
+        if largest < -rounding {
+            return 1;
+        }
+        f += 1;
+    }
+    return 0;
+}
+
+/// The largest `n·x` of a box about 0.
+#[inline(always)]
+pub(super) fn reach_along(n: V3, halves: V3) -> Real {
+    return ((n.x.abs() * halves.x) + (n.y.abs() * halves.y)) + (n.z.abs() * halves.z);
 }

@@ -18,6 +18,9 @@ pub(crate) const SITES_PER_VOXEL: f64 = 2.0;
 pub(crate) const GROUP: usize = 256;
 const SCANNED: usize = 8 * GROUP;
 
+/// `block_level` of `params.cl`, where there are so many.
+const BLOCK_LEVEL: usize = 2;
+
 /// Levels of the pyramid at most (`level_begin` of `params.cl`).
 const MOST_LEVELS: usize = 32;
 
@@ -38,6 +41,8 @@ pub(crate) struct Sites {
     pub(crate) order: Room<u32>,
     pub(crate) offsets: Room<u32>,
     pub(crate) weights: Room<f64>,
+    /// What bounds the search near each block of voxels, where weights differ: `bound_blocks` of `blocks.cl`.
+    pub(crate) blocks: Room<[f64; 2]>,
     pub(crate) clusters: Room<Cluster>,
     pub(crate) roots: Room<u32>,
     on_host: OnHost,
@@ -66,6 +71,7 @@ impl Sites {
             order: Room::new("sorted sites"),
             offsets: Room::new("the site grid"),
             weights: Room::new("the pyramid"),
+            blocks: Room::new("the blocks of voxels"),
             clusters: Room::new("the trees of crowded voxels"),
             roots: Room::new("the trees of crowded voxels"),
             on_host: OnHost { ranges: Vec::new(), number: Vec::new() },
@@ -150,6 +156,11 @@ impl Sites {
                 self.weights.get()?, &shared.params.level_begin[level + 1], &nx, &ny, &nz, &shared.params.level_begin[level], &bx, &by,
                 &bz);
         }
+        if shared.params.equal_weights == 0 {
+            let blocks = levels[BLOCK_LEVEL.min(levels.len() - 1)].iter().map(|&n| n as usize).product::<usize>();
+            enqueue!(queue, &kernels.bound_blocks, blocks, GROUP;
+                shared.room.get()?, self.sites.get()?, self.offsets.get()?, self.weights.get()?, &(blocks as u32), self.blocks.get()?);
+        }
         self.offsets.read_from(queue, boxes, 1, &mut self.on_host.number)?;
         Ok(Some(self.on_host.number[0] as usize))
     }
@@ -162,6 +173,7 @@ impl Sites {
         self.offsets.grow(context, boxes + 1)?;
         // A row of voxels has the most: half as many in each level, rounded up.
         self.weights.grow(context, nodes.max(2 * boxes + MOST_LEVELS))?;
+        self.blocks.grow(context, boxes.div_ceil(4) + 1)?;
         let mut count = boxes + 1;
         for depth in 0.. {
             if self.sums.len() == depth {
@@ -197,6 +209,7 @@ impl Sites {
         self.offsets.fill(context, queue, grid.offsets())?;
         let weights: Vec<f64> = grid.levels().iter().flat_map(|level| level.largest_weight.iter().copied()).collect();
         self.weights.fill(context, queue, &weights)?;
+        self.blocks.grow(context, 1)?;
         self.clusters.fill(context, queue, &params::clusters(prepared))?;
         self.roots.fill(context, queue, grid.roots())?;
         Ok(grid.len())

@@ -38,7 +38,7 @@ pub(crate) struct Params {
     has_domain: u32,
     pub(crate) has_clusters: u32,
     pub(crate) flags: u32,
-    equal_weights: u32,
+    pub(crate) equal_weights: u32,
     pub(crate) facet_room: u32,
     nodes: u32,
     degree: u32,

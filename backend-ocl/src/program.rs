@@ -50,8 +50,12 @@ const TOGETHER: [&str; 18] = [
     include_str!("kernels/lanes_evaluate.cl"),
 ];
 
-const GRID: [&str; 3] =
-    [include_str!("kernels/prelude.cl"), include_str!("kernels/params.cl"), include_str!("kernels/grid.cl")];
+const GRID: [&str; 4] = [
+    include_str!("kernels/prelude.cl"),
+    include_str!("kernels/params.cl"),
+    include_str!("kernels/grid.cl"),
+    include_str!("kernels/blocks.cl"),
+];
 
 /// Most half-spaces that a work-item has room for; what needs more is the host's.
 pub(crate) const MOST_PLANES: u32 = 216;
@@ -107,6 +111,7 @@ pub(crate) struct GridKernels {
     pub(crate) sort_voxels: Kernel,
     pub(crate) gather_sites: Kernel,
     pub(crate) raise_level: Kernel,
+    pub(crate) bound_blocks: Kernel,
 }
 
 impl GridKernels {
@@ -122,6 +127,7 @@ impl GridKernels {
             sort_voxels: Kernel::new(&program, "sort_voxels")?,
             gather_sites: Kernel::new(&program, "gather_sites")?,
             raise_level: Kernel::new(&program, "raise_level")?,
+            bound_blocks: Kernel::new(&program, "bound_blocks")?,
         })
     }
 }

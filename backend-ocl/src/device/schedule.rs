@@ -334,7 +334,7 @@ impl Device {
         let first = (start + turns.start) as u32;
         let begin = Instant::now();
         let ran = launch!(queue, &kernels.cells, turns.len() * kernels.per_cell, kernels.group;
-            shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.clusters.get()?,
+            shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.blocks.get()?, sites.clusters.get()?,
             sites.roots.get()?, memory.shells.get()?, memory.domain_vertices.get()?, memory.triangles.get()?,
             memory.lowest_voxels.get()?, memory.list_offsets.get()?, memory.list_entries.get()?, memory.windings.get()?,
             memory.surface_table.get()?, sites.order.get()?, memory.todo.get()?, &has_list, &first, &(stride as u32),

@@ -1941,7 +1941,7 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint
 // Cuts off, cap by cap, what lies outside the domain, until no vertex is farther from the site than `radius`, or what is cannot be cut
 // off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
 OUTLINE uint cap_outside(Store *s, real radius) {
-    if (store_has_domain(s) == 0) {
+    if ((store_has_domain(s) == 0) || !(radius > REAL(0.0))) {
         return UNTOUCHED;
     }
     uint end = UNTOUCHED;

@@ -9,7 +9,6 @@
 // inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either.
 
 // The table of offsets (`search.cl`).
-#define SHELL_RADIUS 4u
 #define SHELLS 729u
 #define SHELL_SLACK 1e-5f
 
@@ -108,9 +107,26 @@ INLINE float reach_square_of(float farthest, uint is_even, real extra) {
     return (is_even != 0u) ? reach_square_even(farthest) : reach_square(farthest, extra);
 }
 
+// A squared distance in voxels, for comparison with those between voxels.
+INLINE float voxels_in_reach(Store *s, float reach) {
+    const float in_voxels = (sqrt(reach) * (convert_float_rtp(s->world.params->grid_per_width) * ROUGH_SAFE)) + SHELL_SLACK;
+    return (in_voxels * in_voxels) * 1.00001f;
+}
+
+// What bounds the search, where weights differ: what is known of the block of the site's voxel (`blocks.cl`).
+INLINE real2 block_about(Store *s) {
+    __global const Params *params = s->world.params;
+    const uint level = block_level(params);
+    const uint i = voxel_along(params, 0, s->site.x) >> level;
+    const uint j = voxel_along(params, 1, s->site.y) >> level;
+    const uint k = voxel_along(params, 2, s->site.z) >> level;
+    return s->world.blocks[i + (level_dim(params, 0, level) * (j + (level_dim(params, 1, level) * k)))];
+}
+
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
-INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, uint *entry) {
+INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, float farthest,
+                        uint *entry) {
     __global const Params *params = s->world.params;
     const uint below = (1u << s->lane) - 1u;
     uint found = 0;
@@ -128,12 +144,17 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
         const uint i = center[0] + (uint)ox;
         const uint j = center[1] + (uint)oy;
         const uint k = center[2] + (uint)oz;
-        const uint is_near = ((own < SHELLS) && ((((gx * gx) + (gy * gy)) + (gz * gz)) < limit))
+        const float square = ((gx * gx) + (gy * gy)) + (gz * gz);
+        const uint voxel = i + (params->grid_dims[0] * (j + (params->grid_dims[1] * k)));
+        uint is_near = ((own < SHELLS) && (square < limit))
             && (((i < params->grid_dims[0]) && (j < params->grid_dims[1])) && (k < params->grid_dims[2]));
+        if ((params->equal_weights == 0u) && (is_near != 0u)) {
+            is_near = square < voxels_in_reach(s, reach_square(farthest, s->world.weights[voxel] - s->weight));
+        }
         const uint all = lanes_with(is_near);
         const uint rank = found + popcount(all & below);
         if ((is_near != 0u) && (rank < LANES)) {
-            s->cell->marked[rank] = i + (params->grid_dims[0] * (j + (params->grid_dims[1] * k)));
+            s->cell->marked[rank] = voxel;
         }
         const uint out = lanes_with((is_near != 0u) && (rank >= LANES));
         const uint past = lanes_with((own < SHELLS) && ((float)shell.w >= limit));
@@ -166,11 +187,17 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                              min((uint)fmax(at.y, REAL(0.0)), params->grid_dims[1] - 1u),
                              min((uint)fmax(at.z, REAL(0.0)), params->grid_dims[2] - 1u) };
     const float3 f = (float3)((float)(at.x - (real)center[0]), (float)(at.y - (real)center[1]), (float)(at.z - (real)center[2]));
-    const real extra = params->largest_weight - s->weight;
     const uint equal = params->equal_weights;
+    // How much heavier a site of the table may be, and how far vertices may be for none beyond it to cut.
+    real extra = REAL(0.0);
+    real proved = REAL(0.0);
+    if (equal == 0u) {
+        const real2 about = block_about(s);
+        extra = about.x - s->weight;
+        proved = about.y;
+    }
     const uint is_even = extra == REAL(0.0);
     const uint below = (1u << s->lane) - 1u;
-    const float per_width_up = convert_float_rtp(per_width);
     *farthest = farthest_of(s);
     float reach = reach_square_of(*farthest, is_even, extra);
 #if WITH_DOMAIN
@@ -215,8 +242,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
         }
 #endif
         // 1. A voxel for each lane, and where its sites stand in the row of all.
-        const float in_voxels = (sqrt(reach) * (per_width_up * ROUGH_SAFE)) + SHELL_SLACK;
-        const uint found = gather_voxels(s, shells, center, f, (in_voxels * in_voxels) * 1.00001f, &entry);
+        const uint found = gather_voxels(s, shells, center, f, voxels_in_reach(s, reach), *farthest, &entry);
         uint begin = 0;
         uint count = 0;
         if (s->lane < found) {
@@ -302,8 +328,9 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
             }
         }
         if (entry >= SHELLS) {
-            // Beyond the table: all voxels in reach were in it, or the table ended.
-            return (entry > SHELLS) ? COMPLETE : LEFT;
+            // All voxels in reach were in the table, or it ended.
+            const uint is_proved = (equal != 0u) ? (entry > SHELLS) : ((real)*farthest <= proved);
+            return (is_proved != 0u) ? COMPLETE : LEFT;
         }
     }
 }

@@ -65,6 +65,17 @@ INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
     return (q >= (real)last) ? last : ((q > REAL(0.0)) ? (uint)q : 0u);
 }
 
+// Voxels along each axis to each side that the table of offsets holds (shells.rs).
+#define SHELL_RADIUS 4u
+
+// Level of the pyramid whose nodes are the blocks of `blocks.cl`: as wide as the table of offsets reaches, or all there is.
+INLINE uint block_level(__global const Params *params) { return min(2u, params->top_level); }
+
+// Nodes along an axis at a level of the pyramid.
+INLINE uint level_dim(__global const Params *params, uint axis, uint level) {
+    return (params->grid_dims[axis] + ((1u << level) - 1u)) >> level;
+}
+
 // Sites and domain, in global memory.
 typedef struct {
     __global const Params *params;
@@ -74,6 +85,8 @@ typedef struct {
     __global const uint *voxels;
     // Largest weight of each node, level after level.
     __global const real *weights;
+    // What `blocks.cl` knows of each block, where weights differ.
+    __global const real2 *blocks;
     __global const Cluster *clusters;
     __global const uint *roots;
     __global const real *domain_vertices;

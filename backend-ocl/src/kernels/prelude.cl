@@ -5,6 +5,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 
 typedef double real;
+typedef double2 real2;
 typedef double4 real4;
 #define REAL(literal) literal
 

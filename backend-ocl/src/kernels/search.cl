@@ -5,8 +5,7 @@
 // Each work-item looks for its own next candidate, and then all of a group clip together: looking must cost little. So what it needs
 // is kept in registers, and distances to voxels are in single precision and units of a voxel.
 
-// Voxels along each axis to each side that the table of offsets holds; `SHELLS` entries (search.rs makes it).
-#define SHELL_RADIUS 4u
+// Entries of the table of offsets (shells.rs makes it).
 #define SHELLS 729u
 
 // Sites in a voxel from which on the sharp test costs less than what it saves.
@@ -88,13 +87,8 @@ INLINE uint can_skip(Store *s, Search *search, V3 lo, V3 hi, real largest, uint 
     return (sharp != 0) && (box_cannot_cut(s, sub(lo, p), sub(hi, p), largest - search->weight) != 0);
 }
 
-// Nodes along an axis at a level.
-INLINE uint level_dim(Store *s, uint axis, uint level) {
-    return (s->world.params->grid_dims[axis] + ((1u << level) - 1u)) >> level;
-}
-
 INLINE uint node_index(Store *s, uint level, uint i, uint j, uint k) {
-    return i + (level_dim(s, 0, level) * (j + (level_dim(s, 1, level) * k)));
+    return i + (level_dim(s->world.params, 0, level) * (j + (level_dim(s->world.params, 1, level) * k)));
 }
 
 // Corner of a node, padded outward by what rounding can misplace a site by (`SiteGrid::node_box`).
@@ -130,7 +124,7 @@ INLINE uint enter_child(Store *s, Search *search, uint level, uint i, uint j, ui
         const uint ci = (i << 1) + (octant & 1u);
         const uint cj = (j << 1) + ((octant >> 1) & 1u);
         const uint ck = (k << 1) + (octant >> 2);
-        if ((ci < level_dim(s, 0, level - 1u)) && (cj < level_dim(s, 1, level - 1u)) && (ck < level_dim(s, 2, level - 1u))) {
+        if ((ci < level_dim(s->world.params, 0, level - 1u)) && (cj < level_dim(s->world.params, 1, level - 1u)) && (ck < level_dim(s->world.params, 2, level - 1u))) {
             search->level = level - 1u;
             search->node[0] = ci;
             search->node[1] = cj;

@@ -25,7 +25,7 @@ const WORTH_A_CAP: Real = 1.1;
 /// Cuts off, cap by cap, what lies outside the domain, until no vertex is farther from the site than `radius`, or what is cannot be cut
 /// off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
 pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
-    if s.has_domain() == 0 {
+    if (s.has_domain() == 0) || !(radius > 0.0) {
         return UNTOUCHED;
     }
     let mut end: u32 = UNTOUCHED;

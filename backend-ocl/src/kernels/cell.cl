@@ -1952,7 +1952,7 @@ OUTLINE uint cap_outside(Store *s, real radius) {
         if (length <= radius) {
             return end;
         }
-        real distance = FIRST_DISTANCE * radius;
+        real distance = larger(FIRST_DISTANCE * radius, LEAST_SHARE * length);
         uint status = UNTOUCHED;
         while ((status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length)) {
             if (part_is_outside(s, far, distance * length) != 0) {
@@ -2055,6 +2055,9 @@ OUTLINE uint widen_part(Store *s, V3 direction, real height, real radius, V3 *lo
 OUTLINE uint boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step) {
     if (box_is_outside(s, low, high) != 0) {
         return 1;
+    }
+    if ((step == 0) || (step > ALL_PARTS)) {
+        return 0;
     }
     const V3 size = scale(REAL(0.125), sub(high, low));
     // Wider than a part by what its corners are rounded by.

@@ -428,5 +428,8 @@ typedef struct {
 // The first distance of a cap that is tried, in units of the radius to be reached: its facet has vertices that are farther.
 #define FIRST_DISTANCE ((real)(REAL(0.85)))
 
+// The same in units of the farthest vertex's distance, at least: nearer caps are for a cell that is less long.
+#define LEAST_SHARE ((real)(REAL(0.0009765625)))
+
 // A vertex less than this times as far as a cap is not worth one.
 #define WORTH_A_CAP ((real)(REAL(1.1)))

@@ -53,7 +53,7 @@ OUTLINE uint cap_together(Store *s, real radius) {
         if (length <= radius) {
             return end;
         }
-        real distance = FIRST_DISTANCE * radius;
+        real distance = larger(FIRST_DISTANCE * radius, LEAST_SHARE * length);
         uint status = UNTOUCHED;
         while ((status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length)) {
             const Plane plane = (Plane){ .n = scale(REAL(-1.0), far), .d = distance * length };

@@ -19,6 +19,8 @@ const ALL_PARTS: u32 = 512;
 
 /// The first distance of a cap that is tried, in units of the radius to be reached: its facet has vertices that are farther.
 const FIRST_DISTANCE: Real = 0.85;
+/// The same in units of the farthest vertex's distance, at least: nearer caps are for a cell that is less long.
+const LEAST_SHARE: Real = 0.0009765625;
 /// A vertex less than this times as far as a cap is not worth one.
 const WORTH_A_CAP: Real = 1.1;
 
@@ -36,7 +38,7 @@ pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
         if length <= radius {
             return end;
         }
-        let mut distance: Real = FIRST_DISTANCE * radius;
+        let mut distance: Real = larger(FIRST_DISTANCE * radius, LEAST_SHARE * length);
         let mut status: u32 = UNTOUCHED;
         while (status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length) {
             if part_is_outside(s, far, distance * length) != 0 {
@@ -156,6 +158,9 @@ pub(super) fn boxes_are_outside<S: CellStore>(
 ) -> u32 {
     if box_is_outside(s, low, high) != 0 {
         return 1;
+    }
+    if (step == 0) || (step > ALL_PARTS) {
+        return 0;
     }
     let size: V3 = scale(0.125, sub(high, low));
     // Wider than a part by what its corners are rounded by.

@@ -171,8 +171,8 @@ impl World {
 /// Sites that cut a cell before its function is called.
 pub const NEIGHBORS: usize = 10;
 
-/// Room that a device has for the cell: the box, the neighbours, the cone's planes, and one more.
-pub const PLANES: u32 = 6 + NEIGHBORS as u32 + 5;
+/// Room that a device has for the cell: the box, the neighbours, the cone's planes, one more, and the caps.
+pub const PLANES: u32 = 6 + NEIGHBORS as u32 + 5 + super::MOST_CAPS;
 /// The same for vertices: `V = 2F − 4`.
 pub const VERTICES: u32 = 2 * PLANES - 4;
 

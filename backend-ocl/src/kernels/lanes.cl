@@ -209,14 +209,15 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     // A cell that this or its site's own voxel tells to be inside, or near the surface, is none of those that end early.
     const uint outside = (s->clear > 0.0f) ? (s->winding == 0) : is_outside(s, 0.0f);
     uint cuts = BETWEEN_LOOKS;
-    uint is_sampled = 0;
+    const uint deep_inside = (s->clear > 0.0f) && (s->winding != 0);
+    const float far_from = convert_float_rtp(FAR_FROM * params->grid_width);
     float cap_from = convert_float_rtp(CAP_FROM * params->grid_width);
+    uint is_sampled = 0;
 #endif
     uint entry = 0;
     for (;;) {
-#if WITH_DOMAIN
+#if WITH_DOMAIN && WITH_EXACT
         if ((entry >= INNER_SHELLS) && (*farthest > cap_from)) {
-#if WITH_EXACT
             Store copy = *s;
             uint status = cap_together(&copy, CAP_FROM * params->grid_width);
             if (((status == CUT) || (status == UNTOUCHED)) && (farthest_of(&copy) > convert_float_rtp(SAMPLE_FROM * params->grid_width))) {
@@ -236,9 +237,10 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
             reach = reach_square_of(*farthest, is_even, extra);
             // Once is enough.
             cap_from = INFINITY;
-#else
+        }
+#elif WITH_DOMAIN
+        if (((entry >= INNER_SHELLS) && (*farthest > far_from)) && (deep_inside == 0u)) {
             return OPEN;
-#endif
         }
 #endif
         // 1. A voxel for each lane, and where its sites stand in the row of all.
@@ -330,6 +332,11 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
         if (entry >= SHELLS) {
             // All voxels in reach were in the table, or it ended.
             const uint is_proved = (equal != 0u) ? (entry > SHELLS) : ((real)*farthest <= proved);
+#if WITH_DOMAIN && !WITH_EXACT
+            if ((is_proved == 0u) && (*farthest > cap_from)) {
+                return OPEN;
+            }
+#endif
             return (is_proved != 0u) ? COMPLETE : LEFT;
         }
     }

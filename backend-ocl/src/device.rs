@@ -3,8 +3,9 @@
 mod schedule;
 
 use crate::buffer::{Room, failed};
-use crate::grid::Sites;
+use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
+use crate::launch::enqueue;
 use crate::params::{Params, Shared};
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
@@ -66,6 +67,8 @@ struct Memory {
     list_entries: Room<u32>,
     windings: Room<i32>,
     surface_table: Room<u32>,
+    clearances: Room<u8>,
+    abouts: Room<[i32; 2]>,
     probe: Room<u32>,
     counters: Room<u32>,
     /// The cells of a pass, where they are not a range, and those it could not end.
@@ -137,7 +140,7 @@ impl Device {
         integrand: Option<&FramedIntegrand>,
     ) -> Result<()> {
         self.shared.params = Params::new(container, request, integrand);
-        let Self { context, queue, memory, .. } = self;
+        let Self { context, queue, memory, shared, grid_kernels, .. } = self;
         memory.integrand.fill(context, queue, &integrand.map_or(Vec::new(), FramedIntegrand::table))?;
         self.sites.upload(context, queue, diagram)?;
         let grid = container.shared_grid();
@@ -157,6 +160,13 @@ impl Device {
         memory.list_entries.fill(context, queue, grid.map_or(&[], |g| g.entries()))?;
         memory.windings.fill(context, queue, grid.map_or(&[], |g| g.windings()))?;
         memory.surface_table.fill(context, queue, grid.map_or(&[], |g| g.surface_table()))?;
+        let voxels = grid.map_or(0, |g| g.windings().len());
+        memory.clearances.grow(context, voxels)?;
+        if voxels > 0 {
+            shared.send(context, queue)?;
+            enqueue!(queue, &grid_kernels.measure_clearances, voxels, GROUP;
+                shared.room.get()?, memory.surface_table.get()?, &(voxels as u32), memory.clearances.get()?);
+        }
         self.domain = grid.cloned();
         self.first = None;
         Ok(())
@@ -190,6 +200,8 @@ impl Memory {
             list_entries: Room::new("the domain's grid"),
             windings: Room::new("the domain's grid"),
             surface_table: Room::new("the domain's grid"),
+            clearances: Room::new("the domain's grid"),
+            abouts: Room::new("what is near each site"),
             probe: Room::new("layouts"),
             counters: Room::new("counters"),
             todo: Room::new("a list of cells"),

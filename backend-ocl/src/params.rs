@@ -35,7 +35,7 @@ pub(crate) struct Params {
     top_level: u32,
     pub(crate) level_begin: [u32; 32],
     domain_dims: [u32; 3],
-    has_domain: u32,
+    pub(crate) has_domain: u32,
     pub(crate) has_clusters: u32,
     pub(crate) flags: u32,
     pub(crate) equal_weights: u32,

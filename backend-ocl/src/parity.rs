@@ -14,8 +14,9 @@ use opencl3::program::Program;
 /// The generated functions, as a device gets them.
 pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
 
-const SOURCES: [&str; 12] = [
+const SOURCES: [&str; 13] = [
     include_str!("kernels/prelude.cl"),
+    include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/ties.cl"),

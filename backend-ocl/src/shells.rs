@@ -1,7 +1,7 @@
-//! The table of voxel offsets, nearest first, that `search.cl` goes through.
+//! The table of voxel offsets, nearest first, that the kernels go through (`shells.cl`).
 
 /// Voxels along each axis to each side (`SHELL_RADIUS`).
-const RADIUS: i32 = 4;
+const RADIUS: i32 = 6;
 
 /// Offsets plus `RADIUS`, and a lower bound of the squared distance in voxels between the nearest points of this voxel and the first, and
 /// of any later one and the first, in the table or not; sorted by that distance, then by the distance of their centers.
@@ -25,12 +25,12 @@ mod tests {
     #[test]
     fn the_first_rings_are_where_the_search_looks() {
         let table = super::table();
-        assert_eq!(table.len(), 729);
-        assert_eq!(table[0], [4, 4, 4, 0]);
+        assert_eq!(table.len(), 2197);
+        assert_eq!(table[0], [6, 6, 6, 0]);
         // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
         assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
         assert!(table.is_sorted_by_key(|e| e[3]));
-        // The nearest voxel that is not in the table is 5 away along an axis, and 4 lie between.
-        assert!(table.iter().all(|e| e[3] <= 16));
+        // The nearest voxel that is not in the table is 7 away along an axis, and 6 lie between.
+        assert!(table.iter().all(|e| e[3] <= 36));
     }
 }

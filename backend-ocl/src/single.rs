@@ -30,8 +30,9 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-const SOURCE: [&str; 8] = [
+const SOURCE: [&str; 9] = [
     include_str!("kernels/single_prelude.cl"),
+    include_str!("kernels/shells.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/single_store.cl"),
     include_str!("kernels/marks.cl"),

@@ -18,6 +18,9 @@ pub const MOST_TRIANGLES: usize = 1 << 28;
 const FEWEST: usize = 10;
 const LEVELS: usize = 14;
 
+/// The smallest share of its bounding box that a domain is taken to fill, for the memory of a grid whose voxels are as far apart as sites inside.
+const SMALLEST_SHARE: f64 = 1.0 / 16.0;
+
 /// A closed triangle mesh with its integrals, shared and never copied: cloning it is cheap.
 ///
 /// The domain is the function `winding(x)` on space: 1 inside a simple closed surface whose triangles are
@@ -147,13 +150,18 @@ impl Domain {
         &self.inner.frame
     }
 
-    /// The grid over the domain for so many sites, in the coordinates of [`Domain::frame`]: one voxel for each at most, so that few cells
-    /// seem to meet the surface that do not. Built on the first call for the next power of two, and kept.
+    /// The grid over the domain for so many sites inside, in the coordinates of [`Domain::frame`]: about one voxel for each, so that few cells
+    /// seem to meet the surface that do not, and as many outside. Built on the first call for the next power of two, and kept.
     pub fn grid(&self, sites: usize) -> &Arc<DomainGrid> {
         let level = (sites.max(1).next_power_of_two().trailing_zeros() as usize).clamp(FEWEST, FEWEST + LEVELS - 1);
         self.inner.grids[level - FEWEST].get_or_init(|| {
             let vertices: Vec<[f64; 3]> = self.inner.vertices.iter().map(|&v| self.inner.frame.enter(v)).collect();
-            Arc::new(DomainGrid::new(&vertices, &self.inner.triangles, 1 << level))
+            let (lo, hi) = self.bounding_box();
+            let unit = self.inner.frame.unit();
+            let extent = (0..3).map(|k| (hi[k] - lo[k]) / unit).product::<f64>();
+            let share = (self.inner.volume / (unit * unit * unit) / extent).clamp(SMALLEST_SHARE, 1.0);
+            let in_box = f64::from(1_u32 << level) / share;
+            Arc::new(DomainGrid::new(&vertices, &self.inner.triangles, in_box as usize))
         })
     }
 }

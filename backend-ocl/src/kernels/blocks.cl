@@ -36,9 +36,9 @@ __kernel void bound_blocks(
     const uint z = (block / nx) / ny;
     // 1. The largest weight near, and the smallest of the block's own sites.
     real largest = -INFINITY;
-    for (uint k = (z > 0u) ? (z - 1u) : 0u; k < min(z + 2u, nz); k++) {
-        for (uint j = (y > 0u) ? (y - 1u) : 0u; j < min(y + 2u, ny); j++) {
-            for (uint i = (x > 0u) ? (x - 1u) : 0u; i < min(x + 2u, nx); i++) {
+    for (uint k = z - min(z, NEAR_BLOCKS); k < min(z + (NEAR_BLOCKS + 1u), nz); k++) {
+        for (uint j = y - min(y, NEAR_BLOCKS); j < min(y + (NEAR_BLOCKS + 1u), ny); j++) {
+            for (uint i = x - min(x, NEAR_BLOCKS); i < min(x + (NEAR_BLOCKS + 1u), nx); i++) {
                 largest = fmax(largest, weights[params->level_begin[own] + i + (nx * (j + (ny * k)))]);
             }
         }

@@ -1,23 +1,26 @@
 // The entry point where one work-item computes a cell.
 
-// Computes `count` cells: those of `list` from `first` on, or without a list every `stride`th site from `first` on. Each cell that ends
-// is written where the caller has its site: `outcome` (status, bit 8: exact arithmetic was needed, bit 9: uncertified), `sums`, and
-// where facets are asked for, `rows`: where their records begin, and how many they are. The others are appended to a list.
+// Computes `count` cells: those of `list` from `first` on, or without a list every `stride`th site from `first` on; every `apart`th work-item
+// computes one, since few cells take less time where they do not wait for each other. Each cell that ends is written where the caller has its
+// site: `outcome` (status, bit 8: exact arithmetic was needed, bit 9: uncertified), `sums`, and where facets are asked for, `rows`: where
+// their records begin, and how many they are. The others are appended to a list.
 __kernel void cells(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
     __global const real2 *blocks, __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
     __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
-    __global const uint *surface_table, __global const uint *order, __global const uint *list, uint has_list, uint first,
-    uint stride, uint count, uint interior_only, __global uint *outcome, __global real *sums, __global FacetRecord *facets,
+    __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
+    uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
+    __global FacetRecord *facets,
     __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
     __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand,
     __global uint4 *near
 ) {
-    if (get_global_id(0) >= count) {
+    const uint own = (uint)get_global_id(0) / apart;
+    if ((own >= count) || (((uint)get_global_id(0) % apart) != 0u)) {
         return;
     }
-    const uint turn = first + ((uint)get_global_id(0) * stride);
+    const uint turn = first + (own * stride);
     const uint site = (has_list != 0u) ? list[turn] : turn;
     Store store;
     store.world = (World){

@@ -6,55 +6,19 @@
 //
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
 // nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
-// inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either.
-
-// The table of offsets (`search.cl`).
-#define SHELLS 729u
-#define SHELL_SLACK 1e-5f
+// inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either. WITH_WEIGHTS where they differ:
+// what only they need costs others a tenth.
 
 // No key of a candidate.
 #define USED 0xFFFFFFFFu
 
-// Cuts between two looks at whether the cell already lies outside the domain.
-#define BETWEEN_LOOKS 3u
-
-// Radius of the ball about the site that is looked at first, in voxels of the site grid.
-#define WIDTHS_LOOKED_AT REAL(2.0)
-
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
 
 #if WITH_DOMAIN
-// Room for the roundings of a place in voxels in single precision, three of them, of which the site's is relative.
-#define VOXEL_SLACK 1e-4f
-#define VOXEL_ROUNDING 1e-6f
-
-// How many voxels the surface meets of those that a box may, which reaches so far below and above the site; and the lowest of them.
-INLINE uint surface_near(Store *s, float3 below, float3 above, Voxel *lo) {
-    __global const Params *params = s->world.params;
-    const float per_width = ROUGH_SAFE * convert_float_rtp(params->domain_per_width);
-    const real site[3] = { s->site.x, s->site.y, s->site.z };
-    const float down[3] = { below.x, below.y, below.z };
-    const float up[3] = { above.x, above.y, above.z };
-    uint low[3];
-    uint high[3];
-    for (uint k = 0; k < 3u; k++) {
-        const float at = (float)((site[k] - params->domain_lo[k]) * params->domain_per_width);
-        const float last = (float)(params->domain_dims[k] - 1u);
-        const float slack = VOXEL_SLACK + (fabs(at) * VOXEL_ROUNDING);
-        low[k] = (uint)clamp(at - ((down[k] * per_width) * ROUGH_SAFE + slack), 0.0f, last);
-        high[k] = (uint)clamp(at + ((up[k] * per_width) * ROUGH_SAFE + slack), 0.0f, last);
-    }
-    *lo = (Voxel){ .i = low[0], .j = low[1], .k = low[2] };
-    return store_surface_voxels(s, *lo, (Voxel){ .i = high[0], .j = high[1], .k = high[2] });
-}
-
-// The same for a ball about the site, and so for its cell.
-INLINE uint surface_near_ball(Store *s, float farthest, Voxel *lo) {
-    return surface_near(s, (float3)(farthest, farthest, farthest), (float3)(farthest, farthest, farthest), lo);
-}
-
-// The same for the box of the vertices, which are in single precision, and the site.
+// How many voxels the surface meets of those that the box of the vertices, which are in single precision, and the site may; and the lowest
+// of them.
 INLINE uint surface_near_box(Store *s, Voxel *lo) {
+    const float per_width = ROUGH_SAFE * convert_float_rtp(s->world.params->domain_per_width);
     float3 below = (float3)(0.0f, 0.0f, 0.0f);
     float3 above = below;
     UNROLLED
@@ -66,15 +30,19 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
             above = fmax(above, (float3)(p.w + p.x, p.w + p.y, p.w + p.z));
         }
     }
-    below = (float3)(lanes_largest(below.x), lanes_largest(below.y), lanes_largest(below.z));
-    above = (float3)(lanes_largest(above.x), lanes_largest(above.y), lanes_largest(above.z));
-    return surface_near(s, below * ROUGH_SAFE, above * ROUGH_SAFE, lo);
-}
-
-// Whether the ball of radius `farthest` about the site, and so its cell, lies outside the domain.
-INLINE uint is_outside(Store *s, float farthest) {
-    Voxel lo;
-    return (surface_near_ball(s, farthest, &lo) == 0u) && (store_winding(s, lo) == 0);
+    const float down[3] = { lanes_largest(below.x), lanes_largest(below.y), lanes_largest(below.z) };
+    const float up[3] = { lanes_largest(above.x), lanes_largest(above.y), lanes_largest(above.z) };
+    const real site[3] = { s->site.x, s->site.y, s->site.z };
+    uint low[3];
+    uint high[3];
+    for (uint k = 0; k < 3u; k++) {
+        const float at = place_in_domain(s->world.params, k, site[k]);
+        // (Twice: once for the sums, once for the products.)
+        low[k] = voxel_in_domain(s->world.params, k, at - ((((down[k] * ROUGH_SAFE) * per_width) * ROUGH_SAFE) + slack_at(at)));
+        high[k] = voxel_in_domain(s->world.params, k, at + ((((up[k] * ROUGH_SAFE) * per_width) * ROUGH_SAFE) + slack_at(at)));
+    }
+    *lo = (Voxel){ .i = low[0], .j = low[1], .k = low[2] };
+    return store_surface_voxels(s, *lo, (Voxel){ .i = high[0], .j = high[1], .k = high[2] });
 }
 #endif
 
@@ -99,13 +67,24 @@ INLINE float farthest_of(Store *s) {
 
 // Squared distance from which on no site can cut whose weight is the cell's; or larger by at most `extra` (`security_reach`).
 INLINE float reach_square_even(float farthest) { return (4.0f * farthest) * (farthest * ROUGH_SAFE); }
+#if WITH_WEIGHTS
 INLINE float reach_square(float farthest, real extra) {
     const real reach = security_reach((real)farthest, extra);
     return convert_float_rtp(reach * reach);
 }
-INLINE float reach_square_of(float farthest, uint is_even, real extra) {
-    return (is_even != 0u) ? reach_square_even(farthest) : reach_square(farthest, extra);
+#endif
+
+// How far a cell reaches whose farthest vertex is so far, and the squared distance from which on no site of the table of offsets can cut it: where
+// weights are equal these are the same number, for a register less in the inner loop.
+#if WITH_WEIGHTS
+INLINE float extent_of(float farthest) { return farthest; }
+INLINE float reach_of(float extent, real extra) {
+    return (extra == REAL(0.0)) ? reach_square_even(extent) : reach_square(extent, extra);
 }
+#else
+INLINE float extent_of(float farthest) { return reach_square_even(farthest); }
+INLINE float reach_of(float extent, real extra) { return extent; }
+#endif
 
 // A squared distance in voxels, for comparison with those between voxels.
 INLINE float voxels_in_reach(Store *s, float reach) {
@@ -113,7 +92,8 @@ INLINE float voxels_in_reach(Store *s, float reach) {
     return (in_voxels * in_voxels) * 1.00001f;
 }
 
-// What bounds the search, where weights differ: what is known of the block of the site's voxel (`blocks.cl`).
+#if WITH_WEIGHTS
+// What bounds the search: what is known of the block of the site's voxel (`blocks.cl`).
 INLINE real2 block_about(Store *s) {
     __global const Params *params = s->world.params;
     const uint level = block_level(params);
@@ -122,10 +102,11 @@ INLINE real2 block_about(Store *s) {
     const uint k = voxel_along(params, 2, s->site.z) >> level;
     return s->world.blocks[i + (level_dim(params, 0, level) * (j + (level_dim(params, 1, level) * k)))];
 }
+#endif
 
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
-INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, float farthest,
+INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, float extent,
                         uint *entry) {
     __global const Params *params = s->world.params;
     const uint below = (1u << s->lane) - 1u;
@@ -148,9 +129,11 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
         const uint voxel = i + (params->grid_dims[0] * (j + (params->grid_dims[1] * k)));
         uint is_near = ((own < SHELLS) && (square < limit))
             && (((i < params->grid_dims[0]) && (j < params->grid_dims[1])) && (k < params->grid_dims[2]));
-        if ((params->equal_weights == 0u) && (is_near != 0u)) {
-            is_near = square < voxels_in_reach(s, reach_square(farthest, s->world.weights[voxel] - s->weight));
+#if WITH_WEIGHTS
+        if (is_near != 0u) {
+            is_near = square < voxels_in_reach(s, reach_square(extent, s->world.weights[voxel] - s->weight));
         }
+#endif
         const uint all = lanes_with(is_near);
         const uint rank = found + popcount(all & below);
         if ((is_near != 0u) && (rank < LANES)) {
@@ -174,8 +157,15 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
     return found;
 }
 
+#if WITH_DOMAIN
+// Whether a vertex is so many voxels of the site grid away from the site, and may be on the other side of the surface.
+INLINE uint is_beyond(Store *s, float extent, real widths) {
+    return extent > fmax(extent_of(convert_float_rtp(widths * s->world.params->grid_width)), s->cell->clear);
+}
+#endif
+
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
-INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *farthest) {
+INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *extent) {
     __local Cell *cell = s->cell;
     __global const Params *params = s->world.params;
     const V3 p = s->site;
@@ -187,64 +177,48 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                              min((uint)fmax(at.y, REAL(0.0)), params->grid_dims[1] - 1u),
                              min((uint)fmax(at.z, REAL(0.0)), params->grid_dims[2] - 1u) };
     const float3 f = (float3)((float)(at.x - (real)center[0]), (float)(at.y - (real)center[1]), (float)(at.z - (real)center[2]));
-    const uint equal = params->equal_weights;
+#if WITH_WEIGHTS
     // How much heavier a site of the table may be, and how far vertices may be for none beyond it to cut.
-    real extra = REAL(0.0);
-    real proved = REAL(0.0);
-    if (equal == 0u) {
-        const real2 about = block_about(s);
-        extra = about.x - s->weight;
-        proved = about.y;
-    }
-    const uint is_even = extra == REAL(0.0);
+    const real2 about = block_about(s);
+    const real extra = about.x - s->weight;
+    const real proved = about.y;
+#else
+    const real extra = REAL(0.0);
+#endif
     const uint below = (1u << s->lane) - 1u;
-    *farthest = farthest_of(s);
-    float reach = reach_square_of(*farthest, is_even, extra);
+    *extent = extent_of(farthest_of(s));
+    float reach = reach_of(*extent, extra);
 #if WITH_DOMAIN
-    // What a ball tells at once that most cells come to lie in.
-    Voxel around = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    const float ball = convert_float_rtz(WIDTHS_LOOKED_AT * params->grid_width);
-    s->clear = (surface_near_ball(s, ball, &around) == 0u) ? ball : 0.0f;
-    s->winding = store_winding(s, around);
-    // A cell that this or its site's own voxel tells to be inside, or near the surface, is none of those that end early.
-    const uint outside = (s->clear > 0.0f) ? (s->winding == 0) : is_outside(s, 0.0f);
-    uint cuts = BETWEEN_LOOKS;
-    const uint deep_inside = (s->clear > 0.0f) && (s->winding != 0);
-    const float far_from = convert_float_rtp(FAR_FROM * params->grid_width);
-    float cap_from = convert_float_rtp(CAP_FROM * params->grid_width);
+    uint is_capped = 0;
     uint is_sampled = 0;
 #endif
     uint entry = 0;
     for (;;) {
 #if WITH_DOMAIN && WITH_EXACT
-        if ((entry >= INNER_SHELLS) && (*farthest > cap_from)) {
+        if (((entry >= INNER_SHELLS) && (is_capped == 0u)) && (is_beyond(s, *extent, CAP_FROM) != 0u)) {
             Store copy = *s;
-            uint status = cap_together(&copy, CAP_FROM * params->grid_width);
+            uint status = lanes_alike(cap_together(&copy, CAP_FROM * params->grid_width));
             if (((status == CUT) || (status == UNTOUCHED)) && (farthest_of(&copy) > convert_float_rtp(SAMPLE_FROM * params->grid_width))) {
                 is_sampled = 1;
-                status = sample_together(&copy, own);
+                status = lanes_alike(sample_together(&copy, own));
                 if ((status == CUT) || (status == UNTOUCHED)) {
-                    status = cap_together(&copy, CAP_FROM * params->grid_width);
+                    status = lanes_alike(cap_together(&copy, CAP_FROM * params->grid_width));
                 }
             }
-            s->planes = copy.planes;
-            s->vertices = copy.vertices;
+            s->planes = lanes_alike(copy.planes);
+            s->vertices = lanes_alike(copy.vertices);
             s->exact |= copy.exact;
             if ((status != CUT) && (status != UNTOUCHED)) {
                 return status;
             }
-            *farthest = farthest_of(s);
-            reach = reach_square_of(*farthest, is_even, extra);
+            *extent = extent_of(farthest_of(s));
+            reach = reach_of(*extent, extra);
             // Once is enough.
-            cap_from = INFINITY;
-        }
-#elif WITH_DOMAIN
-        if (((entry >= INNER_SHELLS) && (*farthest > far_from)) && (deep_inside == 0u)) {
-            return OPEN;
+            is_capped = 1;
         }
 #endif
         // 1. A voxel for each lane, and where its sites stand in the row of all.
-        const uint found = gather_voxels(s, shells, center, f, voxels_in_reach(s, reach), *farthest, &entry);
+        const uint found = gather_voxels(s, shells, center, f, voxels_in_reach(s, reach), *extent, &entry);
         uint begin = 0;
         uint count = 0;
         if (s->lane < found) {
@@ -281,8 +255,11 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     const real4 other = s->world.sites[site[c]];
                     const V3 way = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
                     const float square = convert_float_rtz(square_of(way));
-                    if ((site[c] != own) && (square < reach)
-                        && ((equal != 0u) || (square < reach_square(*farthest, other.w - s->weight)))) {
+                    uint is_near = (site[c] != own) && (square < reach);
+#if WITH_WEIGHTS
+                    is_near = (is_near != 0u) && (square < reach_square(*extent, other.w - s->weight));
+#endif
+                    if (is_near != 0u) {
                         key[c] = as_uint(square);
                     }
                 }
@@ -311,33 +288,40 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                 // Each lane makes the half-space for itself.
                 const uint status = cut_together(s, bisector_with(s, beyond), beyond);
                 if (status == CUT) {
-                    *farthest = farthest_of(s);
-                    reach = reach_square_of(*farthest, is_even, extra);
+                    *extent = extent_of(farthest_of(s));
 #if WITH_DOMAIN
-                    if (outside != 0u) {
-                        if (*farthest <= s->clear) {
-                            return EMPTY;
-                        }
-                        cuts = (cuts == 0u) ? (BETWEEN_LOOKS - 1u) : (cuts - 1u);
-                        if ((cuts == 0u) && (is_outside(s, *farthest) != 0u)) {
-                            return EMPTY;
-                        }
-                    }
+                    // (Then nothing reaches it, which ends the search without a way out of here of its own.)
+                    *extent = (*extent <= cell->outside) ? 0.0f : *extent;
 #endif
+                    reach = reach_of(*extent, extra);
                 } else if (status != UNTOUCHED) {
                     return status;
                 }
             }
         }
-        if (entry >= SHELLS) {
-            // All voxels in reach were in the table, or it ended.
-            const uint is_proved = (equal != 0u) ? (entry > SHELLS) : ((real)*farthest <= proved);
+        // All voxels in reach were in the table, or it ended; or the cell is for the stage WITH_EXACT, which can cut it off.
+        uint is_last = entry >= SHELLS;
 #if WITH_DOMAIN && !WITH_EXACT
-            if ((is_proved == 0u) && (*farthest > cap_from)) {
-                return OPEN;
-            }
+        is_last = is_last || ((entry >= INNER_SHELLS) && (is_beyond(s, *extent, FAR_FROM) != 0u));
 #endif
-            return (is_proved != 0u) ? COMPLETE : LEFT;
+        if (is_last != 0u) {
+            break;
         }
     }
+#if WITH_WEIGHTS
+    const uint is_proved = (entry >= SHELLS) && ((real)*extent <= proved);
+#else
+    const uint is_proved = entry > SHELLS;
+#endif
+#if WITH_DOMAIN
+    if (*extent <= cell->outside) {
+        return EMPTY;
+    }
+#endif
+#if WITH_DOMAIN && !WITH_EXACT
+    if ((is_proved == 0u) && (is_beyond(s, *extent, CAP_FROM) != 0u)) {
+        return OPEN;
+    }
+#endif
+    return (is_proved != 0u) ? COMPLETE : LEFT;
 }

@@ -1,17 +1,6 @@
 // Cuts off what of a cell is far outside the domain (`core/src/cell/cap.rs`), where LANES work-items compute it together: only built
 // WITH_EXACT, since a cell of a site amid others reaches nowhere far.
 
-// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex beyond
-// which what is outside the domain is cut off: less than half of what the table holds, since a cap leaves up to a tenth more. And those from
-// which on a cell near the surface is not expected to end by itself.
-#define INNER_SHELLS 27u
-#define CAP_FROM REAL(1.75)
-#define FAR_FROM REAL(3.0)
-
-// The same from which on the cell is cut by a sample of all sites before; and its size.
-#define SAMPLE_FROM REAL(5.0)
-#define SAMPLE 512u
-
 #if WITH_DOMAIN && WITH_EXACT
 
 // The position of the vertex that is farthest from the site.

@@ -6,17 +6,19 @@ __kernel void cells_together(
     __global const real2 *blocks, __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
     __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
-    __global const uint *surface_table, __global const uint *order, __global const uint *list, uint has_list, uint first,
-    uint stride, uint count, uint interior_only, __global uint *outcome, __global real *sums, __global FacetRecord *facets,
+    __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
+    uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
+    __global FacetRecord *facets,
     __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
     __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand,
     __global uint4 *near
 ) {
     __local Cell cells[CELLS];
-    if ((get_global_id(0) / LANES) >= count) {
+    const uint own_turn = lanes_alike((uint)get_global_id(0) / LANES);
+    if (own_turn >= count) {
         return;
     }
-    const uint turn = first + ((uint)(get_global_id(0) / LANES) * stride);
+    const uint turn = first + (own_turn * stride);
 #if TAKES_NEAR
     __global const uint4 *record = near + list[turn];
     const uint site = record->x;
@@ -31,16 +33,21 @@ __kernel void cells_together(
         .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table
     };
     const real4 own = sites[site];
-    __local Cell *cell = cells + (get_local_id(0) / LANES);
+    __local Cell *cell = cells + lanes_alike((uint)get_local_id(0) / LANES);
     s->cell = cell;
     s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
     s->lane = (uint)get_local_id(0) % LANES;
+#if WITH_DOMAIN
+    const int2 about = abouts[site];
+    const float clear = (as_float(about.x) > 0.0f) ? extent_of(as_float(about.x)) : -1.0f;
+    cell->clear = clear;
+    cell->winding = about.y;
+    cell->outside = (about.y == 0) ? clear : -1.0f;
+#endif
     s->view = WHOLE;
     s->is_fine = 0;
     s->exact = 0;
-    s->clear = -1.0f;
-    s->winding = 0;
     s->corner = 0;
     s->corners = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
@@ -49,19 +56,19 @@ __kernel void cells_together(
     s->planes = 6;
     s->vertices = 8;
     uint visited = 0;
-    float farthest = 0.0f;
+    float extent = 0.0f;
 #if TAKES_NEAR
     take_cell(s, record);
 #else
     if (status == COMPLETE) {
-        status = complete_together(s, shells, site, &visited, &farthest);
+        status = complete_together(s, shells, site, &visited, &extent);
     }
 #endif
     CellSums part = (CellSums){ 0 };
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real winding = REAL(1.0);
     if (status == COMPLETE) {
-        status = integrate_together(s, params->flags, farthest, &center, &winding, &part);
+        status = integrate_together(s, params->flags, extent, &center, &winding, &part);
     }
     const uint i = order[site];
 #if WITH_FACETS

@@ -1,8 +1,8 @@
 // The integrals of a cell that LANES work-items compute together.
 
-// The integrals of a complete cell, whose farthest vertex is not beyond `farthest`: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or
+// The integrals of a complete cell, and how far it reaches (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or
 // `NEAR`.
-INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center, real *winding, CellSums *sums) {
+INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums) {
     __local Cell *cell = s->cell;
     // Whether the site is outside its cell, or only not strictly inside.
     uint outside = 0;
@@ -18,14 +18,11 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
 #if WITH_DOMAIN
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
     uint near = 1;
-    if (farthest <= s->clear) {
+    if ((TAKES_NEAR == 0) && (extent <= cell->clear)) {
         near = 0;
-        *winding = (real)s->winding;
+        *winding = (real)cell->winding;
     } else if (TAKES_NEAR == 0) {
-        near = surface_near_ball(s, farthest, &lo);
-        if (near != 0u) {
-            near = surface_near_box(s, &lo);
-        }
+        near = surface_near_box(s, &lo);
         *winding = (real)store_winding(s, lo);
     }
 #if GIVES_NEAR
@@ -37,7 +34,8 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
         Store copy = *s;
         CellSums part = (CellSums){ 0 };
         real inner = REAL(0.0);
-        const uint ended = meet_surface(&copy, outside, outside | lanes_with(on_wall), flags & SECOND_MOMENTS, &inner, &part);
+        const uint is_out = outside | lanes_with(on_wall);
+        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags & SECOND_MOMENTS, &inner, &part));
         s->exact |= copy.exact;
         s->world.tried = copy.world.tried;
         if (ended != UNTOUCHED) {
@@ -62,7 +60,8 @@ INLINE uint integrate_together(Store *s, uint flags, float farthest, V3 *center,
         turn_to_box(s);
         *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
     }
-    if (sum_together(cell, s->lane, s->vertices, *winding, *center, REAL(0.0), flags & SECOND_MOMENTS, sums) != COMPLETE) {
+    const uint summed = sum_together(cell, s->lane, s->vertices, *winding, *center, REAL(0.0), flags & SECOND_MOMENTS, sums);
+    if (summed != COMPLETE) {
         return LEFT;
     }
     if (sums->volume > sums->rounding) {

@@ -55,7 +55,7 @@ INLINE void restore_cell(Store *s, const Saved *saved) {
 // The triangles in voxels `lo` to `hi` into the row `marked`, each once, a voxel for each lane; returns how many there are.
 INLINE uint gather_triangles(Store *s, Voxel lo, Voxel hi) {
     const uint below = (1u << s->lane) - 1u;
-    const uint all = voxels_between(lo, hi);
+    const uint all = lanes_alike(voxels_between(lo, hi));
     uint found = 0;
     for (uint first = 0; first < all; first += LANES) {
         const uint n = first + s->lane;
@@ -106,11 +106,11 @@ INLINE real lane_real(real x, uint from) {
 // Adds `weight` times the integrals of the present polytope, whose vertices are in single precision.
 INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
     uint exact = 0;
-    if (refine_together(s->cell, s->lane, s->vertices, &exact) != COMPLETE) {
+    if (lanes_alike(refine_together(s->cell, s->lane, s->vertices, &exact)) != COMPLETE) {
         return UNCERTAIN;
     }
     s->exact |= exact;
-    return sum_together(s->cell, s->lane, s->vertices, weight, center, reach, flags, sums);
+    return lanes_alike(sum_together(s->cell, s->lane, s->vertices, weight, center, reach, flags, sums));
 }
 
 // Subtracts from the integrals of the whole cell, times the winding number of the corner of voxel `lo`, those of its intersections
@@ -216,6 +216,8 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
 OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, real *inner, CellSums *sums) {
     Store store = *given;
     Store *s = &store;
+    s->planes = lanes_alike(s->planes);
+    s->vertices = lanes_alike(s->vertices);
     find_box(s->cell, s->lane, s->vertices, 0);
     s->view = BOX_CORNERS;
     V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
@@ -228,13 +230,13 @@ OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, r
     s->view = WHOLE;
     const real winding = (real)store_winding(s, lo);
     *inner = winding;
-    if (store_surface_voxels(s, lo, hi) == 0u) {
+    if (lanes_alike(store_surface_voxels(s, lo, hi)) == 0u) {
         return UNTOUCHED;
     }
     // As `surface_passes_by`, each lane with other voxels.
     uint meets = is_out;
     int crossed = 0;
-    const uint all = voxels_between(lo, hi);
+    const uint all = lanes_alike(voxels_between(lo, hi));
     for (uint n = s->lane; (n < all) && (meets == 0u); n += LANES) {
         const Voxel voxel = voxel_between(lo, hi, n);
         meets = voxel_passes_by(s, voxel, lo, low, high, &crossed) == 0u;

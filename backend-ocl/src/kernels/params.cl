@@ -65,10 +65,33 @@ INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
     return (q >= (real)last) ? last : ((q > REAL(0.0)) ? (uint)q : 0u);
 }
 
-// Voxels along each axis to each side that the table of offsets holds (shells.rs).
-#define SHELL_RADIUS 4u
+// After INNER_SHELLS, voxels from the site to its cell's farthest vertex beyond which what is outside the domain is cut off: as far as the
+// CPU's, for the same work; those beyond which a cell near the surface is not expected to end by itself; and those from which on the cell is
+// cut by a sample of all sites before, and its size.
+#define CAP_FROM REAL(1.75)
+#define FAR_FROM REAL(3.0)
+#define SAMPLE_FROM REAL(5.0)
+#define SAMPLE 512u
 
-// Level of the pyramid whose nodes are the blocks of `blocks.cl`: as wide as the table of offsets reaches, or all there is.
+// Room for the roundings of a place in voxels of the domain's grid in single precision, three of them, of which the site's is relative.
+#define VOXEL_SLACK 1e-4f
+#define VOXEL_ROUNDING 1e-6f
+
+// What single precision rounds off in a few operations.
+#define ROUGH_SAFE 1.000002f
+
+// A place along an axis, in voxels of the domain's grid; what is to be allowed for; and the voxel there, or the one next to it.
+INLINE float place_in_domain(__global const Params *params, uint axis, real x) {
+    return (float)((x - params->domain_lo[axis]) * params->domain_per_width);
+}
+INLINE float slack_at(float place) { return VOXEL_SLACK + (fabs(place) * VOXEL_ROUNDING); }
+INLINE uint voxel_in_domain(__global const Params *params, uint axis, float place) {
+    return (uint)clamp(place, 0.0f, (float)(params->domain_dims[axis] - 1u));
+}
+
+// Level of the pyramid whose nodes are the blocks of `blocks.cl`, or all there is; and how many of them to each side have what the table of
+// offsets holds about any voxel of one.
+#define NEAR_BLOCKS ((SHELL_RADIUS + 3u) / 4u)
 INLINE uint block_level(__global const Params *params) { return min(2u, params->top_level); }
 
 // Nodes along an axis at a level of the pyramid.

@@ -5,9 +5,6 @@
 // Each work-item looks for its own next candidate, and then all of a group clip together: looking must cost little. So what it needs
 // is kept in registers, and distances to voxels are in single precision and units of a voxel.
 
-// Entries of the table of offsets (shells.rs makes it).
-#define SHELLS 729u
-
 // Sites in a voxel from which on the sharp test costs less than what it saves.
 #define WORTH_SHARP_TEST 8u
 
@@ -15,18 +12,6 @@
 #define IN_PYRAMID 1u
 #define IN_TREE 2u
 #define AT_END 3u
-
-// Entries of the table of offsets about the site's own voxel; from its end on, voxels from the site to its cell's farthest vertex beyond
-// which what is outside the domain is cut off: less than half of what the table holds, since a cap leaves up to a tenth more.
-#define INNER_SHELLS 27u
-#define CAP_FROM REAL(1.75)
-
-// The same from which on the cell is cut by a sample of all sites before; and its size.
-#define SAMPLE_FROM REAL(5.0)
-#define SAMPLE 512u
-
-// What single precision may err by in a distance to a voxel, in units of a voxel: distances are below 8, and pads below 1e-9.
-#define SHELL_SLACK 1e-5f
 
 typedef struct {
     uint site;
@@ -446,7 +431,7 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->weight = own.w;
     search->uncertified = 0;
     search->visited = 0;
-    search->is_capped = s->world.params->has_domain == 0;
+    search->is_capped = params->has_domain == 0;
     search->is_sampled = 0;
     search->where = IN_PYRAMID;
     search->next = 0;

@@ -10,9 +10,7 @@
 #define LARGEST_OFFSET REAL(549755813888.0)
 #define NEAREST REAL(256.0)
 
-// Entries of the table of offsets, and how far they reach (shells.rs). A voxel with more sites is the host's, which has trees.
-#define SHELL_RADIUS 4u
-#define SHELLS 729u
+// A voxel with more sites is the host's, which has trees.
 #define CROWDED 256u
 
 // For the roundings of a squared distance and its bound.
@@ -171,7 +169,7 @@ INLINE uint search_shells(Store *s, uint ci, uint cj, uint ck, __global const uc
     const real extra = params->largest_weight - s->own.w;
     const real margin = ((REAL(4.0) * UNIT_ROUNDOFF) * fabs(extra)) + params->weight_error;
     for (uint entry = 0; entry < SHELLS; entry++) {
-        if ((((entry == 7u) || (entry == 19u)) || (entry == 27u)) && is_outside(s)) {
+        if ((((entry == 7u) || (entry == 19u)) || (entry == INNER_SHELLS)) && is_outside(s)) {
             return EMPTY;
         }
         const uchar4 shell = shells[entry];

@@ -113,7 +113,6 @@ OUTLINE void add_box_faces(Store *s, CellSums *sums);
 HOT real box_of_cell(Store *s, V3 *low, V3 *high);
 HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high);
 HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi);
-OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi);
 OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums);
 OUTLINE uint cap_outside(Store *s, real radius);
 HOT real next_distance(real distance, real radius);
@@ -1823,13 +1822,10 @@ OUTLINE uint lies_outside(Store *s) {
     if (store_has_domain(s) == 0) {
         return 0;
     }
-    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    voxels_of_cell(s, &lo, &hi);
-    if ((store_surface_voxels(s, lo, hi) == 0) && (store_winding(s, lo) == 0)) {
-        return 1;
-    }
-    return 0;
+    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    outer_box_of_cell(s, &low, &high);
+    return box_is_outside(s, low, high);
 }
 
 // The integrals of the whole cell, times `weight`.
@@ -1888,14 +1884,6 @@ HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high) {
 HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi) {
     *lo = store_voxel_of(s, add(store_site(s), low));
     *hi = store_voxel_of(s, add(store_site(s), high));
-}
-
-// The voxels that the bounding box of the cell meets, rounded outward.
-OUTLINE void voxels_of_cell(Store *s, Voxel *lo, Voxel *hi) {
-    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    outer_box_of_cell(s, &low, &high);
-    voxels_of_box(s, low, high, lo, hi);
 }
 
 // Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
@@ -1994,8 +1982,8 @@ OUTLINE V3 farthest_position(Store *s) {
     return far;
 }
 
-// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: no triangle is in the
-// voxels of its bounding box.
+// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
+// part of it that has something of the cell.
 OUTLINE uint part_is_outside(Store *s, V3 direction, real height) {
     V3 low = direction;
     V3 high = direction;

@@ -1268,17 +1268,6 @@ __kernel void parity_voxels_of_box(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
-__kernel void parity_voxels_of_cell(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    Voxel lo = take_Voxel(&in);
-    Voxel hi = take_Voxel(&in);
-    voxels_of_cell(s, &lo, &hi);
-    give_Voxel(&out, lo);
-    give_Voxel(&out, hi);
-    parity_dump(&out, s);
-}
-
 __kernel void parity_add_cones(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

@@ -81,8 +81,8 @@ pub(super) fn farthest_position<S: CellStore>(s: &S) -> V3 {
     return far;
 }
 
-/// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: no triangle is in the
-/// voxels of its bounding box.
+/// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
+/// part of it that has something of the cell.
 pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) -> u32 {
     let mut low: V3 = direction;
     let mut high: V3 = direction;

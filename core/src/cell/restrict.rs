@@ -1,5 +1,6 @@
 //! Restriction of a cell to the domain by winding numbers and signed truncated cones (paper §4, with no merge).
 
+use super::cap::box_is_outside;
 use super::clip::compact_planes;
 use super::cone::{add_cone, add_surface};
 use super::facet::{add_boundary, center_facets, reset_facets};
@@ -159,13 +160,10 @@ pub fn lies_outside<S: CellStore>(s: &S) -> u32 {
     if s.has_domain() == 0 {
         return 0;
     }
-    let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
-    voxels_of_cell(s, &mut lo, &mut hi);
-    if (s.surface_voxels(lo, hi) == 0) && (s.winding(lo) == 0) {
-        return 1;
-    }
-    return 0;
+    let mut low: V3 = v3(0.0, 0.0, 0.0);
+    let mut high: V3 = v3(0.0, 0.0, 0.0);
+    outer_box_of_cell(s, &mut low, &mut high);
+    return box_is_outside(s, low, high);
 }
 
 /// The integrals of the whole cell, times `weight`.
@@ -234,14 +232,6 @@ pub(super) fn outer_box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3
 pub(super) fn voxels_of_box<S: CellStore>(s: &S, low: V3, high: V3, lo: &mut Voxel, hi: &mut Voxel) {
     *lo = s.voxel_of(add(s.site(), low));
     *hi = s.voxel_of(add(s.site(), high));
-}
-
-/// The voxels that the bounding box of the cell meets, rounded outward.
-pub(super) fn voxels_of_cell<S: CellStore>(s: &S, lo: &mut Voxel, hi: &mut Voxel) {
-    let mut low: V3 = v3(0.0, 0.0, 0.0);
-    let mut high: V3 = v3(0.0, 0.0, 0.0);
-    outer_box_of_cell(s, &mut low, &mut high);
-    voxels_of_box(s, low, high, lo, hi);
 }
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1

@@ -127,7 +127,6 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (low: V3, high: V3) restrict::box_of_cell(&s, &mut low, &mut high), [low, high]),
     host!(s, (low: V3, high: V3) restrict::outer_box_of_cell(&s, &mut low, &mut high), [low, high]),
     host!(s, (low: V3, high: V3, lo: Voxel, hi: Voxel) restrict::voxels_of_box(&s, low, high, &mut lo, &mut hi), [lo, hi]),
-    host!(s, (lo: Voxel, hi: Voxel) restrict::voxels_of_cell(&s, &mut lo, &mut hi), [lo, hi]),
     host!(s, (lo: Voxel, hi: Voxel, center: V3, flags: u32 in FLAGS, touched: u32, sums: CellSums) restrict::add_cones(&mut s, lo, hi, center, flags, &mut touched, &mut sums), [touched, sums]),
     host!(s, (radius: f64) cap::cap_outside(&mut s, radius), []),
     host!((distance: f64, radius: f64) cap::next_distance(distance, radius), []),

@@ -19,7 +19,9 @@ INLINE V3 farthest_together(Store *s) {
 }
 
 // `part_is_outside`, the vertices shared out among the lanes.
-INLINE uint part_is_outside_together(Store *s, V3 direction, real height) {
+INLINE uint part_is_outside_together(const Store *given, V3 direction, real height) {
+    Store copy = *given;
+    Store *s = &copy;
     V3 low = direction;
     V3 high = direction;
     real radius = REAL(0.0);
@@ -35,14 +37,30 @@ INLINE uint part_is_outside_together(Store *s, V3 direction, real height) {
     return lanes_with(boxes_are_outside(s, direction, height, low, high, s->lane, LANES) == 0u) == 0u;
 }
 
+// The store of a cell, to be worked on where it can stay in registers; and back.
+INLINE Store taken_store(const Store *given) {
+    Store store = *given;
+    store.planes = lanes_alike(store.planes);
+    store.vertices = lanes_alike(store.vertices);
+    return store;
+}
+INLINE uint give_back(Store *given, const Store *store, uint status) {
+    given->planes = store->planes;
+    given->vertices = store->vertices;
+    given->exact = store->exact;
+    return status;
+}
+
 // `cap_outside`: `CUT`, `UNTOUCHED`, or how the cell ended.
-OUTLINE uint cap_together(Store *s, real radius) {
+OUTLINE uint cap_together(Store *given, real radius) {
+    Store store = taken_store(given);
+    Store *s = &store;
     uint end = UNTOUCHED;
     for (uint caps = 0; caps < MOST_CAPS; caps++) {
         const V3 far = farthest_together(s);
         const real length = sqrt(v3_dot(far, far));
         if (length <= radius) {
-            return end;
+            break;
         }
         real distance = larger(FIRST_DISTANCE * radius, LEAST_SHARE * length);
         uint status = UNTOUCHED;
@@ -54,18 +72,20 @@ OUTLINE uint cap_together(Store *s, real radius) {
             distance = next_distance(distance, radius);
         }
         if (status == UNTOUCHED) {
-            return end;
+            break;
         }
+        end = status;
         if (status != CUT) {
-            return status;
+            break;
         }
-        end = CUT;
     }
-    return end;
+    return give_back(given, &store, end);
 }
 
 // Cuts by a sample of all sites, as `cap_far` of `search.cl`: `CUT`, `UNTOUCHED`, or how the cell ended.
-OUTLINE uint sample_together(Store *s, uint own) {
+OUTLINE uint sample_together(Store *given, uint own) {
+    Store store = taken_store(given);
+    Store *s = &store;
     __global const uint *dims = s->world.params->grid_dims;
     const ulong sites = s->world.voxels[dims[0] * (dims[1] * dims[2])];
     uint end = UNTOUCHED;
@@ -75,12 +95,11 @@ OUTLINE uint sample_together(Store *s, uint own) {
             continue;
         }
         const uint status = cut_together(s, bisector_with(s, site), site);
-        if (status == CUT) {
-            end = CUT;
-        } else if (status != UNTOUCHED) {
-            return status;
+        end = (status == UNTOUCHED) ? end : status;
+        if ((status != UNTOUCHED) && (status != CUT)) {
+            break;
         }
     }
-    return end;
+    return give_back(given, &store, end);
 }
 #endif

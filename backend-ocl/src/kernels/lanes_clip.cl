@@ -185,16 +185,14 @@ INLINE uint clip_together(Store *s, Trial trial) {
     return CUT;
 }
 
-
 #if WITH_EXACT
-// Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`).
-OUTLINE void compact_together(Store *s) {
-    __local Cell *cell = s->cell;
-    for (uint f = s->lane; f < LANES_P; f += LANES) {
+// Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`); returns how many are left.
+OUTLINE uint compact_together(__local Cell *cell, uint lane, uint planes, uint vertices) {
+    for (uint f = lane; f < LANES_P; f += LANES) {
         cell->row[f] = 0;
     }
     lanes_wait();
-    for (uint v = s->lane; v < s->vertices; v += LANES) {
+    for (uint v = lane; v < vertices; v += LANES) {
         const Triplet t = unpacked(cell->triplet[v]);
         cell->row[t.a] = 1;
         cell->row[t.b] = 1;
@@ -205,31 +203,31 @@ OUTLINE void compact_together(Store *s) {
     uint source[LANES_P / LANES];
     uint used[LANES_P / LANES];
     for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
-        const uint f = (turn * LANES) + s->lane;
+        const uint f = (turn * LANES) + lane;
         plane[turn] = cell->plane[f];
         source[turn] = cell->source[f];
-        used[turn] = lanes_with((f < s->planes) && (cell->row[f] != 0u));
+        used[turn] = lanes_with((f < planes) && (cell->row[f] != 0u));
     }
     lanes_wait();
     uint kept = 0;
     for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
-        if (((used[turn] >> s->lane) & 1u) != 0u) {
-            const uint to = kept + popcount(used[turn] & ((1u << s->lane) - 1u));
+        if (((used[turn] >> lane) & 1u) != 0u) {
+            const uint to = kept + popcount(used[turn] & ((1u << lane) - 1u));
             cell->plane[to] = plane[turn];
             cell->source[to] = source[turn];
-            cell->row[(turn * LANES) + s->lane] = to;
+            cell->row[(turn * LANES) + lane] = to;
         }
         kept += popcount(used[turn]);
     }
     lanes_wait();
-    for (uint v = s->lane; v < s->vertices; v += LANES) {
+    for (uint v = lane; v < vertices; v += LANES) {
         const Triplet t = unpacked(cell->triplet[v]);
         const Triplet to = (Triplet){ .a = cell->row[t.a], .b = cell->row[t.b], .c = cell->row[t.c] };
         cell->triplet[v] = packed(to);
         enter_edges(cell, to, v);
     }
-    s->planes = kept;
     lanes_wait();
+    return kept;
 }
 #endif
 
@@ -237,7 +235,7 @@ OUTLINE void compact_together(Store *s) {
 INLINE uint has_room(Store *s) {
 #if WITH_EXACT
     if (s->planes == LANES_P) {
-        compact_together(s);
+        s->planes = lanes_alike(compact_together(s->cell, s->lane, s->planes, s->vertices));
     }
 #endif
     return s->planes < LANES_P;

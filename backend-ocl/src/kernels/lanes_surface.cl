@@ -120,7 +120,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
     __local Cell *cell = s->cell;
 #if WITH_EXACT
     if ((s->planes + 4u) > LANES_P) {
-        compact_together(s);
+        s->planes = lanes_alike(compact_together(s->cell, s->lane, s->planes, s->vertices));
     }
 #endif
     const Saved saved = saved_cell(s);

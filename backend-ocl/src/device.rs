@@ -103,7 +103,7 @@ impl Device {
         let (context, queue) = platform::open(found)?;
         let grid_kernels = GridKernels::build(&context, id)?;
         let mut memory = Memory::new();
-        memory.shells.fill(&context, &queue, &shells::table())?;
+        memory.shells.fill(&context, &queue, &shells::table(shells::RADIUS))?;
         Ok(Self {
             id,
             name: found.info.name.clone(),
@@ -146,7 +146,7 @@ impl Device {
         let grid = container.shared_grid();
         let is_there = match (grid, &self.domain) {
             (Some(new), Some(old)) => Arc::ptr_eq(old, new),
-            (None, None) => memory.windings.is_made(),
+            (None, None) => memory.clearances.is_made(),
             _ => false,
         };
         if is_there {
@@ -184,8 +184,8 @@ impl Device {
 
     /// Takes sites that the host sorted; returns how many have a cell.
     pub(crate) fn take(&mut self, prepared: &Prepared) -> Result<usize> {
-        let Self { context, queue, sites, shared, .. } = self;
-        sites.take(context, queue, prepared, shared)
+        let Self { context, queue, grid_kernels, sites, shared, .. } = self;
+        sites.take(context, queue, grid_kernels, prepared, shared)
     }
 }
 

@@ -156,13 +156,28 @@ impl Sites {
                 self.weights.get()?, &shared.params.level_begin[level + 1], &nx, &ny, &nz, &shared.params.level_begin[level], &bx, &by,
                 &bz);
         }
-        if shared.params.equal_weights == 0 {
-            let blocks = levels[BLOCK_LEVEL.min(levels.len() - 1)].iter().map(|&n| n as usize).product::<usize>();
+        self.bound_blocks(context, queue, kernels, &levels, shared)?;
+        self.offsets.read_from(queue, boxes, 1, &mut self.on_host.number)?;
+        Ok(Some(self.on_host.number[0] as usize))
+    }
+
+    /// Where weights differ, finds what bounds the search near each block of voxels; not for trees, which only one work-item searches.
+    fn bound_blocks(
+        &mut self,
+        context: &Context,
+        queue: &CommandQueue,
+        kernels: &GridKernels,
+        levels: &[[u32; 3]],
+        shared: &Shared,
+    ) -> Result<()> {
+        let dims = levels[BLOCK_LEVEL.min(levels.len() - 1)];
+        let blocks = dims.iter().map(|&n| n as usize).product::<usize>();
+        self.blocks.grow(context, blocks)?;
+        if shared.params.equal_weights == 0 && shared.params.has_clusters == 0 {
             enqueue!(queue, &kernels.bound_blocks, blocks, GROUP;
                 shared.room.get()?, self.sites.get()?, self.offsets.get()?, self.weights.get()?, &(blocks as u32), self.blocks.get()?);
         }
-        self.offsets.read_from(queue, boxes, 1, &mut self.on_host.number)?;
-        Ok(Some(self.on_host.number[0] as usize))
+        Ok(())
     }
 
     /// Makes room for this grid of `boxes` voxels and `nodes` of the pyramid and a fourth more, and for any of `n` sites that fill half of their
@@ -193,6 +208,7 @@ impl Sites {
         &mut self,
         context: &Context,
         queue: &CommandQueue,
+        kernels: &GridKernels,
         prepared: &Prepared,
         shared: &mut Shared,
     ) -> Result<usize> {
@@ -209,7 +225,7 @@ impl Sites {
         self.offsets.fill(context, queue, grid.offsets())?;
         let weights: Vec<f64> = grid.levels().iter().flat_map(|level| level.largest_weight.iter().copied()).collect();
         self.weights.fill(context, queue, &weights)?;
-        self.blocks.grow(context, 1)?;
+        self.bound_blocks(context, queue, kernels, &grid.voxels().levels(), shared)?;
         self.clusters.fill(context, queue, &params::clusters(prepared))?;
         self.roots.fill(context, queue, grid.roots())?;
         Ok(grid.len())

@@ -114,7 +114,7 @@ pub(crate) struct Kernels {
     pub(crate) probed: bool,
 }
 
-/// The kernels that sort sites, and the one for the domain's grid.
+/// The kernels that sort sites, and those that find how near the surface is to them.
 pub(crate) struct GridKernels {
     pub(crate) enter_sites: Kernel,
     pub(crate) mark_voxels: Kernel,

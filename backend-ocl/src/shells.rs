@@ -1,21 +1,21 @@
 //! The table of voxel offsets, nearest first, that the kernels go through (`shells.cl`).
 
 /// Voxels along each axis to each side (`SHELL_RADIUS`).
-const RADIUS: i32 = 6;
+pub(crate) const RADIUS: i32 = 6;
 
-/// Offsets plus `RADIUS`, and a lower bound of the squared distance in voxels between the nearest points of this voxel and the first, and
+/// Offsets of up to `radius` along each axis, plus `radius`, and a lower bound of the squared distance in voxels between the nearest points of this voxel and the first, and
 /// of any later one and the first, in the table or not; sorted by that distance, then by the distance of their centers.
-pub(crate) fn table() -> Vec<[u8; 4]> {
-    let span = -RADIUS..=RADIUS;
+pub(crate) fn table(radius: i32) -> Vec<[u8; 4]> {
+    let span = -radius..=radius;
     let mut offsets: Vec<[i32; 3]> =
-        span.clone().flat_map(|x| span.clone().flat_map(move |y| (-RADIUS..=RADIUS).map(move |z| [x, y, z]))).collect();
+        span.clone().flat_map(|x| span.clone().flat_map(move |y| (-radius..=radius).map(move |z| [x, y, z]))).collect();
     let apart = |o: &[i32; 3]| o.iter().map(|&i| (i.abs() - 1).max(0).pow(2)).sum::<i32>();
     let centers = |o: &[i32; 3]| o.iter().map(|&i| i * i).sum::<i32>();
     offsets.sort_by_key(|o| (apart(o), centers(o)));
     let entry = |o: &[i32; 3]| {
-        let [x, y, z] = o.map(|i| (i + RADIUS) as u8);
+        let [x, y, z] = o.map(|i| (i + radius) as u8);
         // Beyond the table there are voxels nearer than its corners: none may be left out for one of these being too far.
-        [x, y, z, apart(o).min(RADIUS.pow(2)) as u8]
+        [x, y, z, apart(o).min(radius.pow(2)) as u8]
     };
     offsets.iter().map(entry).collect()
 }
@@ -24,13 +24,15 @@ pub(crate) fn table() -> Vec<[u8; 4]> {
 mod tests {
     #[test]
     fn the_first_rings_are_where_the_search_looks() {
-        let table = super::table();
-        assert_eq!(table.len(), 2197);
-        assert_eq!(table[0], [6, 6, 6, 0]);
-        // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
-        assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
-        assert!(table.is_sorted_by_key(|e| e[3]));
-        // The nearest voxel that is not in the table is 7 away along an axis, and 6 lie between.
-        assert!(table.iter().all(|e| e[3] <= 36));
+        for radius in [4, super::RADIUS] {
+            let (table, center, last) = (super::table(radius), radius as u8, radius.pow(2) as u8);
+            assert_eq!(table.len(), (2 * radius as usize + 1).pow(3));
+            assert_eq!(table[0], [center, center, center, 0]);
+            // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
+            assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
+            assert!(table.is_sorted_by_key(|e| e[3]));
+            // Between the nearest voxel that is not in the table and the first there are `radius` others.
+            assert!(table.iter().all(|e| e[3] <= last));
+        }
     }
 }

@@ -30,9 +30,8 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-const SOURCE: [&str; 9] = [
+const SOURCE: [&str; 8] = [
     include_str!("kernels/single_prelude.cl"),
-    include_str!("kernels/shells.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/single_store.cl"),
     include_str!("kernels/marks.cl"),
@@ -48,6 +47,9 @@ const MOST_PLANES: u32 = 144;
 
 /// Levels of the pyramid that `single.cl` can go down: nodes are exact in single precision.
 const MOST_LEVELS: usize = 24;
+
+/// Voxels along each axis to each side that the table of offsets holds (`SHELL_RADIUS` of `single.cl`).
+const SHELL_RADIUS: i32 = 4;
 
 /// Cells that are computed at once, and work-items of a group.
 const BATCH: usize = 1 << 20;
@@ -173,7 +175,7 @@ impl Device {
     fn open(found: &Found) -> Result<Self> {
         let (context, queue) = platform::open(found)?;
         let mut memory = Memory::new();
-        memory.shells.fill(&context, &queue, &shells::table())?;
+        memory.shells.fill(&context, &queue, &shells::table(SHELL_RADIUS))?;
         Ok(Self {
             id: found.id.0,
             name: found.info.name.clone(),

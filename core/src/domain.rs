@@ -150,8 +150,8 @@ impl Domain {
         &self.inner.frame
     }
 
-    /// The grid over the domain for so many sites inside, in the coordinates of [`Domain::frame`]: about one voxel for each, so that few cells
-    /// seem to meet the surface that do not, and as many outside. Built on the first call for the next power of two, and kept.
+    /// The grid over the domain for so many sites inside, in the coordinates of [`Domain::frame`]: about one voxel for each, and voxels
+    /// of that size around it, so that few cells seem to meet the surface that do not. Built on the first call for the next power of two, and kept.
     pub fn grid(&self, sites: usize) -> &Arc<DomainGrid> {
         let level = (sites.max(1).next_power_of_two().trailing_zeros() as usize).clamp(FEWEST, FEWEST + LEVELS - 1);
         self.inner.grids[level - FEWEST].get_or_init(|| {

@@ -36,8 +36,8 @@ const MOST_CELLS: usize = 1 << 21;
 const SHARE_OF_MEMORY: u64 = 8;
 const FEWEST_CELLS: usize = 1024;
 
-/// Work-items over which the few cells are spread that are computed alone where others are shared, so that none waits for another, which goes
-/// another way (579 cells at the edge of a cloud: 0.165 to 0.038 s, one NVIDIA H200); about as many as a large GPU runs at a time.
+/// Work-items over which few cells are spread that are computed alone, where work-items run in step: so that none waits for another, which goes
+/// another way (579 cells at the edge of a cloud: 0.143 to 0.038 s, one NVIDIA H200). About as many as a large GPU runs at a time.
 const FEW_ITEMS: usize = 1 << 16;
 
 /// Counters of `cells` (`OF_BOUNDARY` and so on in `evaluate.cl`).
@@ -98,7 +98,7 @@ impl Device {
             && request.epsilon.is_none()
             && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
         let together = self.together.filter(|_| whole);
-        self.look_about(if together.is_some() { share.end } else { 0 })?;
+        self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
         let mut for_host = Vec::new();
         let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
@@ -149,16 +149,16 @@ impl Device {
         memory.counters.fill(context, queue, &self.counters)
     }
 
-    /// Finds how near the surface is to each of the first `sites` sorted sites.
-    fn look_about(&mut self, sites: usize) -> Result<()> {
+    /// Finds how near the surface is to each of a range of the sorted sites, of which there are at most `sites`.
+    fn look_about(&mut self, sites: usize, share: Range<usize>) -> Result<()> {
         let Self { context, queue, memory, grid_kernels, shared, domain, .. } = self;
-        let count = if domain.is_some() { sites } else { 0 };
-        memory.abouts.grow(context, count)?;
-        if count > 0 {
+        let has_surface = domain.is_some() && !share.is_empty();
+        memory.abouts.grow(context, if has_surface { sites } else { 1 })?;
+        if has_surface {
             let begin = Instant::now();
-            enqueue!(queue, &grid_kernels.look_about, count, GROUP;
-                shared.room.get()?, self.sites.sites.get()?, &(count as u32), memory.clearances.get()?, memory.windings.get()?,
-                memory.abouts.get()?);
+            enqueue!(queue, &grid_kernels.look_about, share.len(), GROUP;
+                shared.room.get()?, self.sites.sites.get()?, &(share.start as u32), &(share.len() as u32), memory.clearances.get()?,
+                memory.windings.get()?, memory.abouts.get()?);
             queue.finish().map_err(|e| failed("looking about the sites", e))?;
             self.seconds += begin.elapsed().as_secs_f64();
         }
@@ -354,8 +354,8 @@ impl Device {
             Todo::Listed(_) => (1, 0),
         };
         let first = (start + turns.start) as u32;
-        let is_rest = matches!(way, Way::Alone(_)) && self.together.is_some();
-        let apart = if is_rest { (FEW_ITEMS / turns.len().max(1)).clamp(1, WARP) } else { 1 };
+        let in_step = matches!(way, Way::Alone(_)) && self.together.is_some();
+        let apart = if in_step { (FEW_ITEMS / turns.len().max(1)).clamp(1, WARP) } else { 1 };
         let begin = Instant::now();
         let ran = launch!(queue, &kernels.cells, turns.len() * kernels.per_cell * apart, kernels.group;
             shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.blocks.get()?, sites.clusters.get()?,

@@ -36,17 +36,17 @@ __kernel void measure_clearances(
     clearances[index] = (uchar)clearance;
 }
 
-// For each of `count` sorted sites what its cell has to know: while no vertex is farther than x, a number in single precision, the cell does
+// For each of `count` sorted sites from `first` on what its cell has to know: while no vertex is farther than x, a number in single precision, the cell does
 // not meet the surface, and lies where the winding number is y. (A site beyond the grid, which its cell is not, is no nearer than the voxel
 // that it is next to.)
 __kernel void look_about(
-    __global const Params *params, __global const real4 *sites, uint count, __global const uchar *clearances,
+    __global const Params *params, __global const real4 *sites, uint first, uint count, __global const uchar *clearances,
     __global const int *windings, __global int2 *abouts
 ) {
-    const uint site = get_global_id(0);
-    if (site >= count) {
+    if (get_global_id(0) >= count) {
         return;
     }
+    const uint site = first + (uint)get_global_id(0);
     const real4 own = sites[site];
     const float x = place_in_domain(params, 0, own.x);
     const float y = place_in_domain(params, 1, own.y);

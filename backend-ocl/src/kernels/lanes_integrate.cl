@@ -1,7 +1,6 @@
 // The integrals of a cell that LANES work-items compute together.
 
-// The integrals of a complete cell, and how far it reaches (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or
-// `NEAR`.
+// The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`.
 INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums) {
     __local Cell *cell = s->cell;
     // Whether the site is outside its cell, or only not strictly inside.

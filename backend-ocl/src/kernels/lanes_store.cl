@@ -105,7 +105,7 @@ INLINE uint lanes_most(uint x) {
     return most;
 }
 // What all lanes have alike, so that the compiler knows it: it does not of what depends on a work-item's number, or is the result of a function
-// that is not inlined, and where a loop may end so, all that happens in it is slower (all cells by a tenth, one NVIDIA H200).
+// that is not inlined, and where a loop may end so, all that happens in it is slower (all cells by 5 %, with a domain 11 %; one NVIDIA H200).
 INLINE uint lanes_alike(uint x) { return lanes_most(x); }
 // What lane `from` has.
 INLINE uint lane_value(uint x, uint from) {

@@ -65,8 +65,8 @@ INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
     return (q >= (real)last) ? last : ((q > REAL(0.0)) ? (uint)q : 0u);
 }
 
-// After INNER_SHELLS, voxels from the site to its cell's farthest vertex beyond which what is outside the domain is cut off: as far as the
-// CPU's, for the same work; those beyond which a cell near the surface is not expected to end by itself; and those from which on the cell is
+// After INNER_SHELLS, voxels from the site to its cell's farthest vertex beyond which what is outside the domain is cut off: in spacings about as
+// far as the CPU's, whose voxels have twice as many sites; those beyond which a cell near the surface is not expected to end by itself; and those from which on the cell is
 // cut by a sample of all sites before, and its size.
 #define CAP_FROM REAL(1.75)
 #define FAR_FROM REAL(3.0)
@@ -97,6 +97,15 @@ INLINE uint block_level(__global const Params *params) { return min(2u, params->
 // Nodes along an axis at a level of the pyramid.
 INLINE uint level_dim(__global const Params *params, uint axis, uint level) {
     return (params->grid_dims[axis] + ((1u << level) - 1u)) >> level;
+}
+
+// What is known of the block of the voxel that holds a place, where weights differ and there are no trees (`blocks.cl`).
+INLINE real2 block_about(__global const Params *params, __global const real2 *blocks, real x, real y, real z) {
+    const uint level = block_level(params);
+    const uint i = voxel_along(params, 0, x) >> level;
+    const uint j = voxel_along(params, 1, y) >> level;
+    const uint k = voxel_along(params, 2, z) >> level;
+    return blocks[i + (level_dim(params, 0, level) * (j + (level_dim(params, 1, level) * k)))];
 }
 
 // Sites and domain, in global memory.

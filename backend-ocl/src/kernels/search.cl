@@ -319,7 +319,11 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
     const float fx = (float)(((p.x - params->grid_lo[0]) * per_width) - (real)search->center[0]);
     const float fy = (float)(((p.y - params->grid_lo[1]) * per_width) - (real)search->center[1]);
     const float fz = (float)(((p.z - params->grid_lo[2]) * per_width) - (real)search->center[2]);
-    const real extra = params->largest_weight - search->weight;
+    // How much heavier a site of the table may be, and how far vertices may be for none beyond it to cut.
+    const uint has_blocks = (equal == 0u) && (params->has_clusters == 0u);
+    const real2 about = (has_blocks != 0u) ? block_about(params, s->world.blocks, p.x, p.y, p.z)
+        : (real2)(params->largest_weight, INFINITY);
+    const real extra = about.x - search->weight;
     const real enlarged = params->enlarged;
     uint entry = 0;
     uint next = 0;
@@ -397,7 +401,7 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
         }
         if (found == 0xFFFFFFFFu) {
             search->uncertified |= left_out;
-            return rest ? UNTOUCHED : COMPLETE;
+            return ((rest != 0u) || (search->farthest > about.y)) ? UNTOUCHED : COMPLETE;
         }
         const uint status = cut_by(s, search, found);
         if (status == CUT) {

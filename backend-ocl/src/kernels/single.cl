@@ -10,7 +10,10 @@
 #define LARGEST_OFFSET REAL(549755813888.0)
 #define NEAREST REAL(256.0)
 
-// A voxel with more sites is the host's, which has trees.
+// The table of offsets (shells.rs), smaller than where there are `blocks.cl`. A voxel with more sites is the host's, which has trees.
+#define SHELL_RADIUS 4u
+#define SHELLS 729u
+#define INNER_SHELLS 27u
 #define CROWDED 256u
 
 // For the roundings of a squared distance and its bound.

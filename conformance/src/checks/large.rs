@@ -43,6 +43,22 @@ pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
     Ok(())
 }
 
+/// Of 2,000 sites, first ones with small weights, then one of them a hundred times, and one with a large weight: the oracle's answer in every
+/// 13th cell. (A hundred sites of which one has a cell look like a crowd, but are none.)
+pub fn many_at_one_place(backend: &dyn Backend) -> Verdict {
+    let light = white(2000, Weights::Mild, Shape::Box);
+    light.evaluate(backend, &Request::moments())?;
+    let mut scene = white(2000, Weights::OneHeavy, Shape::Box);
+    scene.positions.extend([scene.positions[7]; 99]);
+    scene.weights.extend([scene.weights[7]; 99]);
+    let output = scene.with_facets(backend)?;
+    fills(&scene, &output)?;
+    let some: Vec<usize> = (0..scene.len()).step_by(13).collect();
+    let only: Vec<u32> = some.iter().map(|&i| i as u32).collect();
+    let naive = Naive::only(&only).evaluate(&scene.diagram()?, &Request::moments().with_facets());
+    same_cells(&scene, &output, &naive.map_err(|error| error.to_string())?, Planes::Same, &some)
+}
+
 /// Sites that fill a part of their container, those near its inside or those on one side of it: cells at the edge of the cloud reach far
 /// beyond it, outside the container or within. The sums, and the oracle's answer in every 31st cell.
 pub fn clouds(backend: &dyn Backend) -> Verdict {

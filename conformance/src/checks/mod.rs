@@ -101,6 +101,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(lattice::second_moments),
     given!(large::hiding_weights),
     given!(large::one_heavy_site),
+    given!(large::many_at_one_place),
     given!(large::many_sites_in_a_mesh),
     given!(large::clouds),
     given!(near_degenerate::vertices_lie_on_their_planes),

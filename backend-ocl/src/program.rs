@@ -15,7 +15,7 @@ use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
 
-const EVALUATE: [&str; 13] = [
+const EVALUATE: [&str; 14] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
@@ -26,6 +26,7 @@ const EVALUATE: [&str; 13] = [
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),
+    include_str!("kernels/pyramid.cl"),
     include_str!("kernels/search.cl"),
     include_str!("kernels/output.cl"),
     include_str!("kernels/evaluate.cl"),

@@ -1,0 +1,230 @@
+// What one work-item knows while it searches the sites that cut its cell, and the part of the search that goes through the pyramid from its
+// root, and the trees of crowded voxels.
+
+// Sites in a voxel from which on the sharp test costs less than what it saves.
+#define WORTH_SHARP_TEST 8u
+
+// Where the search of the pyramid stands.
+#define IN_PYRAMID 1u
+#define IN_TREE 2u
+#define AT_END 3u
+
+typedef struct {
+    uint site;
+    V3 position;
+    real weight;
+    // Upper bound of the distance to the farthest vertex.
+    real farthest;
+    uint uncertified;
+    uint visited;
+    uint is_capped;
+    // Whether sites from all over have cut it, which are not to cut it twice.
+    uint is_sampled;
+    uint where;
+    // Sites at hand.
+    uint next;
+    uint end;
+    uint center[3];
+    uint level;
+    uint node[3];
+    // Nodes of a tree still to be searched: at most its depth.
+    uint depth;
+    uint stack[40];
+} Search;
+
+INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
+
+// Whether sites of weight at most `largest`, at squared distance at least `square`, can be left out: by the quick test, or because
+// `enlarged` says so.
+INLINE uint out_of_reach(Store *s, Search *search, real square, real largest) {
+    const real reach = security_reach(search->farthest, largest - search->weight);
+    if (square >= (reach * reach)) {
+        return 1;
+    }
+    const real enlarged = s->world.params->enlarged;
+    if (enlarged > REAL(0.0)) {
+        const real left_out = enlarged * security_reach(search->farthest, REAL(0.0));
+        if (square >= (left_out * left_out)) {
+            search->uncertified = 1;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+// How far x is outside [lo, hi].
+INLINE real gap_to(real x, real lo, real hi) { return fmax(fmax(lo - x, x - hi), REAL(0.0)); }
+
+// Whether no site in the box can cut the cell: the quick test, then, if asked for, the sharp one.
+INLINE uint can_skip(Store *s, Search *search, V3 lo, V3 hi, real largest, uint sharp) {
+    if (largest == -INFINITY) {
+        return 1;
+    }
+    const V3 p = search->position;
+    const V3 gap = (V3){ .x = gap_to(p.x, lo.x, hi.x), .y = gap_to(p.y, lo.y, hi.y), .z = gap_to(p.z, lo.z, hi.z) };
+    if (out_of_reach(s, search, square_of(gap), largest)) {
+        return 1;
+    }
+    return (sharp != 0) && (box_cannot_cut(s, sub(lo, p), sub(hi, p), largest - search->weight) != 0);
+}
+
+INLINE uint node_index(Store *s, uint level, uint i, uint j, uint k) {
+    return i + (level_dim(s->world.params, 0, level) * (j + (level_dim(s->world.params, 1, level) * k)));
+}
+
+// Corner of a node, padded outward by what rounding can misplace a site by (`SiteGrid::node_box`).
+INLINE real node_side(Store *s, uint axis, uint i, real pad) {
+    return (s->world.params->grid_lo[axis] + ((real)i * s->world.params->grid_width)) + pad;
+}
+
+INLINE uint can_skip_node(Store *s, Search *search, uint level, uint i, uint j, uint k, uint sharp) {
+    __global const Params *params = s->world.params;
+    const real largest = s->world.weights[params->level_begin[level] + node_index(s, level, i, j, k)];
+    const V3 lo = (V3){ .x = node_side(s, 0, i << level, -params->grid_pad[0]),
+                        .y = node_side(s, 1, j << level, -params->grid_pad[1]),
+                        .z = node_side(s, 2, k << level, -params->grid_pad[2]) };
+    const V3 hi = (V3){ .x = node_side(s, 0, (i + 1u) << level, params->grid_pad[0]),
+                        .y = node_side(s, 1, (j + 1u) << level, params->grid_pad[1]),
+                        .z = node_side(s, 2, (k + 1u) << level, params->grid_pad[2]) };
+    return can_skip(s, search, lo, hi, largest, sharp);
+}
+
+// The octant of a node's children in which the cell's site is, or nearest.
+INLINE uint near_octant(Store *s, Search *search, uint level, uint i, uint j, uint k) {
+    const uint x = search->position.x > node_side(s, 0, ((i << 1) + 1u) << (level - 1u), REAL(0.0)) ? 1u : 0u;
+    const uint y = search->position.y > node_side(s, 1, ((j << 1) + 1u) << (level - 1u), REAL(0.0)) ? 2u : 0u;
+    const uint z = search->position.z > node_side(s, 2, ((k << 1) + 1u) << (level - 1u), REAL(0.0)) ? 4u : 0u;
+    return (x | y) | z;
+}
+
+// Goes to the child with number `turn` in the order of nearness, or the next that is inside the grid; 0 where there is none.
+INLINE uint enter_child(Store *s, Search *search, uint level, uint i, uint j, uint k, uint turn) {
+    const uint near = near_octant(s, search, level, i, j, k);
+    for (uint t = turn; t < 8u; t++) {
+        const uint octant = t ^ near;
+        const uint ci = (i << 1) + (octant & 1u);
+        const uint cj = (j << 1) + ((octant >> 1) & 1u);
+        const uint ck = (k << 1) + (octant >> 2);
+        if ((ci < level_dim(s->world.params, 0, level - 1u)) && (cj < level_dim(s->world.params, 1, level - 1u)) && (ck < level_dim(s->world.params, 2, level - 1u))) {
+            search->level = level - 1u;
+            search->node[0] = ci;
+            search->node[1] = cj;
+            search->node[2] = ck;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+// Goes to the next node that is not below the present one.
+OUTLINE void leave_node(Store *s, Search *search) {
+    while (search->level < s->world.params->top_level) {
+        const uint octant = (search->node[0] & 1u) | ((search->node[1] & 1u) << 1) | ((search->node[2] & 1u) << 2);
+        const uint level = search->level + 1u;
+        const uint i = search->node[0] >> 1;
+        const uint j = search->node[1] >> 1;
+        const uint k = search->node[2] >> 1;
+        const uint turn = octant ^ near_octant(s, search, level, i, j, k);
+        if (enter_child(s, search, level, i, j, k, turn + 1u)) {
+            return;
+        }
+        search->level = level;
+        search->node[0] = i;
+        search->node[1] = j;
+        search->node[2] = k;
+    }
+    search->where = AT_END;
+}
+
+INLINE uint distance_1(uint a, uint b) { return a > b ? a - b : b - a; }
+
+// One step through the pyramid.
+OUTLINE void step_in_pyramid(Store *s, Search *search) {
+    const uint level = search->level;
+    const uint i = search->node[0];
+    const uint j = search->node[1];
+    const uint k = search->node[2];
+    if (level > 0u) {
+        if (can_skip_node(s, search, level, i, j, k, 1) || !enter_child(s, search, level, i, j, k, 0)) {
+            leave_node(s, search);
+        }
+        return;
+    }
+    const uint voxel = node_index(s, 0, i, j, k);
+    const uint begin = s->world.voxels[voxel];
+    const uint end = s->world.voxels[voxel + 1u];
+    const uint is_crowded = (s->world.params->has_clusters != 0) && ((end - begin) > CROWDED);
+    const uint in_shells = (distance_1(i, search->center[0]) <= SHELL_RADIUS)
+        && (distance_1(j, search->center[1]) <= SHELL_RADIUS) && (distance_1(k, search->center[2]) <= SHELL_RADIUS);
+    if ((is_crowded || !in_shells) && !can_skip_node(s, search, 0, i, j, k, (end - begin) >= WORTH_SHARP_TEST)) {
+        if (is_crowded) {
+            search->stack[0] = s->world.roots[voxel];
+            search->depth = 1;
+        } else {
+            search->next = begin;
+            search->end = end;
+        }
+    }
+    leave_node(s, search);
+    if (search->depth > 0u) {
+        // The pyramid goes on where `level` and `node` say, once the tree is done.
+        search->where = (search->where == AT_END) ? (IN_TREE | 4u) : IN_TREE;
+    }
+}
+
+// One step through the tree of a crowded voxel.
+OUTLINE void step_in_tree(Store *s, Search *search) {
+    if (search->depth == 0u) {
+        search->where = (search->where & 4u) ? AT_END : IN_PYRAMID;
+        return;
+    }
+    search->depth--;
+    const Cluster node = s->world.clusters[search->stack[search->depth]];
+    const V3 lo = (V3){ .x = node.lo[0], .y = node.lo[1], .z = node.lo[2] };
+    const V3 hi = (V3){ .x = node.hi[0], .y = node.hi[1], .z = node.hi[2] };
+    if (can_skip(s, search, lo, hi, node.largest_weight, 1)) {
+        return;
+    }
+    if (node.children == 0u) {
+        search->next = node.begin;
+        search->end = node.end;
+        return;
+    }
+    // The nearer child is taken first: the one whose box is at the smaller power distance.
+    const V3 p = search->position;
+    real power[2];
+    for (uint c = 0; c < 2u; c++) {
+        const Cluster child = s->world.clusters[node.children + c];
+        const V3 gap = (V3){ .x = gap_to(p.x, child.lo[0], child.hi[0]), .y = gap_to(p.y, child.lo[1], child.hi[1]),
+                             .z = gap_to(p.z, child.lo[2], child.hi[2]) };
+        power[c] = square_of(gap) - child.largest_weight;
+    }
+    const uint near = (power[1] < power[0]) ? 1u : 0u;
+    search->stack[search->depth] = node.children + (1u - near);
+    search->stack[search->depth + 1u] = node.children + near;
+    search->depth += 2u;
+}
+
+// The next site of the pyramid that may cut the cell; 0 where there is none.
+OUTLINE uint next_in_pyramid(Store *s, Search *search, uint *found) {
+    for (;;) {
+        while (search->next < search->end) {
+            const uint site = search->next;
+            search->next = site + 1u;
+            const real4 other = s->world.sites[site];
+            const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
+                               .z = other.z - search->position.z };
+            if ((site != search->site) && !out_of_reach(s, search, square_of(d), other.w)) {
+                *found = site;
+                return 1;
+            }
+        }
+        if (search->where == IN_PYRAMID) {
+            step_in_pyramid(s, search);
+        } else if (search->where == AT_END) {
+            return 0;
+        } else {
+            step_in_tree(s, search);
+        }
+    }
+}

@@ -14,7 +14,7 @@ use opencl3::program::Program;
 /// The generated functions, as a device gets them.
 pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
 
-const SOURCES: [&str; 14] = [
+const SOURCES: [&str; 15] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
@@ -22,6 +22,7 @@ const SOURCES: [&str; 14] = [
     include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
     include_str!("kernels/marks.cl"),
+    include_str!("kernels/surface_table.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     FUNCTIONS,

@@ -15,7 +15,7 @@ use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
 
-const EVALUATE: [&str; 14] = [
+const EVALUATE: [&str; 15] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
@@ -23,6 +23,7 @@ const EVALUATE: [&str; 14] = [
     include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
     include_str!("kernels/marks.cl"),
+    include_str!("kernels/surface_table.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),
@@ -32,13 +33,14 @@ const EVALUATE: [&str; 14] = [
     include_str!("kernels/evaluate.cl"),
 ];
 
-const TOGETHER: [&str; 19] = [
+const TOGETHER: [&str; 20] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/ties.cl"),
     include_str!("kernels/lanes_store.cl"),
+    include_str!("kernels/surface_table.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),
@@ -54,12 +56,13 @@ const TOGETHER: [&str; 19] = [
     include_str!("kernels/lanes_evaluate.cl"),
 ];
 
-const GRID: [&str; 6] = [
+const GRID: [&str; 7] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/grid.cl"),
     include_str!("kernels/blocks.cl"),
+    include_str!("kernels/surface_table.cl"),
     include_str!("kernels/clearance.cl"),
 ];
 

@@ -30,11 +30,12 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-const SOURCE: [&str; 8] = [
+const SOURCE: [&str; 9] = [
     include_str!("kernels/single_prelude.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/single_store.cl"),
     include_str!("kernels/marks.cl"),
+    include_str!("kernels/surface_table.cl"),
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),

@@ -1,19 +1,5 @@
 // How far from each voxel of the domain's grid the surface is, and so from each site.
 
-// Voxels that the surface meets of those at most `away` from one, along each axis.
-INLINE uint voxels_met(__global const Params *params, __global const uint *surface_table, uint3 voxel, uint away) {
-    const uint nx = params->domain_dims[0] + 1u;
-    const uint nxy = nx * (params->domain_dims[1] + 1u);
-    const uint3 lo = voxel - min(voxel, away);
-    const uint3 dims = (uint3)(params->domain_dims[0], params->domain_dims[1], params->domain_dims[2]);
-    const uint3 hi = min(voxel + (away + 1u), dims);
-    const uint upper = surface_table[hi.x + (nx * hi.y) + (nxy * hi.z)] - surface_table[lo.x + (nx * hi.y) + (nxy * hi.z)]
-        - surface_table[hi.x + (nx * lo.y) + (nxy * hi.z)] + surface_table[lo.x + (nx * lo.y) + (nxy * hi.z)];
-    const uint lower = surface_table[hi.x + (nx * hi.y) + (nxy * lo.z)] - surface_table[lo.x + (nx * hi.y) + (nxy * lo.z)]
-        - surface_table[hi.x + (nx * lo.y) + (nxy * lo.z)] + surface_table[lo.x + (nx * lo.y) + (nxy * lo.z)];
-    return upper - lower;
-}
-
 // For each of `count` voxels 0 where the surface meets it, or else the largest number n up to 255 such that it meets no voxel less than n away
 // along each axis.
 __kernel void measure_clearances(
@@ -23,22 +9,22 @@ __kernel void measure_clearances(
     if (index >= count) {
         return;
     }
-    const uint nx = params->domain_dims[0];
-    const uint ny = params->domain_dims[1];
-    const uint3 voxel = (uint3)(index % nx, (index / nx) % ny, index / (nx * ny));
+    const uint3 dims = (uint3)(params->domain_dims[0], params->domain_dims[1], params->domain_dims[2]);
+    const uint3 voxel = (uint3)(index % dims.x, (index / dims.x) % dims.y, index / (dims.x * dims.y));
     // Bit by bit, from the highest.
     uint clearance = 0;
     for (uint bit = 128; bit > 0u; bit >>= 1) {
-        if (voxels_met(params, surface_table, voxel, (clearance + bit) - 1u) == 0u) {
-            clearance += bit;
+        const uint tried = clearance + bit;
+        if (voxels_met(params->domain_dims, surface_table, voxel - min(voxel, tried - 1u), min(voxel + tried, dims)) == 0u) {
+            clearance = tried;
         }
     }
     clearances[index] = (uchar)clearance;
 }
 
-// For each of `count` sorted sites from `first` on what its cell has to know: while no vertex is farther than x, a number in single precision, the cell does
-// not meet the surface, and lies where the winding number is y. (A site beyond the grid, which its cell is not, is no nearer than the voxel
-// that it is next to.)
+// For each of `count` sorted sites from `first` on what its cell has to know: while no vertex is farther than x, a number in single
+// precision, the cell does not meet the surface, and lies where the winding number is y. (A site beyond the grid, which its cell is not, is
+// no nearer than the voxel that it is next to.)
 __kernel void look_about(
     __global const Params *params, __global const real4 *sites, uint first, uint count, __global const uchar *clearances,
     __global const int *windings, __global int2 *abouts

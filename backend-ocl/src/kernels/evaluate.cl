@@ -11,10 +11,9 @@ __kernel void cells(
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
     __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
     uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
-    __global FacetRecord *facets,
-    __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
-    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand,
-    __global uint4 *near
+    __global FacetRecord *facets, __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary,
+    __global uint *failed, __global uint *full, __global uint *undecided, __global FacetSecond *facet_seconds,
+    __global const real *integrand, __global uint4 *near
 ) {
     const uint own = (uint)get_global_id(0) / apart;
     if ((own >= count) || (((uint)get_global_id(0) % apart) != 0u)) {

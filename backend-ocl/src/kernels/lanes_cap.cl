@@ -86,11 +86,9 @@ OUTLINE uint cap_together(Store *given, real radius) {
 OUTLINE uint sample_together(Store *given, uint own) {
     Store store = taken_store(given);
     Store *s = &store;
-    __global const uint *dims = s->world.params->grid_dims;
-    const ulong sites = s->world.voxels[dims[0] * (dims[1] * dims[2])];
     uint end = UNTOUCHED;
     for (uint i = 0; i < SAMPLE; i++) {
-        const uint site = (uint)((i * sites) / SAMPLE);
+        const uint site = sampled_site(s->world.params, s->world.voxels, i);
         if ((site == own) || (has_cut(s, site) != 0u)) {
             continue;
         }

@@ -8,10 +8,9 @@ __kernel void cells_together(
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
     __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
     uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
-    __global FacetRecord *facets,
-    __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary, __global uint *failed, __global uint *full,
-    __global uint *undecided, __global FacetSecond *facet_seconds, __global const real *integrand,
-    __global uint4 *near
+    __global FacetRecord *facets, __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary,
+    __global uint *failed, __global uint *full, __global uint *undecided, __global FacetSecond *facet_seconds,
+    __global const real *integrand, __global uint4 *near
 ) {
     __local Cell cells[CELLS];
     const uint own_turn = lanes_alike((uint)get_global_id(0) / LANES);
@@ -38,7 +37,7 @@ __kernel void cells_together(
     s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
     s->lane = (uint)get_local_id(0) % LANES;
-#if WITH_DOMAIN
+#if WITH_DOMAIN && !TAKES_NEAR
     const int2 about = abouts[site];
     const float clear = (as_float(about.x) > 0.0f) ? extent_of(as_float(about.x)) : -1.0f;
     cell->clear = clear;

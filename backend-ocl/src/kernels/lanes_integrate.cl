@@ -17,13 +17,15 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
 #if WITH_DOMAIN
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
     uint near = 1;
-    if ((TAKES_NEAR == 0) && (extent <= cell->clear)) {
+#if !TAKES_NEAR
+    if (extent <= cell->clear) {
         near = 0;
         *winding = (real)cell->winding;
-    } else if (TAKES_NEAR == 0) {
+    } else {
         near = surface_near_box(s, &lo);
         *winding = (real)store_winding(s, lo);
     }
+#endif
 #if GIVES_NEAR
     if (near != 0u) {
         return NEAR;

@@ -104,9 +104,6 @@ INLINE uint lanes_most(uint x) {
     asm volatile("redux.sync.max.u32 %0, %1, 0xffffffff;" : "=r"(most) : "r"(x));
     return most;
 }
-// What all lanes have alike, so that the compiler knows it: it does not of what depends on a work-item's number, or is the result of a function
-// that is not inlined, and where a loop may end so, all that happens in it is slower (all cells by 5 %, with a domain 11 %; one NVIDIA H200).
-INLINE uint lanes_alike(uint x) { return lanes_most(x); }
 // What lane `from` has.
 INLINE uint lane_value(uint x, uint from) {
     uint value;
@@ -123,10 +120,13 @@ INLINE uint lane_beside(uint x, uint step) {
 INLINE void lanes_wait() {}
 INLINE uint lanes_with(uint bit) { return (bit != 0u) ? 1u : 0u; }
 INLINE uint lanes_most(uint x) { return x; }
-INLINE uint lanes_alike(uint x) { return x; }
 INLINE uint lane_value(uint x, uint from) { return x; }
 INLINE uint lane_beside(uint x, uint step) { return x; }
 #endif
+
+// What all lanes have alike, so that the compiler knows it: it does not of what depends on a work-item's number, or is the result of a function
+// that is not inlined, and where a loop may end so, all that happens in it is slower (all cells by 5 %, with a domain 11 %; one NVIDIA H200).
+INLINE uint lanes_alike(uint x) { return lanes_most(x); }
 
 // The largest of numbers that are not negative: their bits are in the same order.
 INLINE float lanes_largest(float x) { return as_float(lanes_most(as_uint(x))); }

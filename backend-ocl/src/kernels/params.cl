@@ -66,12 +66,18 @@ INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
 }
 
 // After INNER_SHELLS, voxels from the site to its cell's farthest vertex beyond which what is outside the domain is cut off: in spacings about as
-// far as the CPU's, whose voxels have twice as many sites; those beyond which a cell near the surface is not expected to end by itself; and those from which on the cell is
-// cut by a sample of all sites before, and its size.
+// far as the CPU's, whose voxels have twice as many sites; those beyond which a cell near the surface is not expected to end by itself; and
+// those from which on the cell is cut by a sample of all sites before, and its size.
 #define CAP_FROM REAL(1.75)
 #define FAR_FROM REAL(3.0)
 #define SAMPLE_FROM REAL(5.0)
 #define SAMPLE 512u
+
+// Number i of that sample, as evenly spread over the sorted sites.
+INLINE uint sampled_site(__global const Params *params, __global const uint *voxels, uint i) {
+    const ulong sites = voxels[params->grid_dims[0] * (params->grid_dims[1] * params->grid_dims[2])];
+    return (uint)((i * sites) / SAMPLE);
+}
 
 // Room for the roundings of a place in voxels of the domain's grid in single precision, three of them, of which the site's is relative.
 #define VOXEL_SLACK 1e-4f

@@ -45,10 +45,8 @@ OUTLINE uint cap_far(Store *s, Search *search) {
         return status;
     }
     search->is_sampled = 1;
-    __global const uint *dims = s->world.params->grid_dims;
-    const ulong sites = s->world.voxels[dims[0] * (dims[1] * dims[2])];
     for (uint i = 0; i < SAMPLE; i++) {
-        const uint site = (uint)((i * sites) / SAMPLE);
+        const uint site = sampled_site(s->world.params, s->world.voxels, i);
         const real4 other = s->world.sites[site];
         const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
                            .z = other.z - search->position.z };

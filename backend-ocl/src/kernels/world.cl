@@ -28,19 +28,9 @@ INLINE uint domain_index(Store *s, Voxel voxel) {
     return voxel.i + (dims[0] * (voxel.j + (dims[1] * voxel.k)));
 }
 INLINE int store_winding(Store *s, Voxel voxel) { return s->world.windings[domain_index(s, voxel)]; }
-INLINE uint table_entry(Store *s, uint i, uint j, uint k) {
-    __global const uint *dims = s->world.params->domain_dims;
-    return s->world.surface_table[i + ((dims[0] + 1u) * (j + ((dims[1] + 1u) * k)))];
-}
 INLINE uint store_surface_voxels(Store *s, Voxel lo, Voxel hi) {
-    const uint i = hi.i + 1u;
-    const uint j = hi.j + 1u;
-    const uint k = hi.k + 1u;
-    const uint upper = table_entry(s, i, j, k) - table_entry(s, lo.i, j, k) - table_entry(s, i, lo.j, k)
-        + table_entry(s, lo.i, lo.j, k);
-    const uint lower = table_entry(s, i, j, lo.k) - table_entry(s, lo.i, j, lo.k) - table_entry(s, i, lo.j, lo.k)
-        + table_entry(s, lo.i, lo.j, lo.k);
-    return upper - lower;
+    const uint3 end = (uint3)(hi.i + 1u, hi.j + 1u, hi.k + 1u);
+    return voxels_met(s->world.params->domain_dims, s->world.surface_table, (uint3)(lo.i, lo.j, lo.k), end);
 }
 INLINE uint store_list_begin(Store *s, Voxel voxel) { return s->world.list_offsets[domain_index(s, voxel)]; }
 INLINE uint store_list_end(Store *s, Voxel voxel) { return s->world.list_offsets[domain_index(s, voxel) + 1u]; }

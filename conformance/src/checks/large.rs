@@ -35,10 +35,7 @@ pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
         let mut cells: Vec<usize> = (0..scene.len()).step_by(67).chain([heavy]).collect();
         let row = facets.offsets[heavy]..facets.offsets[heavy + 1];
         cells.extend(facets.neighbor[row].iter().map(|n| n.site as usize).take(100));
-        let only: Vec<u32> = cells.iter().map(|&i| i as u32).collect();
-        // Facets are compared from the sides asked for; the reference for the bounds is the backend's own, whole output.
-        let naive = Naive::only(&only).evaluate(&scene.diagram()?, &Request::moments().with_facets());
-        same_cells(&scene, &output, &naive.map_err(|error| error.to_string())?, Planes::Same, &cells)?;
+        as_the_oracle_says(&scene, &output, &cells)?;
     }
     Ok(())
 }
@@ -53,10 +50,7 @@ pub fn many_at_one_place(backend: &dyn Backend) -> Verdict {
     scene.weights.extend([scene.weights[7]; 99]);
     let output = scene.with_facets(backend)?;
     fills(&scene, &output)?;
-    let some: Vec<usize> = (0..scene.len()).step_by(13).collect();
-    let only: Vec<u32> = some.iter().map(|&i| i as u32).collect();
-    let naive = Naive::only(&only).evaluate(&scene.diagram()?, &Request::moments().with_facets());
-    same_cells(&scene, &output, &naive.map_err(|error| error.to_string())?, Planes::Same, &some)
+    as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(13).collect::<Vec<_>>())
 }
 
 /// Sites that fill a part of their container, those near its inside or those on one side of it: cells at the edge of the cloud reach far
@@ -81,10 +75,7 @@ pub fn clouds(backend: &dyn Backend) -> Verdict {
             };
             let output = scene.with_facets(backend)?;
             fills(&scene, &output).map_err(|reason| format!("{shape:?}: {reason}"))?;
-            let some: Vec<usize> = (0..scene.len()).step_by(31).collect();
-            let only: Vec<u32> = some.iter().map(|&i| i as u32).collect();
-            let naive = Naive::only(&only).evaluate(&scene.diagram()?, &Request::moments().with_facets());
-            same_cells(&scene, &output, &naive.map_err(|error| error.to_string())?, Planes::Same, &some)
+            as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
                 .map_err(|reason| format!("{shape:?}: {reason}"))?;
         }
     }
@@ -95,6 +86,13 @@ pub fn clouds(backend: &dyn Backend) -> Verdict {
 pub fn many_sites_in_a_mesh(backend: &dyn Backend) -> Verdict {
     let scene = white(20_000, Weights::Mild, Shape::Trefoil);
     fills(&scene, &scene.evaluate(backend, &Request::moments())?)
+}
+
+/// Some cells are the oracle's. Facets are compared from the sides of those; the reference for the bounds is the backend's own, whole output.
+fn as_the_oracle_says(scene: &Scene, output: &Output, cells: &[usize]) -> Verdict {
+    let only: Vec<u32> = cells.iter().map(|&i| i as u32).collect();
+    let naive = Naive::only(&only).evaluate(&scene.diagram()?, &Request::moments().with_facets());
+    same_cells(scene, output, &naive.map_err(|error| error.to_string())?, Planes::Same, cells)
 }
 
 /// The volumes sum to the container's.

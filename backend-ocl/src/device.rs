@@ -1,6 +1,8 @@
 //! One device: its queue, its programs, its memory.
 
 mod schedule;
+#[cfg(test)]
+mod tests;
 
 use crate::buffer::{Room, failed};
 use crate::grid::{GROUP, Sites};

@@ -19,7 +19,7 @@ pub(crate) const GROUP: usize = 256;
 const SCANNED: usize = 8 * GROUP;
 
 /// `block_level` of `params.cl`, where there are so many.
-const BLOCK_LEVEL: usize = 2;
+const BLOCK_LEVEL: usize = 1;
 
 /// Levels of the pyramid at most (`level_begin` of `params.cl`).
 const MOST_LEVELS: usize = 32;
@@ -41,8 +41,10 @@ pub(crate) struct Sites {
     pub(crate) order: Room<u32>,
     pub(crate) offsets: Room<u32>,
     pub(crate) weights: Room<f64>,
-    /// What bounds the search near each block of voxels, where weights differ: `bound_blocks` of `blocks.cl`.
-    pub(crate) blocks: Room<[f64; 2]>,
+    /// What bounds the weights of each node of the pyramid from blocks of voxels on, and the search about each block, where weights differ
+    /// (`blocks.cl`).
+    pub(crate) bounds: Room<[f64; 4]>,
+    pub(crate) blocks: Room<[f64; 6]>,
     pub(crate) clusters: Room<Cluster>,
     pub(crate) roots: Room<u32>,
     on_host: OnHost,
@@ -71,6 +73,7 @@ impl Sites {
             order: Room::new("sorted sites"),
             offsets: Room::new("the site grid"),
             weights: Room::new("the pyramid"),
+            bounds: Room::new("the blocks of voxels"),
             blocks: Room::new("the blocks of voxels"),
             clusters: Room::new("the trees of crowded voxels"),
             roots: Room::new("the trees of crowded voxels"),
@@ -161,7 +164,7 @@ impl Sites {
         Ok(Some(self.on_host.number[0] as usize))
     }
 
-    /// Where weights differ, finds what bounds the search near each block of voxels; not for trees, which only one work-item searches.
+    /// Where weights differ, finds what bounds the search about each block of voxels; not for trees, which only one work-item searches.
     fn bound_blocks(
         &mut self,
         context: &Context,
@@ -170,13 +173,23 @@ impl Sites {
         levels: &[[u32; 3]],
         shared: &Shared,
     ) -> Result<()> {
-        let dims = levels[BLOCK_LEVEL.min(levels.len() - 1)];
-        let blocks = dims.iter().map(|&n| n as usize).product::<usize>();
-        self.blocks.grow(context, blocks)?;
-        if shared.params.equal_weights == 0 && shared.params.has_clusters == 0 {
-            enqueue!(queue, &kernels.bound_blocks, blocks, GROUP;
-                shared.room.get()?, self.sites.get()?, self.offsets.get()?, self.weights.get()?, &(blocks as u32), self.blocks.get()?);
+        if shared.params.equal_weights != 0 || shared.params.has_clusters != 0 {
+            self.bounds.grow(context, 1)?;
+            return self.blocks.grow(context, 1);
         }
+        let own = BLOCK_LEVEL.min(levels.len() - 1);
+        let nodes: Vec<usize> = levels[own..].iter().map(|dims| dims.iter().map(|&n| n as usize).product()).collect();
+        let count = nodes[0] as u32;
+        let boxes = levels[0].iter().map(|&n| n as usize).product::<usize>();
+        self.bounds.grow(context, nodes.iter().sum::<usize>().max(boxes / 4))?;
+        self.blocks.grow(context, nodes[0].max(boxes / 4))?;
+        enqueue!(queue, &kernels.fit_blocks, nodes[0], GROUP;
+            shared.room.get()?, self.sites.get()?, self.offsets.get()?, &count, self.bounds.get()?);
+        for (level, &nodes) in (own..).zip(&nodes).skip(1) {
+            enqueue!(queue, &kernels.raise_bounds, nodes, GROUP; shared.room.get()?, self.bounds.get()?, &(level as u32));
+        }
+        enqueue!(queue, &kernels.bound_blocks, nodes[0], GROUP;
+            shared.room.get()?, self.sites.get()?, self.offsets.get()?, self.bounds.get()?, &count, self.blocks.get()?);
         Ok(())
     }
 
@@ -188,7 +201,6 @@ impl Sites {
         self.offsets.grow(context, boxes + 1)?;
         // A row of voxels has the most: half as many in each level, rounded up.
         self.weights.grow(context, nodes.max(2 * boxes + MOST_LEVELS))?;
-        self.blocks.grow(context, boxes.div_ceil(4) + 1)?;
         let mut count = boxes + 1;
         for depth in 0.. {
             if self.sums.len() == depth {

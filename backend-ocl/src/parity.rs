@@ -14,7 +14,7 @@ use opencl3::program::Program;
 /// The generated functions, as a device gets them.
 pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
 
-const SOURCES: [&str; 15] = [
+const SOURCES: [&str; 16] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
@@ -26,6 +26,7 @@ const SOURCES: [&str; 15] = [
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     FUNCTIONS,
+    include_str!("kernels/reach.cl"),
     include_str!("kernels/pyramid.cl"),
     include_str!("kernels/search.cl"),
     include_str!("kernels/parity_state.cl"),

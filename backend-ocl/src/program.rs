@@ -15,7 +15,7 @@ use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
 
-const EVALUATE: [&str; 15] = [
+const EVALUATE: [&str; 16] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
@@ -27,16 +27,18 @@ const EVALUATE: [&str; 15] = [
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),
+    include_str!("kernels/reach.cl"),
     include_str!("kernels/pyramid.cl"),
     include_str!("kernels/search.cl"),
     include_str!("kernels/output.cl"),
     include_str!("kernels/evaluate.cl"),
 ];
 
-const TOGETHER: [&str; 20] = [
+const TOGETHER: [&str; 24] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
+    include_str!("kernels/bounds.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/ties.cl"),
     include_str!("kernels/lanes_store.cl"),
@@ -44,10 +46,13 @@ const TOGETHER: [&str; 20] = [
     include_str!("kernels/world.cl"),
     include_str!("kernels/further.cl"),
     include_str!("kernels/cell.cl"),
+    include_str!("kernels/reach.cl"),
     include_str!("kernels/output.cl"),
     include_str!("kernels/lanes_exact.cl"),
     include_str!("kernels/lanes_clip.cl"),
     include_str!("kernels/lanes_cap.cl"),
+    include_str!("kernels/lanes_reach.cl"),
+    include_str!("kernels/lanes_far.cl"),
     include_str!("kernels/lanes.cl"),
     include_str!("kernels/lanes_near.cl"),
     include_str!("kernels/lanes_sums.cl"),
@@ -56,10 +61,11 @@ const TOGETHER: [&str; 20] = [
     include_str!("kernels/lanes_evaluate.cl"),
 ];
 
-const GRID: [&str; 7] = [
+const GRID: [&str; 8] = [
     include_str!("kernels/prelude.cl"),
     include_str!("kernels/shells.cl"),
     include_str!("kernels/params.cl"),
+    include_str!("kernels/bounds.cl"),
     include_str!("kernels/grid.cl"),
     include_str!("kernels/blocks.cl"),
     include_str!("kernels/surface_table.cl"),
@@ -85,8 +91,10 @@ pub(crate) enum Stage {
     First,
     /// Those that may meet the surface; those are given up that need exact signs.
     Surface,
-    /// Those that need exact signs.
+    /// Those that need exact signs, or sites beyond the table of offsets.
     Exact,
+    /// Those that need more room.
+    Wide,
 }
 
 /// Work-items of a group where each computes a cell alone. They share nothing; a multiple of what any GPU runs in step.
@@ -104,6 +112,7 @@ const fn cells_of_group(stage: Stage) -> usize {
     match stage {
         Stage::First => 5,
         Stage::Surface | Stage::Exact => 4,
+        Stage::Wide => 1,
     }
 }
 
@@ -129,6 +138,8 @@ pub(crate) struct GridKernels {
     pub(crate) sort_voxels: Kernel,
     pub(crate) gather_sites: Kernel,
     pub(crate) raise_level: Kernel,
+    pub(crate) fit_blocks: Kernel,
+    pub(crate) raise_bounds: Kernel,
     pub(crate) bound_blocks: Kernel,
     pub(crate) measure_clearances: Kernel,
     pub(crate) look_about: Kernel,
@@ -147,6 +158,8 @@ impl GridKernels {
             sort_voxels: Kernel::new(&program, "sort_voxels")?,
             gather_sites: Kernel::new(&program, "gather_sites")?,
             raise_level: Kernel::new(&program, "raise_level")?,
+            fit_blocks: Kernel::new(&program, "fit_blocks")?,
+            raise_bounds: Kernel::new(&program, "raise_bounds")?,
             bound_blocks: Kernel::new(&program, "bound_blocks")?,
             measure_clearances: Kernel::new(&program, "measure_clearances")?,
             look_about: Kernel::new(&program, "look_about")?,
@@ -204,13 +217,16 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
                 Stage::First => "-cl-nv-maxrregcount=96".into(),
                 Stage::Surface => "-cl-nv-maxrregcount=168".into(),
                 Stage::Exact => "-cl-nv-maxrregcount=128".into(),
+                Stage::Wide => String::new(),
             };
             // The facets of a cell that the surface cuts are not computed together.
             let surface = stage != Stage::First && flags & DOMAIN != 0 && flags & FACETS == 0;
-            let [exact, surface] = [stage == Stage::Exact, surface].map(u32::from);
+            let exact = matches!(stage, Stage::Exact | Stage::Wide);
+            let [exact, surface, room] = [exact, surface, stage == Stage::Wide].map(u32::from);
             let cells = cells_of_group(stage);
             let options = format!(
-                "-D LANES={lanes}u -D CELLS={cells} -D WITH_EXACT={exact} -D WITH_SURFACE={surface} {asked} {registers}"
+                "-D LANES={lanes}u -D CELLS={cells} -D WITH_EXACT={exact} -D WITH_SURFACE={surface} -D WITH_ROOM={room} {asked} \
+                 {registers}"
             );
             (compile(context, device, &TOGETHER.concat(), &options)?, "cells_together")
         }

@@ -230,8 +230,12 @@ impl Device {
                 now = Todo::Listed(counters[BOUNDARY] as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);
                 counters[BOUNDARY] = 0;
-                second.cells += now.count();
-                way = Way::Alone(room);
+                second.cells += if is_second { 0 } else { now.count() };
+                way = match way {
+                    // (Facets of cells that the surface cuts are not computed together.)
+                    Way::Together(lanes, Stage::Exact) if !request.facets => Way::Together(lanes, Stage::Wide),
+                    _ => Way::Alone(room),
+                };
                 interior_only = false;
                 is_second = true;
             }
@@ -358,8 +362,8 @@ impl Device {
         let apart = if in_step { (FEW_ITEMS / turns.len().max(1)).clamp(1, WARP) } else { 1 };
         let begin = Instant::now();
         let ran = launch!(queue, &kernels.cells, turns.len() * kernels.per_cell * apart, kernels.group;
-            shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.blocks.get()?, sites.clusters.get()?,
-            sites.roots.get()?, memory.shells.get()?, memory.domain_vertices.get()?, memory.triangles.get()?,
+            shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.bounds.get()?, sites.blocks.get()?,
+            sites.clusters.get()?, sites.roots.get()?, memory.shells.get()?, memory.domain_vertices.get()?, memory.triangles.get()?,
             memory.lowest_voxels.get()?, memory.list_offsets.get()?, memory.list_entries.get()?, memory.windings.get()?,
             memory.surface_table.get()?, memory.abouts.get()?, sites.order.get()?, memory.todo.get()?, &has_list, &first, &(stride as u32),
             &(apart as u32), &(turns.len() as u32), &u32::from(interior_only), memory.outcome.get()?, memory.sums.get()?,

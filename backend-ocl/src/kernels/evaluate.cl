@@ -6,7 +6,7 @@
 // their records begin, and how many they are. The others are appended to a list.
 __kernel void cells(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
-    __global const real2 *blocks, __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
+    __global const real4 *bounds, __global const Block *blocks, __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
     __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
     __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
@@ -23,8 +23,8 @@ __kernel void cells(
     const uint site = (has_list != 0u) ? list[turn] : turn;
     Store store;
     store.world = (World){
-        .params = params, .sites = sites, .voxels = voxels, .weights = weights, .blocks = blocks, .clusters = clusters, .roots = roots,
-        .domain_vertices = domain_vertices, .triangles = triangles, .lowest_voxels = lowest_voxels,
+        .params = params, .sites = sites, .voxels = voxels, .weights = weights, .bounds = bounds, .blocks = blocks, .clusters = clusters,
+        .roots = roots, .domain_vertices = domain_vertices, .triangles = triangles, .lowest_voxels = lowest_voxels,
         .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table,
         .integrand = integrand
     };

@@ -1,18 +1,13 @@
 // A cell computed by LANES work-items together: the vertices are shared out among them when a half-space is tried, the new
 // vertices when it cuts, the candidates when the next one is looked for, the tetrahedra when the cell is integrated. It gives the same
 // cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells
-// that need more room, more sites than the table of offsets holds, or exact arithmetic that is the host's, and those that the surface cuts
-// where facets are asked for, are left to that kernel.
+// that need more room than there is, or exact arithmetic that is the host's, and those that the surface cuts where facets are asked for, are
+// left to that kernel.
 //
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
 // nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
-// inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either. WITH_WEIGHTS where they differ:
-// what only they need costs others 8 %.
-
-// No key of a candidate.
-#define USED 0xFFFFFFFFu
-
-INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
+// inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either or reaches beyond the table of offsets, WITH_ROOM for what
+// needs more room. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
 
 #if WITH_DOMAIN
 // How many voxels the surface meets of those that the box of the vertices, which are in single precision, and the site may; and the lowest
@@ -46,57 +41,11 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
 }
 #endif
 
-// Below this the squares of single precision could underflow.
-#define ROUGH_SQUARE 1e-30f
-
-// An upper bound of the distance from the site to the farthest vertex (`farthest_vertex`, in single precision).
-INLINE float farthest_of(Store *s) {
-    float most = 0.0f;
-    UNROLLED
-    for (uint word = 0; word < WORDS; word++) {
-        if ((word * LANES) < s->vertices) {
-            const uint v = (word * LANES) + s->lane;
-            const float4 p = s->cell->rough[v];
-            const float square = fmax(((p.x * p.x) + (p.y * p.y)) + (p.z * p.z), ROUGH_SQUARE);
-            const float far = (sqrt(square) + (2.0f * p.w)) * ROUGH_SAFE;
-            most = fmax(most, (v < s->vertices) ? far : 0.0f);
-        }
-    }
-    return lanes_largest(most);
-}
-
-// Squared distance from which on no site can cut whose weight is the cell's; or larger by at most `extra` (`security_reach`).
-INLINE float reach_square_even(float farthest) { return (4.0f * farthest) * (farthest * ROUGH_SAFE); }
-#if WITH_WEIGHTS
-INLINE float reach_square(float farthest, real extra) {
-    const real reach = security_reach((real)farthest, extra);
-    return convert_float_rtp(reach * reach);
-}
-#endif
-
-// How far a cell reaches whose farthest vertex is so far, and the squared distance from which on no site of the table of offsets can cut it: where
-// weights are equal these are the same number, for a register less in the inner loop. Nothing reaches a cell of extent 0, which is outside.
-#if WITH_WEIGHTS
-INLINE float extent_of(float farthest) { return farthest; }
-INLINE float reach_of(float extent, real extra) {
-    return ((extra == REAL(0.0)) || (extent == 0.0f)) ? reach_square_even(extent) : reach_square(extent, extra);
-}
-#else
-INLINE float extent_of(float farthest) { return reach_square_even(farthest); }
-INLINE float reach_of(float extent, real extra) { return extent; }
-#endif
-
-// A squared distance in voxels, for comparison with those between voxels.
-INLINE float voxels_in_reach(Store *s, float reach) {
-    const float in_voxels = (sqrt(reach) * (convert_float_rtp(s->world.params->grid_per_width) * ROUGH_SAFE)) + SHELL_SLACK;
-    return (in_voxels * in_voxels) * 1.00001f;
-}
-
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
-INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float limit, float extent,
-                        uint *entry) {
+INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, Reach reach, uint *entry) {
     __global const Params *params = s->world.params;
+    const float limit = voxels_in_reach(s, square_reach(s, reach));
     const uint below = (1u << s->lane) - 1u;
     uint found = 0;
     uint goes_on = 1;
@@ -119,7 +68,7 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
             && (((i < params->grid_dims[0]) && (j < params->grid_dims[1])) && (k < params->grid_dims[2]));
 #if WITH_WEIGHTS
         if (is_near != 0u) {
-            is_near = square < voxels_in_reach(s, reach_square(extent, s->world.weights[voxel] - s->weight));
+            is_near = voxel_reaches(s, reach, voxel, (float3)((float)ox + 0.5f, (float)oy + 0.5f, (float)oz + 0.5f) - f, square);
         }
 #endif
         const uint all = lanes_with(is_near);
@@ -145,13 +94,6 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
     return found;
 }
 
-#if WITH_DOMAIN
-// Whether a vertex is so many voxels of the site grid away from the site, and may be on the other side of the surface.
-INLINE uint is_beyond(Store *s, float extent, real widths) {
-    return extent > fmax(extent_of(convert_float_rtp(widths * s->world.params->grid_width)), s->cell->clear);
-}
-#endif
-
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *extent) {
     __local Cell *cell = s->cell;
@@ -165,48 +107,36 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                              min((uint)fmax(at.y, REAL(0.0)), params->grid_dims[1] - 1u),
                              min((uint)fmax(at.z, REAL(0.0)), params->grid_dims[2] - 1u) };
     const float3 f = (float3)((float)(at.x - (real)center[0]), (float)(at.y - (real)center[1]), (float)(at.z - (real)center[2]));
-#if WITH_WEIGHTS
-    // How much heavier a site of the table may be, and how far vertices may be for none beyond it to cut.
-    const real2 about = block_about(params, s->world.blocks, s->site.x, s->site.y, s->site.z);
-    const real extra = about.x - s->weight;
-    const real proved = about.y;
-#else
-    const real extra = REAL(0.0);
-#endif
     const uint below = (1u << s->lane) - 1u;
-    *extent = extent_of(farthest_of(s));
-    float reach = reach_of(*extent, extra);
-#if WITH_DOMAIN
+    Reach reach = reach_now(s);
+#if WITH_DOMAIN && WITH_EXACT
     uint is_capped = 0;
-    uint is_sampled = 0;
 #endif
+    uint is_sampled = 0;
     uint entry = 0;
     for (;;) {
 #if WITH_DOMAIN && WITH_EXACT
-        if (((entry >= INNER_SHELLS) && (is_capped == 0u)) && (is_beyond(s, *extent, CAP_FROM) != 0u)) {
+        if (((entry >= INNER_SHELLS) && (is_capped == 0u)) && (is_beyond(s, reach, CAP_FROM) != 0u)) {
             Store copy = *s;
             uint status = lanes_alike(cap_together(&copy, CAP_FROM * params->grid_width));
-            if (((status == CUT) || (status == UNTOUCHED)) && (farthest_of(&copy) > convert_float_rtp(SAMPLE_FROM * params->grid_width))) {
+            if (((status == CUT) || (status == UNTOUCHED)) && (is_beyond(&copy, reach_now(&copy), SAMPLE_FROM) != 0u)) {
                 is_sampled = 1;
                 status = lanes_alike(sample_together(&copy, own));
                 if ((status == CUT) || (status == UNTOUCHED)) {
                     status = lanes_alike(cap_together(&copy, CAP_FROM * params->grid_width));
                 }
             }
-            s->planes = lanes_alike(copy.planes);
-            s->vertices = lanes_alike(copy.vertices);
-            s->exact |= copy.exact;
+            take_over(s, &copy);
             if ((status != CUT) && (status != UNTOUCHED)) {
                 return status;
             }
-            *extent = extent_of(farthest_of(s));
-            reach = reach_of(*extent, extra);
+            reach = reach_now(s);
             // Once is enough.
             is_capped = 1;
         }
 #endif
         // 1. A voxel for each lane, and where its sites stand in the row of all.
-        const uint found = gather_voxels(s, shells, center, f, voxels_in_reach(s, reach), *extent, &entry);
+        const uint found = gather_voxels(s, shells, center, f, reach, &entry);
         uint begin = 0;
         uint count = 0;
         if (s->lane < found) {
@@ -242,74 +172,47 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     site[c] = cell->marked[at];
                     const real4 other = s->world.sites[site[c]];
                     const V3 way = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
-                    const float square = convert_float_rtz(square_of(way));
-                    uint is_near = (site[c] != own) && (square < reach);
-#if WITH_WEIGHTS
-                    is_near = (is_near != 0u) && (square < reach_square(*extent, other.w - s->weight));
-#endif
-                    if (is_near != 0u) {
-                        key[c] = as_uint(square);
-                    }
+                    const uint its = key_of(s, way, other.w);
+                    key[c] = ((site[c] != own) && (its < key_limit(reach))) ? its : USED;
                 }
             }
             // 3. The nearest of them, again and again, until none is in reach.
-            for (;;) {
-                const uint mine = min(key[0], key[1]);
-                const uint nearest = ~lanes_most(~mine);
-                if (nearest >= as_uint(reach)) {
-                    break;
-                }
-                // (No index, so that all stays in registers.)
-                const uint from = lowest_bit(lanes_with(mine == nearest));
-                const uint is_first = key[0] == mine;
-                const uint beyond = lane_value((is_first != 0u) ? site[0] : site[1], from);
-                if (s->lane == from) {
-                    key[0] = (is_first != 0u) ? USED : key[0];
-                    key[1] = (is_first != 0u) ? key[1] : USED;
-                }
-#if WITH_DOMAIN && WITH_EXACT
-                if ((is_sampled != 0u) && (has_cut(s, beyond) != 0u)) {
-                    continue;
-                }
-#endif
-                *visited += 1u;
-                // Each lane makes the half-space for itself.
-                const uint status = cut_together(s, bisector_with(s, beyond), beyond);
-                if (status == CUT) {
-                    *extent = extent_of(farthest_of(s));
-#if WITH_DOMAIN
-                    // (Which ends the search without a way out of here of its own.)
-                    *extent = (*extent <= cell->outside) ? 0.0f : *extent;
-#endif
-                    reach = reach_of(*extent, extra);
-                } else if (status != UNTOUCHED) {
-                    return status;
-                }
+            const uint status = cut_by_nearest(s, site, key, is_sampled, &reach, visited);
+            if (status != UNTOUCHED) {
+                return status;
             }
         }
         // All voxels in reach were in the table, or it ended; or the cell is for the stage WITH_EXACT, which can cut it off.
         uint is_last = entry >= SHELLS;
 #if WITH_DOMAIN && !WITH_EXACT
-        is_last = is_last || ((entry >= INNER_SHELLS) && (is_beyond(s, *extent, FAR_FROM) != 0u));
+        is_last = is_last || ((entry >= INNER_SHELLS) && (is_beyond(s, reach, FAR_FROM) != 0u));
 #endif
         if (is_last != 0u) {
             break;
         }
     }
 #if WITH_WEIGHTS
-    const uint is_proved = (entry >= SHELLS) && ((real)*extent <= proved);
+    const uint is_proved = (entry >= SHELLS) && (reach.span <= s->about.proved);
 #else
     const uint is_proved = entry > SHELLS;
 #endif
 #if WITH_DOMAIN
-    if (*extent <= cell->outside) {
+    if (reach.extent <= cell->outside) {
+        *extent = reach.extent;
         return EMPTY;
     }
 #endif
-#if WITH_DOMAIN && !WITH_EXACT
-    if ((is_proved == 0u) && (is_beyond(s, *extent, CAP_FROM) != 0u)) {
-        return OPEN;
+#if SEARCHES_FAR
+    if (is_proved == 0u) {
+        Store copy = *s;
+        uint more = 0;
+        const uint status = lanes_alike(search_far(&copy, center[0], center[1], center[2], own, is_sampled, &more));
+        *visited += more;
+        take_over(s, &copy);
+        *extent = reach_now(s).extent;
+        return status;
     }
 #endif
-    return (is_proved != 0u) ? COMPLETE : LEFT;
+    *extent = reach.extent;
+    return (is_proved != 0u) ? COMPLETE : ((WITH_EXACT != 0) ? LEFT : OPEN);
 }

@@ -37,20 +37,6 @@ INLINE uint part_is_outside_together(const Store *given, V3 direction, real heig
     return lanes_with(boxes_are_outside(s, direction, height, low, high, s->lane, LANES) == 0u) == 0u;
 }
 
-// The store of a cell, to be worked on where it can stay in registers; and back.
-INLINE Store taken_store(const Store *given) {
-    Store store = *given;
-    store.planes = lanes_alike(store.planes);
-    store.vertices = lanes_alike(store.vertices);
-    return store;
-}
-INLINE uint give_back(Store *given, const Store *store, uint status) {
-    given->planes = store->planes;
-    given->vertices = store->vertices;
-    given->exact = store->exact;
-    return status;
-}
-
 // `cap_outside`: `CUT`, `UNTOUCHED`, or how the cell ended.
 OUTLINE uint cap_together(Store *given, real radius) {
     Store store = taken_store(given);

@@ -51,7 +51,12 @@ INLINE Trial trial_of(Plane plane) {
 // Whether vertex v is among the marked ones.
 INLINE uint is_marked(const uint *bits, uint v) {
 #if LANES == 32u
-    return (((v < LANES) ? bits[0] : bits[1]) >> (v & (LANES - 1u))) & 1u;
+    uint its = bits[0];
+    UNROLLED
+    for (uint word = 1; word < WORDS; word++) {
+        its = (v < (word * LANES)) ? its : bits[word];
+    }
+    return (its >> (v & (LANES - 1u))) & 1u;
 #else
     return bits[v];
 #endif
@@ -228,6 +233,25 @@ OUTLINE uint compact_together(__local Cell *cell, uint lane, uint planes, uint v
     }
     lanes_wait();
     return kept;
+}
+
+// The store of a cell, to be worked on where it can stay in registers; what the caller takes over from it; and back.
+INLINE Store taken_store(const Store *given) {
+    Store store = *given;
+    store.planes = lanes_alike(store.planes);
+    store.vertices = lanes_alike(store.vertices);
+    return store;
+}
+INLINE void take_over(Store *s, const Store *copy) {
+    s->planes = lanes_alike(copy->planes);
+    s->vertices = lanes_alike(copy->vertices);
+    s->exact |= copy->exact;
+}
+INLINE uint give_back(Store *given, const Store *store, uint status) {
+    given->planes = store->planes;
+    given->vertices = store->vertices;
+    given->exact = store->exact;
+    return status;
 }
 #endif
 

@@ -12,9 +12,19 @@
 #define GIVES_NEAR (WITH_DOMAIN && !WITH_FACETS && !WITH_SURFACE && !WITH_EXACT)
 #define TAKES_NEAR (WITH_SURFACE && !WITH_EXACT)
 
-// Room of a cell; what needs more is left to the kernel that computes a cell with one work-item.
+// Whether sites beyond the table of offsets are searched: few cells reach so far, and without a domain and weights hardly any (there a lattice, of
+// which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
+#define SEARCHES_FAR (WITH_EXACT && ((WITH_DOMAIN || WITH_WEIGHTS) || WITH_ROOM))
+
+// Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more. What needs still more is left to the kernel
+// that computes a cell with one work-item. (Of each directed edge the vertex is kept in a byte.)
+#if WITH_ROOM
+#define LANES_P 128u
+#define LANES_V 256u
+#else
 #define LANES_P 64u
 #define LANES_V 64u
+#endif
 
 // Determinants that are decided at once by integers, and terms of each.
 #define AT_ONCE 5u
@@ -71,11 +81,27 @@ typedef struct {
 #endif
 } Cell;
 
+#if WITH_WEIGHTS
+// What is known about a site's block (`Block`), as its cell has use for it.
+typedef struct {
+    // The slope g, and −g/2.
+    V3 slope;
+    float3 from;
+    // How much heavier sites of the table may be, so compared; and by what the cell reaches farther since this grows with their distance.
+    float excess;
+    float stretch;
+    float proved;
+} About;
+#endif
+
 typedef struct {
     World world;
     __local Cell *cell;
     V3 site;
     real weight;
+#if WITH_WEIGHTS
+    About about;
+#endif
     uint lane;
     uint planes;
     uint vertices;

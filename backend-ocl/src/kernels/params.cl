@@ -97,16 +97,28 @@ INLINE uint voxel_in_domain(__global const Params *params, uint axis, float plac
 
 // Level of the pyramid whose nodes are the blocks of `blocks.cl`, or all there is; and how many of them to each side have what the table of
 // offsets holds about any voxel of one.
-#define NEAR_BLOCKS ((SHELL_RADIUS + 3u) / 4u)
-INLINE uint block_level(__global const Params *params) { return min(2u, params->top_level); }
+#define BLOCK_LEVEL 1u
+#define NEAR_BLOCKS ((SHELL_RADIUS + ((1u << BLOCK_LEVEL) - 1u)) >> BLOCK_LEVEL)
+INLINE uint block_level(__global const Params *params) { return min(BLOCK_LEVEL, params->top_level); }
 
 // Nodes along an axis at a level of the pyramid.
 INLINE uint level_dim(__global const Params *params, uint axis, uint level) {
     return (params->grid_dims[axis] + ((1u << level) - 1u)) >> level;
 }
 
-// What is known of the block of the voxel that holds a place, where weights differ and there are no trees (`blocks.cl`).
-INLINE real2 block_about(__global const Params *params, __global const real2 *blocks, real x, real y, real z) {
+// What bounds the search about the sites of a block, where weights differ and there are no trees (`blocks.cl`). For a site x of weight w,
+// with W = excess − w + slope·x and κ = growth:
+typedef struct {
+    // g: distances to vertices are measured from x − g/2, and weights compared less g·x.
+    real slope[3];
+    // Sites of the table of offsets at distance d weigh, so compared, at most W + κ d² more.
+    real excess;
+    real growth;
+    // How far the vertices of a cell may be for no site beyond the table to cut it.
+    real proved;
+} Block;
+
+INLINE Block block_about(__global const Params *params, __global const Block *blocks, real x, real y, real z) {
     const uint level = block_level(params);
     const uint i = voxel_along(params, 0, x) >> level;
     const uint j = voxel_along(params, 1, y) >> level;
@@ -123,8 +135,9 @@ typedef struct {
     __global const uint *voxels;
     // Largest weight of each node, level after level.
     __global const real *weights;
-    // What `blocks.cl` knows of each block, where weights differ.
-    __global const real2 *blocks;
+    // What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
+    __global const real4 *bounds;
+    __global const Block *blocks;
     __global const Cluster *clusters;
     __global const uint *roots;
     __global const real *domain_vertices;

@@ -6,6 +6,7 @@
 
 typedef double real;
 typedef double2 real2;
+typedef double3 real3;
 typedef double4 real4;
 #define REAL(literal) literal
 

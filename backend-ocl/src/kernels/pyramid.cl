@@ -13,8 +13,11 @@ typedef struct {
     uint site;
     V3 position;
     real weight;
-    // Upper bound of the distance to the farthest vertex.
+    // Upper bound of the distance to the farthest vertex; and where weights differ, from where their slope has the site (`Block`).
     real farthest;
+    float span;
+    V3 slope;
+    Block about;
     uint uncertified;
     uint visited;
     uint is_capped;
@@ -33,6 +36,27 @@ typedef struct {
 } Search;
 
 INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
+
+// What is carried from cut to cut.
+INLINE void measure(Store *s, Search *search) {
+    search->farthest = farthest_vertex(s);
+    search->span = convert_float_rtp(search->farthest);
+    if (((search->slope.x != REAL(0.0)) || (search->slope.y != REAL(0.0))) || (search->slope.z != REAL(0.0))) {
+        const float3 halved = (float3)(0.5f * (float)search->slope.x, 0.5f * (float)search->slope.y, 0.5f * (float)search->slope.z);
+        float most = 0.0f;
+        for (uint v = 0; v < s->vertices; v++) {
+            const float3 d = s->rough[v].xyz + halved;
+            const float square = fmax(((d.x * d.x) + (d.y * d.y)) + (d.z * d.z), ROUGH_SQUARE);
+            most = fmax(most, (sqrt(square) + (2.0f * s->rough[v].w)) * ROUGH_SAFE);
+        }
+        search->span = most;
+    }
+}
+
+// Whether a site at `d` of weight `weight` cannot cut the cell.
+INLINE uint site_is_out_of_reach(Search *search, V3 d, real weight) {
+    return bisector_distance(d, weight - search->weight, search->slope) >= search->span;
+}
 
 // Whether sites of weight at most `largest`, at squared distance at least `square`, can be left out: by the quick test, or because
 // `enlarged` says so.
@@ -214,7 +238,7 @@ OUTLINE uint next_in_pyramid(Store *s, Search *search, uint *found) {
             const real4 other = s->world.sites[site];
             const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
                                .z = other.z - search->position.z };
-            if ((site != search->site) && !out_of_reach(s, search, square_of(d), other.w)) {
+            if (((site != search->site) && !site_is_out_of_reach(search, d, other.w)) && !out_of_reach(s, search, square_of(d), other.w)) {
                 *found = site;
                 return 1;
             }

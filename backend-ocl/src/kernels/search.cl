@@ -30,7 +30,7 @@ INLINE uint cut_by(Store *s, Search *search, uint site) {
 OUTLINE uint cap_cell(Store *s, Search *search) {
     const uint status = cap_outside(s, CAP_FROM * s->world.params->grid_width);
     if (status == CUT) {
-        search->farthest = farthest_vertex(s);
+        measure(s, search);
         return UNTOUCHED;
     }
     return status;
@@ -50,12 +50,12 @@ OUTLINE uint cap_far(Store *s, Search *search) {
         const real4 other = s->world.sites[site];
         const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
                            .z = other.z - search->position.z };
-        if ((site == search->site) || (out_of_reach(s, search, square_of(d), other.w) != 0u)) {
+        if (((site == search->site) || site_is_out_of_reach(search, d, other.w)) || (out_of_reach(s, search, square_of(d), other.w) != 0u)) {
             continue;
         }
         status = cut_by(s, search, site);
         if (status == CUT) {
-            search->farthest = farthest_vertex(s);
+            measure(s, search);
         } else if (status != UNTOUCHED) {
             return status;
         }
@@ -90,10 +90,9 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
     const float fy = (float)(((p.y - params->grid_lo[1]) * per_width) - (real)search->center[1]);
     const float fz = (float)(((p.z - params->grid_lo[2]) * per_width) - (real)search->center[2]);
     // How much heavier a site of the table may be, and how far vertices may be for none beyond it to cut.
-    const uint has_blocks = (equal == 0u) && (params->has_clusters == 0u);
-    const real2 about = (has_blocks != 0u) ? block_about(params, s->world.blocks, p.x, p.y, p.z)
-        : (real2)(params->largest_weight, INFINITY);
-    const real extra = about.x - search->weight;
+    const Block about = search->about;
+    const real left = REAL(1.0) - about.growth;
+    const real extra = left * ((about.excess - search->weight) + v3_dot(search->slope, p));
     const real enlarged = params->enlarged;
     uint entry = 0;
     uint next = 0;
@@ -108,7 +107,7 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
             }
         }
         // How far a site that can cut the cell may be; the same in units of a voxel, squared.
-        real reach = security_reach(search->farthest, extra);
+        real reach = security_reach((real)search->span, extra) / left;
         if (enlarged > REAL(0.0)) {
             const real stop = enlarged * security_reach(search->farthest, REAL(0.0));
             left_out = stop < reach;
@@ -126,7 +125,7 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
                 const uint site = next;
                 next++;
                 if ((square < reach_square) && (site != own)) {
-                    if (equal || !out_of_reach(s, search, square, other.w)) {
+                    if (equal || (!site_is_out_of_reach(search, d, other.w) && !out_of_reach(s, search, square, other.w))) {
                         found = site;
                         break;
                     }
@@ -171,11 +170,11 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
         }
         if (found == 0xFFFFFFFFu) {
             search->uncertified |= left_out;
-            return ((rest != 0u) || (search->farthest > about.y)) ? UNTOUCHED : COMPLETE;
+            return ((rest != 0u) || ((real)search->span > about.proved)) ? UNTOUCHED : COMPLETE;
         }
         const uint status = cut_by(s, search, found);
         if (status == CUT) {
-            search->farthest = farthest_vertex(s);
+            measure(s, search);
         } else if (status != UNTOUCHED) {
             return status;
         }
@@ -188,7 +187,7 @@ OUTLINE uint search_rest(Store *s, Search *search) {
     while (next_in_pyramid(s, search, &site)) {
         const uint status = cut_by(s, search, site);
         if (status == CUT) {
-            search->farthest = farthest_vertex(s);
+            measure(s, search);
         } else if (status != UNTOUCHED) {
             return status;
         }
@@ -218,6 +217,11 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->center[0] = voxel_along(params, 0, own.x);
     search->center[1] = voxel_along(params, 1, own.y);
     search->center[2] = voxel_along(params, 2, own.z);
+    search->about = (Block){ .slope = { REAL(0.0), REAL(0.0), REAL(0.0) }, .excess = params->largest_weight, .growth = REAL(0.0), .proved = INFINITY };
+    if ((params->equal_weights == 0u) && (params->has_clusters == 0u)) {
+        search->about = block_about(params, s->world.blocks, own.x, own.y, own.z);
+    }
+    search->slope = v3(search->about.slope[0], search->about.slope[1], search->about.slope[2]);
     s->site = search->position;
     s->weight = own.w;
     s->exact = 0;
@@ -231,7 +235,7 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     if (status != COMPLETE) {
         return status;
     }
-    search->farthest = farthest_vertex(s);
+    measure(s, search);
     status = search_shells(s, search, shells);
     if (status == UNTOUCHED) {
         status = cap_once(s, search);

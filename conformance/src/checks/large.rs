@@ -23,10 +23,10 @@ pub fn hiding_weights(backend: &dyn Backend) -> Verdict {
     Ok(())
 }
 
-/// 20,000 sites of which one has w = 0.09 L², or 0.04 L²: where its cell ends is far from it, but in the second case few voxels of a site grid.
-/// The oracle's answer in every 67th cell, in its own, and in its neighbours'.
+/// 20,000 sites of which one has w = 0.09 L², 0.04 L² or 0.4 L²: where its cell ends is far from it, but in the second case few voxels of a site grid,
+/// and in the third half across. The oracle's answer in every 67th cell, in its own, and in its neighbours'.
 pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
-    for share in [1.0, 4.0 / 9.0] {
+    for share in [1.0, 4.0 / 9.0, 40.0 / 9.0] {
         let mut scene = white(20_000, Weights::OneHeavy, Shape::Box);
         scene.weights.iter_mut().for_each(|w| *w *= share);
         let output = scene.with_facets(backend)?;
@@ -51,6 +51,48 @@ pub fn many_at_one_place(backend: &dyn Backend) -> Verdict {
     let output = scene.with_facets(backend)?;
     fills(&scene, &output)?;
     as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(13).collect::<Vec<_>>())
+}
+
+/// 3,000 sites near a sphere, with a hollow inside: there cells are cut by sites from all over. The sums, and the oracle's answer in every 31st cell.
+pub fn hollow(backend: &dyn Backend) -> Verdict {
+    for (shape, weights) in [(Shape::Box, Weights::None), (Shape::Box, Weights::Mild), (Shape::Sphere, Weights::Mild)] {
+        let mut scene = white(3000, weights, shape);
+        let (lo, hi) = scene.room.bounding_box();
+        for p in &mut scene.positions {
+            let way: [f64; 3] = std::array::from_fn(|k| (p[k] - lo[k]) / (hi[k] - lo[k]) - 0.5);
+            let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+            *p = std::array::from_fn(|k| {
+                0.5 * (lo[k] + hi[k]) + (hi[k] - lo[k]) * way[k] * (0.35 + 0.02 * length) / length
+            });
+        }
+        fills(&scene, &scene.evaluate(backend, &Request::moments())?)
+            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+        let output = scene.with_facets(backend)?;
+        as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
+            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+    }
+    Ok(())
+}
+
+/// 8,000 sites with weights that are a smooth function with a step, or grow with the square of the place: cells three spacings from their sites, as
+/// optimal transport has them, or shrunk to half. The sums, and the oracle's answer in every 31st cell.
+pub fn cells_far_from_their_sites(backend: &dyn Backend) -> Verdict {
+    let wavy = |[x, y, z]: [f64; 3]| 0.3 * x - 0.25 * y * y + 0.2 * z * z + if x > 0.5 { 0.02 } else { 0.0 };
+    let convex = |[x, y, z]: [f64; 3]| 0.48 * (x * x + y * y + z * z);
+    type Weight = fn([f64; 3]) -> f64;
+    for (shape, weight) in [(Shape::Box, wavy as Weight), (Shape::Trefoil, wavy), (Shape::Box, convex)] {
+        let mut scene = white(8000, Weights::None, shape);
+        let (lo, hi) = scene.room.bounding_box();
+        let longest = (0..3).fold(0.0_f64, |longest, k| longest.max(hi[k] - lo[k]));
+        let of = |p: &[f64; 3]| longest * longest * weight(std::array::from_fn(|k| (p[k] - lo[k]) / longest));
+        scene.weights = scene.positions.iter().map(of).collect();
+        fills(&scene, &scene.evaluate(backend, &Request::moments())?)
+            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+        let output = scene.with_facets(backend)?;
+        as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
+            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+    }
+    Ok(())
 }
 
 /// Sites that fill a part of their container, those near its inside or those on one side of it: cells at the edge of the cloud reach far

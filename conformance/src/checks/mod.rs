@@ -102,6 +102,8 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(large::hiding_weights),
     given!(large::one_heavy_site),
     given!(large::many_at_one_place),
+    given!(large::cells_far_from_their_sites),
+    given!(large::hollow),
     given!(large::many_sites_in_a_mesh),
     given!(large::clouds),
     given!(near_degenerate::vertices_lie_on_their_planes),

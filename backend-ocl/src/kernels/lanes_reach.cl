@@ -1,0 +1,141 @@
+// How far a cell reaches that LANES work-items compute together, which sites can cut it, and in what order they do.
+
+// Below this the squares of single precision could underflow.
+#define ROUGH_SQUARE 1e-30f
+
+INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
+
+// An upper bound of the distance of the farthest vertex from a place in the frame of the site (`farthest_vertex`, in single precision).
+INLINE float farthest_from(Store *s, float3 place) {
+    float most = 0.0f;
+    UNROLLED
+    for (uint word = 0; word < WORDS; word++) {
+        if ((word * LANES) < s->vertices) {
+            const uint v = (word * LANES) + s->lane;
+            const float4 p = s->cell->rough[v];
+            const float3 d = p.xyz - place;
+            const float square = fmax(((d.x * d.x) + (d.y * d.y)) + (d.z * d.z), ROUGH_SQUARE);
+            const float far = (sqrt(square) + (2.0f * p.w)) * ROUGH_SAFE;
+            most = fmax(most, (v < s->vertices) ? far : 0.0f);
+        }
+    }
+    return lanes_largest(most);
+}
+INLINE float farthest_of(Store *s) { return farthest_from(s, (float3)(0.0f, 0.0f, 0.0f)); }
+
+#if WITH_WEIGHTS
+INLINE About about_site(Store *s) {
+    const V3 p = s->site;
+    const Block block = block_about(s->world.params, s->world.blocks, p.x, p.y, p.z);
+    const V3 slope = v3(block.slope[0], block.slope[1], block.slope[2]);
+    const real left = REAL(1.0) - block.growth;
+    const float excess = convert_float_rtp(left * ((block.excess - s->weight) + v3_dot(slope, p)));
+    return (About){
+        .slope = slope,
+        .from = (float3)(-0.5f * (float)slope.x, -0.5f * (float)slope.y, -0.5f * (float)slope.z),
+        .excess = as_float(lanes_alike(as_uint(excess))),
+        .stretch = as_float(lanes_alike(as_uint(convert_float_rtp(REAL(1.0) / left)))),
+        .proved = as_float(lanes_alike(as_uint(convert_float_rtn(block.proved))))
+    };
+}
+#endif
+
+// What is carried from cut to cut: `extent`, for what is asked of the domain (0 where the cell is outside, which nothing reaches), and for what
+// is asked of other sites, where weights differ, `span`: the distance of the farthest vertex from x − g/2 (`Block`). Where they do not the
+// extent is the squared distance from which on no site can cut it, so that one number does for both (a register less in the inner loop).
+// A site's key is the smaller, the earlier it had better cut; those cannot that are not below the limit.
+#if WITH_WEIGHTS
+typedef struct {
+    float extent;
+    float span;
+} Reach;
+INLINE float extent_of(float farthest) { return farthest; }
+INLINE Reach reach_now(Store *s) {
+    const float span = farthest_from(s, s->about.from);
+    return (Reach){ .extent = (WITH_DOMAIN != 0) ? farthest_of(s) : span, .span = span };
+}
+INLINE Reach within(Reach reach, float outside) {
+    const uint is_outside = reach.extent <= outside;
+    return (Reach){ .extent = (is_outside != 0u) ? 0.0f : reach.extent, .span = (is_outside != 0u) ? 0.0f : reach.span };
+}
+INLINE uint key_limit(Reach reach) { return as_uint(reach.span); }
+INLINE uint key_of(Store *s, V3 way, real weight) { return as_uint(bisector_distance(way, weight - s->weight, s->about.slope)); }
+INLINE float square_reach(Store *s, Reach reach) {
+    const float far = reach_about(reach.span, s->about.excess) * s->about.stretch;
+    return (reach.extent == 0.0f) ? 0.0f : (far * far);
+}
+#else
+typedef struct {
+    float extent;
+} Reach;
+INLINE float extent_of(float farthest) { return (4.0f * farthest) * (farthest * ROUGH_SAFE); }
+INLINE Reach reach_now(Store *s) { return (Reach){ .extent = extent_of(farthest_of(s)) }; }
+INLINE Reach within(Reach reach, float outside) { return (Reach){ .extent = (reach.extent <= outside) ? 0.0f : reach.extent }; }
+INLINE uint key_limit(Reach reach) { return as_uint(reach.extent); }
+INLINE uint key_of(Store *s, V3 way, real weight) { return as_uint(convert_float_rtz(square_of(way))); }
+INLINE float square_reach(Store *s, Reach reach) { return reach.extent; }
+#endif
+
+#if WITH_DOMAIN
+// Whether a vertex is so many voxels of the site grid away from the site, or from where the slope of the weights has it, and may be on the other
+// side of the surface.
+INLINE uint is_beyond(Store *s, Reach reach, real widths) {
+    const float from = extent_of(convert_float_rtp(widths * s->world.params->grid_width));
+    return (as_float(key_limit(reach)) > from) && (reach.extent > s->cell->clear);
+}
+#endif
+
+// A squared distance in voxels, for comparison with those between voxels.
+INLINE float voxels_in_reach(Store *s, float reach) {
+    const float in_voxels = (sqrt(reach) * (convert_float_rtp(s->world.params->grid_per_width) * ROUGH_SAFE)) + SHELL_SLACK;
+    return (in_voxels * in_voxels) * 1.00001f;
+}
+
+#if WITH_WEIGHTS
+// Whether a site of a voxel can cut the cell; it is at the squared distance `square`, and its middle at `way`, in voxels.
+INLINE uint voxel_reaches(Store *s, Reach reach, uint voxel, float3 way, float square) {
+    const float width = (float)s->world.params->grid_width;
+    const float3 halved = s->about.from;
+    const float along = -2.0f * (((halved.x * way.x) + (halved.y * way.y)) + (halved.z * way.z));
+    const float across = 1.01f * ((fabs(halved.x) + fabs(halved.y)) + fabs(halved.z));
+    const float far = reach_about(reach.span, convert_float_rtp(s->world.weights[voxel] - s->weight) + (width * (across - along)));
+    return square < voxels_in_reach(s, far * far);
+}
+#endif
+
+// No key of a candidate.
+#define USED 0xFFFFFFFFu
+
+// Cuts by those of two sites for each lane that are in reach, nearest first: `UNTOUCHED`, or how the cell ended.
+INLINE uint cut_by_nearest(Store *s, const uint *site, uint *key, uint is_sampled, Reach *reach, uint *visited) {
+    for (;;) {
+        const uint mine = min(key[0], key[1]);
+        const uint nearest = ~lanes_most(~mine);
+        if (nearest >= key_limit(*reach)) {
+            return UNTOUCHED;
+        }
+        // (No index, so that all stays in registers.)
+        const uint from = lowest_bit(lanes_with(mine == nearest));
+        const uint is_first = key[0] == mine;
+        const uint beyond = lane_value((is_first != 0u) ? site[0] : site[1], from);
+        if (s->lane == from) {
+            key[0] = (is_first != 0u) ? USED : key[0];
+            key[1] = (is_first != 0u) ? key[1] : USED;
+        }
+        if ((is_sampled != 0u) && (has_cut(s, beyond) != 0u)) {
+            continue;
+        }
+        *visited += 1u;
+        // Each lane makes the half-space for itself.
+        const uint status = cut_together(s, bisector_with(s, beyond), beyond);
+        if (status == CUT) {
+            *reach = reach_now(s);
+#if WITH_DOMAIN
+            // (Which ends the search without a way out of here of its own.)
+            *reach = within(*reach, s->cell->outside);
+#endif
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+}

@@ -65,11 +65,7 @@ pub fn hollow(backend: &dyn Backend) -> Verdict {
                 0.5 * (lo[k] + hi[k]) + (hi[k] - lo[k]) * way[k] * (0.35 + 0.02 * length) / length
             });
         }
-        fills(&scene, &scene.evaluate(backend, &Request::moments())?)
-            .map_err(|reason| format!("{shape:?}: {reason}"))?;
-        let output = scene.with_facets(backend)?;
-        as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
-            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+        fills_and_is_the_oracles(&scene, backend).map_err(|reason| format!("{shape:?}: {reason}"))?;
     }
     Ok(())
 }
@@ -86,11 +82,7 @@ pub fn cells_far_from_their_sites(backend: &dyn Backend) -> Verdict {
         let longest = (0..3).fold(0.0_f64, |longest, k| longest.max(hi[k] - lo[k]));
         let of = |p: &[f64; 3]| longest * longest * weight(std::array::from_fn(|k| (p[k] - lo[k]) / longest));
         scene.weights = scene.positions.iter().map(of).collect();
-        fills(&scene, &scene.evaluate(backend, &Request::moments())?)
-            .map_err(|reason| format!("{shape:?}: {reason}"))?;
-        let output = scene.with_facets(backend)?;
-        as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
-            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+        fills_and_is_the_oracles(&scene, backend).map_err(|reason| format!("{shape:?}: {reason}"))?;
     }
     Ok(())
 }
@@ -115,10 +107,7 @@ pub fn clouds(backend: &dyn Backend) -> Verdict {
                 weights: cloud.iter().filter_map(|&i| all.weights.get(i).copied()).collect(),
                 room: all.room.clone(),
             };
-            let output = scene.with_facets(backend)?;
-            fills(&scene, &output).map_err(|reason| format!("{shape:?}: {reason}"))?;
-            as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
-                .map_err(|reason| format!("{shape:?}: {reason}"))?;
+            fills_and_is_the_oracles(&scene, backend).map_err(|reason| format!("{shape:?}: {reason}"))?;
         }
     }
     Ok(())
@@ -128,6 +117,14 @@ pub fn clouds(backend: &dyn Backend) -> Verdict {
 pub fn many_sites_in_a_mesh(backend: &dyn Backend) -> Verdict {
     let scene = white(20_000, Weights::Mild, Shape::Trefoil);
     fills(&scene, &scene.evaluate(backend, &Request::moments())?)
+}
+
+/// With facets and without them the volumes sum to the container's, and every 31st cell is the oracle's.
+fn fills_and_is_the_oracles(scene: &Scene, backend: &dyn Backend) -> Verdict {
+    fills(scene, &scene.evaluate(backend, &Request::moments())?)?;
+    let output = scene.with_facets(backend)?;
+    fills(scene, &output)?;
+    as_the_oracle_says(scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
 }
 
 /// Some cells are the oracle's. Facets are compared from the sides of those; the reference for the bounds is the backend's own, whole output.

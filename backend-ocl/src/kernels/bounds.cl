@@ -83,7 +83,7 @@ INLINE uint2 sites_of_row(__global const Params *params, __global const uint *vo
 }
 
 // The largest of slope·t − growth·dist²(t, A) along an axis, for t within `half_node` of 0 and A the interval within `half_block` of `block`.
-// (`inverse` is 1/2growth, or large: at any t it is less.)
+// (`inverse` is 1/2growth, or so large that t is at an end.)
 INLINE real most_along(real slope, real half_node, real block, real half_block, real growth, real inverse) {
     const real far = slope * inverse;
     const real t = clamp((slope < REAL(0.0)) ? ((block - half_block) + far) : ((block + half_block) + far), -half_node, half_node);
@@ -96,7 +96,7 @@ INLINE real most_along(real slope, real half_node, real block, real half_block, 
 INLINE real largest_rest(real4 bound, real3 middle, real half_node, real3 slope, real3 from, real half_block, real growth) {
     const real3 way = middle - from;
     const real3 differs = bound.xyz - slope;
-    const real inverse = (growth > REAL(0.0)) ? (REAL(0.5) / growth) : REAL(1e9);
+    const real inverse = (growth > REAL(0.0)) ? (REAL(0.5) / growth) : REAL(1e300);
     const real most = (most_along(differs.x, half_node, -way.x, half_block, growth, inverse) + most_along(differs.y, half_node, -way.y, half_block, growth, inverse))
         + most_along(differs.z, half_node, -way.z, half_block, growth, inverse);
     const real size = fabs(bound.w) + ((norm_1_of(slope) * (norm_1_of(way) + half_node)) + (norm_1_of(bound.xyz) * half_node));

@@ -102,10 +102,8 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     const real per_width = params->grid_per_width;
     const V3 at = (V3){ .x = (p.x - params->grid_lo[0]) * per_width, .y = (p.y - params->grid_lo[1]) * per_width,
                         .z = (p.z - params->grid_lo[2]) * per_width };
-    // (Which voxel it is at the wall between two does not matter here.)
-    const uint center[3] = { min((uint)fmax(at.x, REAL(0.0)), params->grid_dims[0] - 1u),
-                             min((uint)fmax(at.y, REAL(0.0)), params->grid_dims[1] - 1u),
-                             min((uint)fmax(at.z, REAL(0.0)), params->grid_dims[2] - 1u) };
+    // (The very voxel that the site is sorted into: what is known of its block is about the table of offsets from there.)
+    const uint center[3] = { voxel_along(params, 0, p.x), voxel_along(params, 1, p.y), voxel_along(params, 2, p.z) };
     const float3 f = (float3)((float)(at.x - (real)center[0]), (float)(at.y - (real)center[1]), (float)(at.z - (real)center[2]));
     const uint below = (1u << s->lane) - 1u;
     Reach reach = reach_now(s);

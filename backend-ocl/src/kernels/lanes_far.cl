@@ -35,7 +35,7 @@ INLINE uint node_reaches(Store *s, Reach reach, GridNode node, real square) {
 #endif
 }
 
-// The sharp test (`box_cannot_cut`): whether a site of a node may cut off a vertex. It may be the site at d, if |d|² − 2p·d < w − w' for the vertex p.
+// The sharp test (`box_cannot_cut`): whether a site of a node may cut off a vertex. It may be the site at d, if |d|² − 2p·d < w' − w for the vertex p.
 INLINE uint reaches_vertex(Store *s, GridNode node) {
     __global const Params *params = s->world.params;
     const real3 site = (real3)(s->site.x, s->site.y, s->site.z);

@@ -6,7 +6,7 @@ use laguerre_core::{Backend, CellStatus, Output, Request};
 
 use crate::bounds::{Planes, SUM};
 use crate::compare::{same, same_cells};
-use crate::domains::{Pose, Shape};
+use crate::domains::{Pose, Room, Shape};
 use crate::sites::Sites;
 use crate::weights::Weights;
 use crate::{Case, Scene, Verdict};
@@ -51,6 +51,27 @@ pub fn many_at_one_place(backend: &dyn Backend) -> Verdict {
     let output = scene.with_facets(backend)?;
     fills(&scene, &output)?;
     as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(13).collect::<Vec<_>>())
+}
+
+/// Lattices of which one site is heavy: their sites stand at the walls of a site grid's voxels, which rounding may take for the one beside. The
+/// sums, and the oracle's answer in the cells of the heavy site's row, and of the rows beside it.
+pub fn heavy_site_in_a_lattice(backend: &dyn Backend) -> Verdict {
+    for (side, heavy) in [(26, [2, 10, 10]), (21, [4, 10, 10]), (26, [10, 17, 10])] {
+        let at = |i: usize| (i as f64 + 0.5) / side as f64;
+        let index = |[i, j, k]: [usize; 3]| (k * side + j) * side + i;
+        let places = (0..side * side * side).map(|n| [at(n % side), at(n / side % side), at(n / side / side)]);
+        let mut scene =
+            Scene { positions: places.collect(), weights: vec![0.0; side.pow(3)], room: Room::Box([0.0; 3], [1.0; 3]) };
+        scene.weights[index(heavy)] = 60.0 / (side * side) as f64;
+        let [i, j, k] = heavy;
+        let cells: Vec<usize> = (0..side)
+            .flat_map(|n| [[n, j, k], [n, j + 1, k], [i, n, k], [i, n, k + 1], [i, j, n]])
+            .map(index)
+            .collect();
+        fills(&scene, &scene.evaluate(backend, &Request::moments())?)?;
+        as_the_oracle_says(&scene, &scene.with_facets(backend)?, &cells)?;
+    }
+    Ok(())
 }
 
 /// 3,000 sites near a sphere, with a hollow inside: there cells are cut by sites from all over. The sums, and the oracle's answer in every 31st cell.

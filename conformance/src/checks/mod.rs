@@ -104,6 +104,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(large::many_at_one_place),
     given!(large::cells_far_from_their_sites),
     given!(large::hollow),
+    given!(large::heavy_site_in_a_lattice),
     given!(large::many_sites_in_a_mesh),
     given!(large::clouds),
     given!(near_degenerate::vertices_lie_on_their_planes),

@@ -7,6 +7,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use laguerre_core::required::is_required;
 use laguerre_core::shapes::icosphere;
 use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Request};
 use laguerre_ocl::Ocl;
@@ -31,10 +32,6 @@ const NOT_AGAIN: [&str; 8] = [
     "clCreateKernel",
 ];
 
-fn is_required() -> bool {
-    env::var("LAGUERRE_REQUIRE").unwrap_or_default().split(',').any(|name| name.trim() == "ocl")
-}
-
 /// The loader that notes calls: cargo puts it beside this test when it builds the whole workspace, else one folder up.
 fn loader() -> Option<PathBuf> {
     let name = format!("{}laguerre_ocl_faults{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
@@ -43,7 +40,7 @@ fn loader() -> Option<PathBuf> {
     if found.is_none() {
         let message =
             format!("{name} is not beside {}: run `cargo build -p laguerre-ocl-faults` first", test.display());
-        assert!(!is_required(), "{message}");
+        assert!(!is_required("ocl"), "{message}");
         eprintln!("not run: {message}");
     }
     found
@@ -179,7 +176,7 @@ fn nothing_is_made_or_brought_twice() {
     let mut wrong = Vec::new();
     for case in cases() {
         let backend = match Ocl::new(&DeviceChoice::First) {
-            Err(error) if error.kind() == ErrorKind::Unavailable && !is_required() => {
+            Err(error) if error.kind() == ErrorKind::Unavailable && !is_required("ocl") => {
                 eprintln!("not run: {error}");
                 return;
             }

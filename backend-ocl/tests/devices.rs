@@ -4,8 +4,9 @@
 
 use laguerre_core::capacities::{count_cells, sufficient};
 use laguerre_core::oracle::Naive;
+use laguerre_core::required::if_available;
 use laguerre_core::shapes::icosphere;
-use laguerre_core::{Backend, CellStatus, DeviceChoice, Domain, ErrorKind, FacetList, Output, PowerDiagram, Request};
+use laguerre_core::{Backend, CellStatus, DeviceChoice, Domain, FacetList, Output, PowerDiagram, Request};
 use laguerre_ocl::Ocl;
 
 /// How far a volume may be off the oracle's, in units of the mean.
@@ -13,16 +14,7 @@ const VOLUME: f64 = 1e-12;
 
 /// The devices asked for.
 fn open(choice: &DeviceChoice) -> Option<Ocl> {
-    match Ocl::new(choice) {
-        Ok(opened) => Some(opened),
-        Err(error) if error.kind() == ErrorKind::Unavailable => {
-            let required = std::env::var("LAGUERRE_REQUIRE").unwrap_or_default();
-            assert!(!required.split(',').any(|name| name.trim() == "ocl"), "{error}");
-            eprintln!("not run: {error}");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
+    if_available("ocl", Ocl::new(choice))
 }
 
 /// One device, and lists of several: it again, all, and more than there are cells in the smallest inputs.

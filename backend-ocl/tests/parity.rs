@@ -4,9 +4,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use laguerre_core::DeviceChoice;
 use laguerre_core::cell::parity::{self, Calls, Function, World};
 use laguerre_core::cell::{SIGN_UNKNOWN, UNCERTAIN};
-use laguerre_core::{DeviceChoice, ErrorKind};
+use laguerre_core::required::if_available;
 use laguerre_ocl::parity::{FUNCTIONS, Parity};
 
 /// Calls of each function.
@@ -16,16 +17,7 @@ const CALLS: usize = 4096;
 const MOST_LEFT_TO_THE_HOST: usize = CALLS / 8;
 
 fn open(world: &World, functions: &str) -> Option<Parity> {
-    match Parity::open(&DeviceChoice::First, world, functions) {
-        Ok(parity) => Some(parity),
-        Err(error) if error.kind() == ErrorKind::Unavailable => {
-            let required = std::env::var("LAGUERRE_REQUIRE").unwrap_or_default();
-            assert!(!required.split(',').any(|name| name.trim() == "ocl"), "{error}");
-            eprintln!("not run: {error}");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
+    if_available("ocl", Parity::open(&DeviceChoice::First, world, functions))
 }
 
 #[test]

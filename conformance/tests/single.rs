@@ -7,6 +7,7 @@ use laguerre::{
     Selection,
 };
 use laguerre_conformance::sites::Random;
+use laguerre_core::required::if_available;
 use laguerre_core::shapes::{icosphere, torus};
 
 /// What a volume may be off, in units of itself: `SHARE_OF_VOLUME` of `single.cl`.
@@ -16,16 +17,7 @@ const SHARE: f64 = 1.0 / 1024.0;
 const OF_MEAN: f64 = 1e-5;
 
 fn open(precision: Precision) -> Option<Box<dyn Backend>> {
-    match laguerre::open(Selection::Ocl { devices: DeviceChoice::First, precision }) {
-        Ok(opened) => Some(opened),
-        Err(error) if error.kind() == ErrorKind::Unavailable => {
-            let required = std::env::var("LAGUERRE_REQUIRE").unwrap_or_default();
-            assert!(!required.split(',').any(|name| name.trim() == "ocl"), "{error}");
-            eprintln!("not run: {error}");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
+    if_available("ocl", laguerre::open(Selection::Ocl { devices: DeviceChoice::First, precision }))
 }
 
 fn evaluate(backend: &dyn Backend, diagram: &PowerDiagram) -> Output {

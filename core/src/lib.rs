@@ -21,6 +21,8 @@ pub mod oracle;
 pub mod output;
 pub mod passes;
 pub mod request;
+#[cfg(any(test, feature = "test-util"))]
+pub mod required;
 pub mod search;
 #[cfg(any(test, feature = "test-util"))]
 pub mod shapes;

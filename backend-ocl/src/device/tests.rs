@@ -4,7 +4,8 @@ use super::Device;
 use crate::grid::SITES_PER_VOXEL;
 use crate::platform::choose;
 use crate::shells;
-use laguerre_core::{DeviceChoice, ErrorKind, PowerDiagram, Precision, Request};
+use laguerre_core::required::if_available;
+use laguerre_core::{DeviceChoice, PowerDiagram, Precision, Request};
 
 type Weight = fn([f64; 3]) -> f64;
 
@@ -64,14 +65,5 @@ fn sites(count: u32) -> Vec<[f64; 3]> {
 }
 
 fn open() -> Option<Device> {
-    match choose(&DeviceChoice::First, Precision::F64).and_then(|found| Device::open(&found[0])) {
-        Ok(device) => Some(device),
-        Err(error) if error.kind() == ErrorKind::Unavailable => {
-            let required = std::env::var("LAGUERRE_REQUIRE").unwrap_or_default();
-            assert!(!required.split(',').any(|name| name.trim() == "ocl"), "{error}");
-            eprintln!("not run: {error}");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
+    if_available("ocl", choose(&DeviceChoice::First, Precision::F64).and_then(|found| Device::open(&found[0])))
 }

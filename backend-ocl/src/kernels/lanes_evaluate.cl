@@ -3,8 +3,8 @@
 // the records of cells that are given to it WITH_SURFACE.
 __kernel void cells_together(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
-    __global const real4 *bounds, __global const Block *blocks, __global const Cluster *clusters, __global const uint *roots, __global const uchar4 *shells,
-    __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
+    __global const real4 *bounds, __global const Block *blocks, __global const Cluster *clusters, __global const uint *roots,
+    __global const uchar4 *shells, __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
     __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
     uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,

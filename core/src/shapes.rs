@@ -3,12 +3,16 @@
 //! Where a shape has a formula for its volume, the tests below hold the mesh against it; [`Domain::new`] checks closedness
 //! and orientation once more.
 
+mod folded;
+
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 
 use crate::Domain;
+
+pub use folded::{Section, folded_prism};
 
 /// A triangle mesh as arrays. Triangles are counterclockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -322,6 +326,21 @@ mod tests {
             assert_closed(&mesh);
             assert!(volume(&mesh) > 0.0, "{name} is turned inward");
             assert_eq!(euler(&mesh), euler_characteristic, "{name}");
+        }
+    }
+
+    #[test]
+    fn folded_prisms_are_closed_and_nearly_of_their_sections_volume() {
+        for section in Section::ALL {
+            for off in [0.0, 1e-13, 1e-2] {
+                let mesh = folded_prism(section, off);
+                assert_closed(&mesh);
+                let corners = &mesh.vertices[..mesh.vertices.len() / 2];
+                let next = corners.iter().cycle().skip(1);
+                let area: f64 = corners.iter().zip(next).map(|(a, b)| 0.5 * (a[0] * b[1] - b[0] * a[1])).sum();
+                let difference = (volume(&mesh) - 0.5 * area).abs();
+                assert!(difference <= 1e-15 + 2.0 * off, "{section:?}, {off}: {} of {}", volume(&mesh), 0.5 * area);
+            }
         }
     }
 

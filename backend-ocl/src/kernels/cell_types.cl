@@ -294,15 +294,13 @@ typedef struct {
 
 // Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
 // correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
-// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
+// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.) As much as a displacement of
+// the vertex by these does to the two volumes of an edge, so much and no more is lost in computing them from their spoke: 4 for the
+// spoke, whose sides are at right angles, 3 for its product with each foot. Both lengths of the bound are sums of magnitudes.
 #define ROUNDINGS_ACROSS ((real)(REAL(8.0)))
 
 // What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
 #define SHARE_OF_NOTHING ((real)(REAL(0.125)))
-
-// What is negative, where winding numbers are not, is made by rounding: by more than its bound only where nearly degenerate planes meet, and
-// never by so many times.
-#define NEGATIVE_ROUNDINGS ((real)(REAL(1024.0)))
 
 // Below this share of `|n_f|²|n_g|²`, the square of the angle's sine, the foot on the edge is computed exactly: each step of refinement
 // leaves some roundings over the sine of the error, here 10⁻⁵, and three are made.
@@ -383,6 +381,10 @@ typedef struct {
 // other cell, cut by other cones, keeps.
 #define SHARE_OF_NO_FACET ((real)(REAL(0.0625)))
 
+// What is negative is made by rounding up to so many of these bounds, which is as if 256 triangles, all as large as the largest and off by as
+// much as its bound, each up or down, were added: where winding numbers are not negative, few areas reach a sixteenth, and none one.
+#define BOUNDS_OF_NEGATIVE ((real)(REAL(16.0)))
+
 // core/src/cell/cone.rs
 
 // A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
@@ -409,10 +411,6 @@ typedef struct {
 
 // No quotient of volumes beyond this is a winding number.
 #define MOST_WINDINGS ((real)(REAL(1e9)))
-
-// Roundings, in units of the cube of a cell's extent, that may make a volume negative where the cell is a needle, whose own bound
-// does not know what cancels within its tetrahedra.
-#define ROUNDINGS_OF_NEEDLE ((real)(REAL(64.0)))
 
 // core/src/cell/cap.rs
 

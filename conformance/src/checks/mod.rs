@@ -7,6 +7,7 @@ pub mod epsilon;
 pub mod errors;
 pub mod facet_moments;
 pub mod facets;
+pub mod folds;
 pub mod integrals;
 pub mod invariance;
 pub mod large;
@@ -99,6 +100,8 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(lattice::duplicated),
     given!(lattice::turned),
     given!(lattice::second_moments),
+    given!(folds::volumes),
+    given!(folds::order_of_axes),
     given!(large::hiding_weights),
     given!(large::one_heavy_site),
     given!(large::many_at_one_place),

@@ -1,7 +1,7 @@
 //! Sums over the facets of a convex cell: areas, moments, second moments, and what of them is the domain's boundary.
 
 use super::integrate::{
-    CellSums, Corner, FACET_SECOND_MOMENTS, NEGATIVE_ROUNDINGS, Side, foot_on_edge, second_diagonal, second_mixed, side,
+    CellSums, Corner, FACET_SECOND_MOMENTS, Side, foot_on_edge, second_diagonal, second_mixed, side,
 };
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
@@ -42,9 +42,13 @@ const ROUNDINGS_OF_TRIANGLE: Real = 8.0;
 /// other cell, cut by other cones, keeps.
 const SHARE_OF_NO_FACET: Real = 0.0625;
 
+/// What is negative is made by rounding up to so many of these bounds, which is as if 256 triangles, all as large as the largest and off by as
+/// much as its bound, each up or down, were added: where winding numbers are not negative, few areas reach a sixteenth, and none one.
+const BOUNDS_OF_NEGATIVE: Real = 16.0;
+
 /// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
 pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
-    if (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(NEGATIVE_ROUNDINGS * sum.rounding)) {
+    if (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(BOUNDS_OF_NEGATIVE * sum.rounding)) {
         return 1;
     }
     return 0;

@@ -53,24 +53,24 @@ const ROUNDINGS: Real = 64.0;
 
 /// Roundings of a refined vertex across its own planes, in units of its distance from the site: 5 for the residual, 2 for the
 /// correction, 1 for the sum. (Along its planes an ill-conditioned vertex is off by more, but what one facet gains
-/// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.)
+/// there another loses; a single facet's area feels it whole, and is measured by the vertex's error radius.) As much as a displacement of
+/// the vertex by these does to the two volumes of an edge, so much and no more is lost in computing them from their spoke: 4 for the
+/// spoke, whose sides are at right angles, 3 for its product with each foot. Both lengths of the bound are sums of magnitudes.
 const ROUNDINGS_ACROSS: Real = 8.0;
 
 /// What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
 const SHARE_OF_NOTHING: Real = 0.125;
 
-/// What is negative, where winding numbers are not, is made by rounding: by more than its bound only where nearly degenerate planes meet, and
-/// never by so many times.
-pub(super) const NEGATIVE_ROUNDINGS: Real = 1024.0;
-
 /// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
 ///
 /// For a volume that is positive the bound of one of the pieces that it is made of decides: the bounds of all pieces together are far
-/// above what rounding does, and would swallow thin slabs that the sum over all cells misses.
+/// above what rounding does, and would swallow thin slabs that the sum over all cells misses. What is negative is believed only beyond
+/// that sum of bounds, which no rounding exceeds (16 times what it did in ten thousand cells of volume 0): few surfaces go around anything the
+/// wrong way, but those that fold over themselves do so in slabs as thin as that.
 #[inline]
 pub fn volume_is_above_bound(sums: CellSums) -> u32 {
     if (sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding)))
-        || (sums.volume < -(NEGATIVE_ROUNDINGS * sums.rounding))
+        || (sums.volume < -sums.rounding)
     {
         return 1;
     }
@@ -210,7 +210,8 @@ pub(super) fn add_edge<S: CellStore>(
     if foot_on_edge(s, f, g, center, &mut foot) != COMPLETE {
         return UNCERTAIN;
     }
-    let spoke: V3 = cross(foot, at.position);
+    // `I×v`, but the foot is at right angles to the edge: nothing cancels, however far away a small piece is.
+    let spoke: V3 = cross(foot, sub(at.position, foot));
     add_tetrahedron(dot(g.foot, spoke), g.foot, foot, at.position, flags, part);
     add_tetrahedron(-dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
     part.rounding = part.rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));

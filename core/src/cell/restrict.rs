@@ -122,10 +122,6 @@ pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -
     return 0;
 }
 
-/// Roundings, in units of the cube of a cell's extent, that may make a volume negative where the cell is a needle, whose own bound
-/// does not know what cancels within its tetrahedra.
-const ROUNDINGS_OF_NEEDLE: Real = 64.0;
-
 /// `COMPLETE` where something is left of the cell, else `EMPTY`.
 ///
 /// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
@@ -134,19 +130,13 @@ pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
     if volume_is_above_bound(*sums) == 0 {
         return EMPTY;
     }
-    if sums.volume > sums.rounding {
+    if sums.volume.abs() > sums.rounding {
         return COMPLETE;
     }
     let mut low: V3 = v3(0.0, 0.0, 0.0);
     let mut high: V3 = v3(0.0, 0.0, 0.0);
     let radius: Real = box_of_cell(s, &mut low, &mut high);
     let extent: Real = norm_max(sub(high, low)) + radius;
-    if sums.volume < 0.0 {
-        if -sums.volume <= (((ROUNDINGS_OF_NEEDLE * UNIT_ROUNDOFF) * extent) * (extent * extent)) {
-            return EMPTY;
-        }
-        return COMPLETE;
-    }
     let middle: V3 = scale(0.5, add(low, high));
     let barycenter: V3 = scale(1.0 / sums.volume, sums.first);
     if norm_max(sub(barycenter, middle)) > extent {

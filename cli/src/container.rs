@@ -1,5 +1,6 @@
 //! What the cells are cut by, as the command line says it.
 
+use laguerre::diagram::MergedSites;
 use laguerre::{Domain, Error, PowerDiagram, Result};
 
 use crate::args::{ContainerArgs, Corners};
@@ -45,6 +46,16 @@ impl Container {
             Self::Default => Ok(diagram),
         }
     }
+}
+
+/// Of sites too near to each other to be told apart all but one are without a cell, which is not what they look like in the file.
+pub(crate) fn note_if_merged(diagram: &PowerDiagram) -> Result<()> {
+    if let Some(MergedSites { count, first: [i, j] }) = diagram.merged_sites()? {
+        note(&format!(
+            "{count} sites are too near to another to be told from it in the box or domain (site {j} from site {i}): of each such group one has a cell"
+        ));
+    }
+    Ok(())
 }
 
 /// What the cells must sum to: the container's own box, volume and barycenter.

@@ -7,7 +7,7 @@ use laguerre::io::{self, CELLS_ENDINGS, FACETS_ENDINGS};
 use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::args::IntegrateArgs;
-use crate::container::{Container, Whole};
+use crate::container::{Container, Whole, note_if_merged};
 use crate::evaluate::{evaluate, open};
 use crate::files::{names_same_file, refuse_inputs};
 use crate::outcome::{Outcome, note, print, print_json, say};
@@ -28,6 +28,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let diagram = container.restrict(diagram)?;
     let whole = Whole::of(&diagram).map_err(|e| e.at(sites::name(&args.sites)))?;
     note_if_apart(&diagram, &whole);
+    note_if_merged(&diagram)?;
     seconds.read = start.elapsed().as_secs_f64();
 
     if let Some(domain) = container.domain() {

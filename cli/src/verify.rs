@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::args::VerifyArgs;
-use crate::container::{Container, Whole};
+use crate::container::{Container, Whole, note_if_merged};
 use crate::evaluate::{evaluate, open_default};
 use crate::outcome::{Outcome, print, print_json, say};
 use crate::report::{Report, Seconds, grouped};
@@ -72,6 +72,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
     let diagram = Container::read(&args.container)?.restrict(diagram)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let whole = Whole::of(&diagram).map_err(of_sites)?;
+    note_if_merged(&diagram)?;
     let n = diagram.positions().len();
     let file = io::read_cells(&args.results)?;
     check_rows(&file.rows, n).map_err(|e| e.at(args.results.display()))?;

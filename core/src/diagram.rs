@@ -1,5 +1,6 @@
 //! Sites, weights and the container they are restricted to.
 
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use crate::domain_grid::DomainGrid;
@@ -29,6 +30,9 @@ pub enum Container {
 /// Weighted sites and the container of their cells: the input of [`Backend::evaluate`](crate::Backend::evaluate).
 ///
 /// The power distance of `x` to site `i` is `‖x − p_i‖² − w_i`; a larger weight is a larger cell.
+///
+/// Of sites at one place only that of the largest weight has a cell. So it is of sites that the internal frame cannot tell apart
+/// ([`PowerDiagram::merged_sites`]).
 #[derive(Clone, Debug)]
 pub struct PowerDiagram {
     positions: Vec<[f64; 3]>,
@@ -193,6 +197,35 @@ impl PowerDiagram {
         })
     }
 
+    /// Sites at places of their own that count as one: coordinates within [`SMALLEST`](crate::frame::SMALLEST) (7·10⁻⁴⁶) of the
+    /// container's extent from the frame's origin are 0, or products of the predicates could underflow; and those of sites outside the container are
+    /// rounded where the container is far from zero and they are not.
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::container`].
+    pub fn merged_sites(&self) -> Result<Option<MergedSites>> {
+        let frame = match self.container()? {
+            Container::Box(lo, hi) => Frame::of_box(lo, hi),
+            Container::Domain(domain) => *domain.frame(),
+        };
+        let key = |p: [f64; 3]| frame.enter(p).map(|x| (x + 0.0).to_bits());
+        // Of two places that become one at most one comes back.
+        let rounded: HashSet<[u64; 3]> =
+            self.positions.iter().filter(|&&p| frame.leave(frame.enter(p)) != p).map(|&p| key(p)).collect();
+        if rounded.is_empty() {
+            return Ok(None);
+        }
+        let mut first_at: HashMap<[u64; 3], usize> = HashMap::new();
+        let mut merged: Option<MergedSites> = None;
+        for (i, &p) in self.positions.iter().enumerate().filter(|(_, p)| rounded.contains(&key(**p))) {
+            let first = *first_at.entry(key(p)).or_insert(i);
+            if self.positions[first] != p {
+                merged.get_or_insert(MergedSites { first: [first, i], count: 0 }).count += 1;
+            }
+        }
+        Ok(merged)
+    }
+
     /// Whether all sites and weights are in range of the container.
     ///
     /// # Errors
@@ -217,6 +250,15 @@ impl PowerDiagram {
         }
         Ok(())
     }
+}
+
+/// Sites that count as standing where another does, though they do not ([`PowerDiagram::merged_sites`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MergedSites {
+    /// How many.
+    pub count: usize,
+    /// The first of them, after the one that it is not told from.
+    pub first: [usize; 2],
 }
 
 /// The smallest box around `points`, as its minimum and maximum corners.

@@ -119,6 +119,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(near_degenerate::untouched_cells_are_whole),
     given!(near_degenerate::face_in_line_with_corners),
     given!(near_degenerate::vertices_in_line_with_corners),
+    given!(status::told_apart_or_said),
     given!(errors::sites),
     given!(errors::containers),
     given!(errors::ranges),

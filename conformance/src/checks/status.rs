@@ -1,6 +1,7 @@
 //! Who has a cell and who has not.
 
-use laguerre_core::{Backend, CellStatus};
+use laguerre_core::diagram::MergedSites;
+use laguerre_core::{Backend, CellStatus, PowerDiagram, Request};
 
 use crate::bounds::{Bounds, Planes};
 use crate::{Case, Verdict, compare};
@@ -71,4 +72,38 @@ pub fn one_site_has_everything(backend: &dyn Backend, case: &Case) -> Verdict {
         boundary.truncate(1);
     }
     compare::identical(&output, &both)
+}
+
+/// Two sites near a corner of the box: down to any distance the one that is nearer to everything has it, or the diagram says that they
+/// are not told apart, and the first has it.
+pub fn told_apart_or_said(backend: &dyn Backend) -> Verdict {
+    let mut said = 0;
+    for (lo, hi, corner) in [(0.0, 1.0, 0.0), (0.0, 3e9, 0.0), (1000.0, 1001.0, 0.0), (1000.0, 1001.0, 1000.0)] {
+        for exponent in 1..=300 {
+            let positions = [[corner; 3], [corner + 0.1_f64.powi(exponent), corner, corner]];
+            let diagram = PowerDiagram::new(&positions, &[]).and_then(|d| d.in_box([lo; 3], [hi; 3]));
+            let diagram = diagram.map_err(|error| error.to_string())?;
+            let merged = diagram.merged_sites().map_err(|error| error.to_string())?;
+            let output = backend.evaluate(&diagram, &Request::moments()).map_err(|error| error.to_string())?;
+            // What rounds to one place before it is a diagram's is one.
+            let winner = if positions[0] == positions[1] {
+                ensure!(merged.is_none(), "1e-{exponent} from {corner}: {merged:?} of sites at one place");
+                0
+            } else if let Some(merged) = merged {
+                let expected = MergedSites { count: 1, first: [0, 1] };
+                ensure!(merged == expected, "1e-{exponent} from {corner}: {merged:?}");
+                said += 1;
+                0
+            } else {
+                1
+            };
+            let near = 0.5 * 0.1_f64.powi(exponent) / (hi - lo);
+            let share = output.volume[winner] / (hi - lo).powi(3);
+            let all = (corner != lo) || (share - (1.0 - near)).abs() <= 1e-12;
+            let everything = output.volume[winner] > output.volume[1 - winner];
+            ensure!(all && everything, "1e-{exponent} from {corner}: volumes {:?}, {merged:?}", output.volume);
+        }
+    }
+    ensure!(said > 500, "{said} pairs are not told apart");
+    Ok(())
 }

@@ -52,7 +52,8 @@ impl Container {
 pub(crate) fn note_if_merged(diagram: &PowerDiagram) -> Result<()> {
     if let Some(MergedSites { count, first: [i, j] }) = diagram.merged_sites()? {
         note(&format!(
-            "{count} sites are too near to another to be told from it in the box or domain (site {j} from site {i}): of each such group one has a cell"
+            "sites too near to another to be told from it in the box or domain: {count} (first site {j}, from site {i}); \
+             of each such group one has a cell"
         ));
     }
     Ok(())

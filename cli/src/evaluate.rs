@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use laguerre::{Backend, Error, Output, PowerDiagram, Progress, Request, Result, Selection};
+use laguerre::{Backend, Error, Output, PowerDiagram, Progress, Request, Result, Selection, memory};
 
 use crate::args::{BackendArgs, BackendChoice, Precision};
 
@@ -46,11 +46,24 @@ pub(crate) fn open_default() -> Result<Box<dyn Backend>> {
     open(&BackendArgs { backend: BackendChoice::Auto, device: None, precision: Precision::F64, threads: None })
 }
 
+/// Bytes for each cell: the sites as they are sorted and their grid, the cell's sums, and its part of the output.
+const CELL: u64 = 320;
+/// The same for its facets, of which most cells have about 16, as they are collected and in the output.
+const FACETS: u64 = 16 * 120 + 88;
+/// The same for the domain's grid, with up to 16 voxels a site.
+const VOXELS: u64 = 64;
+
 /// Time between two drawings of the bar.
 const REDRAW: Duration = Duration::from_millis(100);
 
 /// Evaluates, drawing the progress on standard error if that is a terminal.
+///
+/// # Errors
+/// Also where there is not so much memory as that will take, for the host at least.
 pub(crate) fn evaluate(backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+    let of_facets = if request.facets { FACETS } else { 0 };
+    let of_domain = if diagram.domain().is_some() { VOXELS } else { 0 };
+    memory::probe(diagram.positions().len() as u64, CELL + of_facets + of_domain, "cells")?;
     if !std::io::stderr().is_terminal() {
         return backend.evaluate(diagram, request);
     }

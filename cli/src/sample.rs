@@ -2,7 +2,7 @@
 
 use laguerre::io::{self, SITES_ENDINGS};
 use laguerre::solvers::lloyd::{Equalized, equalize};
-use laguerre::{Backend, Domain, Error, PowerDiagram, Result};
+use laguerre::{Backend, Domain, Error, PowerDiagram, Result, memory};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -86,15 +86,15 @@ impl<'a> Sampler<'a> {
                 note(&format!("{} Lloyd steps; the volumes vary by {:.1} %", done.steps, 100.0 * done.spread));
                 Ok(positions)
             }
-            Distribution::Lattice => Ok(self.lattice(count, 0.0)),
-            Distribution::Perturbed => Ok(self.lattice(count, 0.5)),
+            Distribution::Lattice => self.lattice(count, 0.0),
+            Distribution::Perturbed => self.lattice(count, 0.5),
             Distribution::Mirrored => self.mirrored(count),
         }
     }
 
     /// Independent and uniform.
     pub(crate) fn white(&mut self, count: u32) -> Result<Vec<[f64; 3]>> {
-        let mut positions = Vec::new();
+        let mut positions = memory::with_room(count as usize, "sites")?;
         while positions.len() < count as usize {
             let p = std::array::from_fn(|k| self.corners.lo[k] + self.unit() * self.extent[k]);
             if self.accepts(p) {
@@ -121,9 +121,9 @@ impl<'a> Sampler<'a> {
     }
 
     /// The centres of a grid's voxels, x fastest, each moved at random by up to half of `jitter` voxels along each axis.
-    fn lattice(&mut self, count: u32, jitter: f64) -> Vec<[f64; 3]> {
+    fn lattice(&mut self, count: u32, jitter: f64) -> Result<Vec<[f64; 3]>> {
         let dims = voxels(self.extent, f64::from(count) / self.share_inside());
-        let mut positions = Vec::new();
+        let mut positions = memory::with_room(count as usize, "sites")?;
         for (k, j, i) in grid(dims) {
             let p = std::array::from_fn(|axis| {
                 let offset = if jitter == 0.0 { 0.5 } else { 0.5 + jitter * (self.unit() - 0.5) };
@@ -131,10 +131,10 @@ impl<'a> Sampler<'a> {
                 self.corners.lo[axis] + at * self.extent[axis]
             });
             if self.accepts(p) {
-                positions.push(p);
+                memory::push(&mut positions, p, "sites")?;
             }
         }
-        positions
+        Ok(positions)
     }
 
     /// A blue tile, mirrored in planes. All coordinates are multiples of one power of two, so that the mirror images are exact
@@ -153,7 +153,7 @@ impl<'a> Sampler<'a> {
         let seed = self.random.next_u64();
         let mut sampler = Sampler { backend: self.backend, ..Sampler::new(tile, None, seed) };
         let (blue, _) = sampler.blue(in_tile, BLUE_SPREAD, MOST_STEPS)?;
-        let mut positions = Vec::new();
+        let mut positions = memory::with_room(count as usize, "sites")?;
         for (c, b, a) in grid([TILES; 3]) {
             for site in &blue {
                 let p = std::array::from_fn(|k| {
@@ -163,7 +163,7 @@ impl<'a> Sampler<'a> {
                     (origin[k] + at) * quantum
                 });
                 if self.accepts(p) {
-                    positions.push(p);
+                    memory::push(&mut positions, p, "sites")?;
                 }
             }
         }
@@ -250,10 +250,10 @@ mod tests {
         assert_eq!(voxels([1.0, 1.0, 1e-9], 100.0), [10, 10, 1]);
         assert_eq!(voxels([1e-9, 1.0, 1e-9], 7.0), [1, 7, 1]);
         assert_eq!(voxels([1e100, 1e100, 1e100], 8.0), [2; 3]);
-        let sites = Sampler::new(Corners { lo: [0.0; 3], hi: [1.0; 3] }, None, 1).lattice(8, 0.0);
+        let sites = Sampler::new(Corners { lo: [0.0; 3], hi: [1.0; 3] }, None, 1).lattice(8, 0.0).unwrap();
         assert_eq!(sites[..2], [[0.25, 0.25, 0.25], [0.75, 0.25, 0.25]]);
-        let jittered = Sampler::new(BOX, None, 1).lattice(1000, 0.5);
-        let plain = Sampler::new(BOX, None, 1).lattice(1000, 0.0);
+        let jittered = Sampler::new(BOX, None, 1).lattice(1000, 0.5).unwrap();
+        let plain = Sampler::new(BOX, None, 1).lattice(1000, 0.0).unwrap();
         assert_eq!(jittered.len(), plain.len());
         assert!(jittered.iter().zip(&plain).all(|(a, b)| a != b && (0..3).all(|k| (a[k] - b[k]).abs() < 0.05)));
     }
@@ -279,7 +279,7 @@ mod tests {
         let white = sampler.white(500).unwrap();
         assert_eq!(white.len(), 500);
         assert!(white.iter().all(|&p| sampler.accepts(p)));
-        let lattice = sampler.lattice(1000, 0.0);
+        let lattice = sampler.lattice(1000, 0.0).unwrap();
         assert!((900..1100).contains(&lattice.len()), "{}", lattice.len());
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
 use crate::site_grid::{SITES_PER_VOXEL, SiteGrid};
-use crate::{Domain, Error, Result};
+use crate::{Domain, Error, Result, memory};
 
 /// Largest coordinate magnitude that is accepted (its fifth power, a second moment, is still a number), and the inverse of the smallest extent of a container.
 pub const LARGEST_COORDINATE: f64 = 1e60;
@@ -85,6 +85,9 @@ impl PowerDiagram {
                 )));
             }
         }
+        // Both before either: the diagram is as it was where there is no memory.
+        room_for(&mut self.positions, positions, "sites")?;
+        room_for(&mut self.weights, weights, "weights")?;
         self.positions.clear();
         self.positions.extend_from_slice(positions);
         self.weights.clear();
@@ -250,6 +253,12 @@ impl PowerDiagram {
         }
         Ok(())
     }
+}
+
+/// Makes room in `old` for all of `new`.
+fn room_for<T>(old: &mut Vec<T>, new: &[T], what: &str) -> Result<()> {
+    let more = new.len().saturating_sub(old.len());
+    old.try_reserve_exact(more).or_else(|_| memory::probe(new.len() as u64, size_of::<T>() as u64, what))
 }
 
 /// Sites that count as standing where another does, though they do not ([`PowerDiagram::merged_sites`]).

@@ -9,10 +9,13 @@ use std::sync::{Arc, OnceLock};
 use crate::diagram::{LARGEST_COORDINATE, bounding_box};
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// Most triangles that a domain may have: the grid's lists, at most 8 entries a triangle and voxel, are indexed by `u32`.
 pub const MOST_TRIANGLES: usize = 1 << 28;
+
+/// What validation takes of memory for each: half a vertex in a table (80), three edges (48), the mesh itself and a copy in its frame.
+const BYTES_OF_TRIANGLE: u64 = 192;
 
 /// Grids are made for 2¹⁰ to 2²³ sites.
 const FEWEST: usize = 10;
@@ -57,6 +60,7 @@ impl Domain {
     /// nothing is enclosed. Triangles and vertices are counted from 0 in the order given.
     pub fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
         check_numbers(vertices, triangles)?;
+        memory::probe(triangles.len() as u64, BYTES_OF_TRIANGLE, "triangles of the domain")?;
         let mut mesh = topology::weld(vertices, triangles);
         if mesh.triangles.is_empty() {
             return Err(Error::input(format!(

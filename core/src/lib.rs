@@ -16,6 +16,7 @@ pub mod exact;
 pub mod frame;
 pub mod integrand;
 pub mod io;
+pub mod memory;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
 pub mod output;

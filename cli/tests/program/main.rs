@@ -9,6 +9,8 @@ mod fluid;
 mod formats;
 mod lloyd;
 mod measures;
+#[cfg(target_os = "linux")]
+mod memory;
 mod outputs;
 mod results;
 mod support;

@@ -5,7 +5,7 @@ use std::io::BufRead;
 use super::Mesh;
 use super::lines::{Lines, finite, shown};
 use super::mesh::fan;
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// Reads vertices, and faces cut into fans of triangles; colours and normals are skipped.
 ///
@@ -21,7 +21,8 @@ pub(super) fn parse_off(reader: impl BufRead) -> Result<Mesh> {
             return Err(lines.wrong(format_args!("the file ends after {i} of {vertices} vertices")));
         };
         let parsed = vertex(line);
-        mesh.vertices.push(parsed.map_err(|what| lines.wrong(format_args!("vertex {i}: {what}")))?);
+        let vertex = parsed.map_err(|what| lines.wrong(format_args!("vertex {i}: {what}")))?;
+        memory::push(&mut mesh.vertices, vertex, "vertices")?;
     }
     for i in 0..faces {
         let Some(line) = lines.next_line()? else {

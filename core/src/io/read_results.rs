@@ -7,7 +7,7 @@ use std::path::Path;
 use super::lines::{Lines, finite, shown};
 use super::npy::Array;
 use super::{CELLS_ENDINGS, FACETS_ENDINGS, ending, open};
-use crate::{CellStatus, Error, Result};
+use crate::{CellStatus, Error, Result, memory};
 
 /// What a file says of one cell. Numbers stand as they were found: they may be negative, infinite or NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +108,7 @@ fn cells_npy(reader: impl BufRead, length: u64) -> Result<CellsFile> {
     })?;
     let single = array.single;
     let none = CellRow { site: 0, volume: 0.0, barycenter: [0.0; 3], facets: None, status: None };
-    let mut rows = vec![none; array.rows];
+    let mut rows = memory::filled(none, array.rows, "cells")?;
     array.for_each_number(|row, column, x| {
         rows[row].site = row as u64;
         match column {
@@ -135,7 +135,7 @@ fn cells_csv(reader: impl BufRead) -> Result<CellsFile> {
                 status: optional(f.get(6), status)?,
             })
         });
-        rows.push(row.map_err(|what| lines.wrong(what))?);
+        memory::push(&mut rows, row.map_err(|what| lines.wrong(what))?, "cells")?;
     }
     Ok(CellsFile { rows, single: false })
 }
@@ -157,7 +157,7 @@ fn facets(reader: impl BufRead) -> Result<Vec<FacetRow>> {
             })
         });
         let line = lines.number();
-        rows.push(FacetRow { line, ..row.map_err(|what| lines.wrong(what))? });
+        memory::push(&mut rows, FacetRow { line, ..row.map_err(|what| lines.wrong(what))? }, "facets")?;
     }
     Ok(rows)
 }

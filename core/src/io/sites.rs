@@ -6,7 +6,7 @@ use std::path::Path;
 use super::lines::{Lines, finite, is_name, shown};
 use super::npy::{self, Array};
 use super::{SITES_ENDINGS, atomic, ending, open, ply};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// What a file of sites holds. Every number is finite.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -98,9 +98,9 @@ fn parse_npy(reader: impl BufRead, length: u64) -> Result<SitesFile> {
         [rows, columns @ (3 | 4)] => Some((rows, columns)),
         _ => None,
     })?;
-    let mut sites = SitesFile { positions: vec![[0.0; 3]; array.rows], weights: Vec::new() };
+    let mut sites = SitesFile { positions: memory::filled([0.0; 3], array.rows, "sites")?, weights: Vec::new() };
     if array.columns == 4 {
-        sites.weights.resize(array.rows, 0.0);
+        sites.weights = memory::filled(0.0, array.rows, "weights")?;
     }
     array.for_each(|row, column, x| match column {
         3 => sites.weights[row] = x,
@@ -132,9 +132,9 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
                 if columns != expected {
                     return Err(lines.wrong(format_args!("{columns} columns, but line {first} has {expected}")));
                 }
-                sites.positions.push([row[0], row[1], row[2]]);
+                memory::push(&mut sites.positions, [row[0], row[1], row[2]], "sites")?;
                 if columns == 4 {
-                    sites.weights.push(row[3]);
+                    memory::push(&mut sites.weights, row[3], "weights")?;
                 }
             }
             Row::Count(_) | Row::Numbers(_, 1) => {

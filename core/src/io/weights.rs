@@ -8,7 +8,7 @@ use npyz::WriterBuilder;
 use super::lines::{Lines, finite, is_name};
 use super::npy::Array;
 use super::{WEIGHTS_ENDINGS, atomic, ending, open};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
 /// Reads weights (length²), one for each site and in the order of the sites, by the file's ending.
 ///
@@ -69,7 +69,7 @@ fn parse_npy(reader: impl BufRead, length: u64) -> Result<Vec<f64>> {
         [rows] | [rows, 1] => Some((rows, 1)),
         _ => None,
     })?;
-    let mut weights = vec![0.0; array.rows];
+    let mut weights = memory::filled(0.0, array.rows, "weights")?;
     array.for_each(|row, _, w| weights[row] = w)?;
     Ok(weights)
 }
@@ -86,7 +86,7 @@ fn parse_text(reader: impl BufRead) -> Result<Vec<f64>> {
             finite(line)
         };
         match weight {
-            Ok(weight) => weights.push(weight),
+            Ok(weight) => memory::push(&mut weights, weight, "weights")?,
             Err(_) if named => {}
             Err(what) => return Err(lines.wrong(what)),
         }

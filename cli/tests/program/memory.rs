@@ -1,0 +1,36 @@
+//! Too little memory for what is asked: one line that names it, code 2, and nothing written.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::support::{PROGRAM, UNIT_BOX, failed, inputs, runs};
+
+/// What the program says with so many kilobytes of address space.
+fn said_within(folder: &Path, kilobytes: u32, args: &[&str]) -> String {
+    let limited = format!("ulimit -v {kilobytes}; exec \"$0\" \"$@\"");
+    let output = Command::new("sh").current_dir(folder).args(["-c", &limited, PROGRAM]).args(args).output().unwrap();
+    failed(&output, 2, args)
+}
+
+#[test]
+fn what_there_is_no_memory_for_is_named() {
+    let folder = inputs();
+    let said = |kilobytes: u32, args: &[&str]| said_within(folder.path(), kilobytes, args);
+    for distribution in ["white", "lattice", "perturbed", "blue"] {
+        let line = said(1_000_000, &["sample", distribution, "400000000", "-o", "many.npy"]);
+        assert!(line.starts_with("not enough memory for 400000000 sites, which take 9600 MB"), "{line}");
+    }
+    runs(folder.path(), &["sample", "white", "1000000", "-o", "million.npy"]);
+    runs(folder.path(), &["sample", "white", "1000000", "-o", "million.xyz"]);
+    let mut words = [0, 0];
+    for sites in ["million.npy", "million.xyz"] {
+        // From where the program starts to where it has memory enough.
+        for kilobytes in (40_000..340_000).step_by(50_000) {
+            let line = said(kilobytes, &["integrate", sites, "--box", UNIT_BOX, "-o", "cells.npy"]);
+            assert!(line.starts_with(&format!("{sites}: not enough memory for ")), "{kilobytes}: {line}");
+            words[0] += usize::from(line.contains(" sites,"));
+            words[1] += usize::from(line.contains(" cells,"));
+        }
+    }
+    assert!(words.iter().all(|&count| count > 0), "{words:?}");
+}

@@ -1,0 +1,73 @@
+//! Memory whose size an input decides: where it is not to be had, that is an error in one line, not the end of the program.
+
+use std::fmt;
+
+use crate::{Error, Result};
+
+/// An empty vector with room for `count` elements of what is called `what`.
+///
+/// # Errors
+/// `Input` where there is not so much memory.
+pub fn with_room<T>(count: usize, what: impl fmt::Display) -> Result<Vec<T>> {
+    let mut elements = Vec::new();
+    match elements.try_reserve_exact(count) {
+        Ok(()) => Ok(elements),
+        Err(_) => Err(none_for(count as u64, size_of::<T>() as u64, &what)),
+    }
+}
+
+/// `count` times `value`.
+///
+/// # Errors
+/// As [`with_room`].
+pub fn filled<T: Clone>(value: T, count: usize, what: impl fmt::Display) -> Result<Vec<T>> {
+    let mut elements = with_room(count, what)?;
+    elements.resize(count, value);
+    Ok(elements)
+}
+
+/// Appends `element` to those of what is called `what`.
+///
+/// # Errors
+/// `Input` where there is no memory for more.
+pub fn push<T>(elements: &mut Vec<T>, element: T, what: impl fmt::Display) -> Result<()> {
+    if elements.len() == elements.capacity() && elements.try_reserve(1).is_err() {
+        return Err(none_for(2 * elements.len() as u64, size_of::<T>() as u64, &what));
+    }
+    elements.push(element);
+    Ok(())
+}
+
+/// Whether `count` times `bytes` bytes could be had at this moment, before work that will take about so much in many pieces.
+///
+/// # Errors
+/// `Input` where not.
+pub fn probe(count: u64, bytes: u64, what: impl fmt::Display) -> Result<()> {
+    let all = count.checked_mul(bytes).and_then(|all| usize::try_from(all).ok());
+    match all.map(|all| Vec::<u8>::new().try_reserve_exact(all)) {
+        Some(Ok(())) => Ok(()),
+        _ => Err(none_for(count, bytes, &what)),
+    }
+}
+
+fn none_for(count: u64, bytes: u64, what: &dyn fmt::Display) -> Error {
+    let megabytes = (count as f64 * bytes as f64 / 1e6).ceil();
+    Error::input(format!("not enough memory for {count} {what}, which take {megabytes} MB; give fewer, or more memory"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_had_is_named() {
+        let count = usize::MAX / 64;
+        let said = with_room::<[f64; 3]>(count, "sites").unwrap_err().to_string();
+        assert!(said.starts_with(&format!("not enough memory for {count} sites")), "{said}");
+        assert_eq!(probe(u64::MAX, 2, "cells").unwrap_err().kind(), crate::ErrorKind::Input);
+        assert_eq!(filled(7, 3, "numbers").unwrap(), [7; 3]);
+        let mut numbers = vec![1];
+        push(&mut numbers, 2, "numbers").unwrap();
+        assert_eq!(numbers, [1, 2]);
+    }
+}

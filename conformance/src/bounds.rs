@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
+pub use laguerre_core::summation::SUM;
+use laguerre_core::summation::bound_of_volumes;
 use laguerre_core::{CellStatus, Output};
 
 use crate::Scene;
@@ -18,10 +20,6 @@ use crate::scene::{Facet, rows};
 
 /// u: the relative error of one rounding, 2⁻⁵³.
 pub const U: f64 = f64::EPSILON / 2.0;
-
-/// Sums over all cells, relative to the container's volume (moments: times its diagonal; second moments: times its square).
-/// What f64 can give when the volume itself, a sum, is rounded.
-pub const SUM: f64 = 1e-14;
 
 /// A cell, relative to the mean volume of a cell (moments: times the mean cell's size).
 pub const CELL: f64 = 1e-12;
@@ -41,9 +39,6 @@ pub const CLOSURE: f64 = 1e-12;
 /// Roundings, in units of u·D, that move a plane or a vertex. A bisector's offset takes 5 (three squares, two sums), a
 /// difference of positions 1 per coordinate, a well conditioned vertex (three cross products, their sum, a quotient) about 10.
 pub const ROUNDINGS: f64 = 16.0;
-
-/// The same for the surface as a whole, where those of many planes average, but for the few planes of few cells.
-pub const FEW: f64 = 8.0;
 
 /// A cell thinner than so many displacements of its planes may be called empty.
 pub const FLAT: f64 = 8.0;
@@ -73,7 +68,6 @@ pub struct Bounds<'a> {
     condition: Vec<OnceCell<f64>>,
     mean_volume: f64,
     mean_area: f64,
-    facet_area: f64,
 }
 
 impl<'a> Bounds<'a> {
@@ -91,14 +85,12 @@ impl<'a> Bounds<'a> {
             })
             .collect();
         let areas: Vec<f64> = rows.iter().flatten().map(|f| f.area).collect();
-        let facet_area: f64 = areas.iter().sum();
         Self {
             condition: vec![OnceCell::new(); scene.len()],
             reach,
             displacement,
             mean_volume: scene.room.volume() / scene.len() as f64,
-            mean_area: facet_area / areas.len().max(1) as f64,
-            facet_area,
+            mean_area: areas.iter().sum::<f64>() / areas.len().max(1) as f64,
             rows,
             scene,
             output,
@@ -164,28 +156,15 @@ impl<'a> Bounds<'a> {
         self.displacement[i]
     }
 
-    /// Bound of the sum of all volumes (length³): the promise, and a rounding of the coordinates, as they are in the frame of
-    /// the farthest site. The surface is off by [`FEW`]·u·D, a facet by u·D as seen from each side. Within a mesh all that the
-    /// cells have in the domain's grid is integrated, and what is outside of the domain subtracted, from tetrahedra that fill the
-    /// grid: off by [`ROUNDINGS`]·u of its volume, which for a thin shape across its grid is more than the surface's share, and
-    /// independent of it.
-    ///
-    /// A container of less volume than the rounding of a cell leaves nothing that may not be called empty. Of facets that were not
-    /// asked for nothing is known but that no cell is off by more than its own rounding.
+    /// Bound of the sum of all volumes (length³): the promise ([`bound_of_volumes`]). A container of less volume than the rounding of a cell
+    /// leaves nothing that may not be called empty.
     pub fn volume_sum(&self) -> f64 {
         let volume = self.scene.room.volume();
         let reach = self.reach.iter().copied().fold(0.0, f64::max);
         let cells = || (0..self.scene.len()).map(|i| self.cell_rounding(i));
         let is_needle = volume <= cells().fold(0.0, f64::max);
-        let rounding = match self.output.facets {
-            Some(_) if is_needle && self.output.count(CellStatus::Empty) > 0 => volume,
-            Some(_) => {
-                let surface = FEW * reach * self.scene.room.area();
-                U * (surface.max(ROUNDINGS * self.scene.room.grid_volume(self.scene.len())) + reach * self.facet_area)
-            }
-            None => cells().sum(),
-        };
-        SUM * volume + rounding
+        let nothing = if is_needle && self.output.count(CellStatus::Empty) > 0 { volume } else { 0.0 };
+        bound_of_volumes(volume, self.scene.room.area(), reach) + nothing
     }
 
     /// By what angle the bisector of sites `i` and `j` is turned, and by what share of it their distance is off: coordinates

@@ -154,13 +154,6 @@ impl Room {
         }
     }
 
-    /// Volume of the grid that encloses a mesh (length³) for so many sites; of a box, which has none, 0.
-    pub fn grid_volume(&self, sites: usize) -> f64 {
-        let Self::Mesh(_, domain) = self else { return 0.0 };
-        let (grid, unit) = (domain.grid(sites), domain.frame().unit());
-        grid.dims().iter().map(|&n| f64::from(n) * grid.voxel_width() * unit).product()
-    }
-
     /// Its bounding box.
     pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
         match self {

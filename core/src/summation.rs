@@ -45,6 +45,20 @@ fn split(a: f64) -> f64 {
     c - (c - a)
 }
 
+/// What the volumes of all cells may sum to beside the container's, relative to that: what f64 can give where the volume itself, a sum, is
+/// rounded.
+pub const SUM: f64 = 1e-14;
+
+/// Roundings of the container's surface, as all cells have it in their sites' frames: 1 for each coordinate, 5 for the plane.
+pub const ROUNDINGS_OF_SURFACE: f64 = 8.0;
+
+/// THE law of sums: how far the volumes of all cells may be from `volume`, the container's (length³). [`SUM`] of it, and the rounding of
+/// its surface of area `area` in the frames of sites of which the farthest is `reach` from the farthest corner of what is integrated: each
+/// cell has it displaced by up to [`ROUNDINGS_OF_SURFACE`] of that distance, and where the container is thin against that, it is this that counts.
+pub fn bound_of_volumes(volume: f64, area: f64, reach: f64) -> f64 {
+    SUM * volume.abs() + ROUNDINGS_OF_SURFACE * 0.5 * f64::EPSILON * area * reach
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,6 +10,7 @@
 use std::f64::consts::TAU;
 
 use laguerre::diagram::Container;
+use laguerre::summation::{SUM, bound_of_volumes};
 use laguerre::{Output, PowerDiagram, Result};
 
 use crate::container::Whole;
@@ -20,11 +21,9 @@ const U_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
 
 /// What a cell may be off, relative to the mean volume (moment: times the mean cell's size), and a facet, relative to the mean area.
 pub(crate) const CELL: f64 = 1e-12;
-/// What sums over all cells may be off, relative to the container's volume (moments: times its diagonal).
-const SUM: f64 = 1e-14;
 /// Roundings of a plane or a vertex, in units of u·R: 5 for a bisector's offset, 1 for each coordinate, 10 for a vertex.
 const ROUNDINGS: f64 = 16.0;
-/// The same for the surface as a whole, where those of many cells average.
+/// Displacements of planes by which two may be apart and still be one.
 const FEW: f64 = 8.0;
 
 /// The bounds for a file about one diagram.
@@ -45,6 +44,8 @@ pub(super) struct Bounds<'a> {
     mean_area: f64,
     volume: f64,
     diagonal: f64,
+    /// The largest distance of a site from a corner of what is integrated.
+    farthest_corner: f64,
     /// Largest magnitude of a coordinate of the container.
     coordinate: f64,
 }
@@ -86,6 +87,7 @@ impl<'a> Bounds<'a> {
             mean_area: if areas.is_empty() { surface } else { areas.iter().sum::<f64>() / areas.len() as f64 },
             volume: whole.volume,
             diagonal: whole.diagonal(),
+            farthest_corner: (0..n).map(|i| farthest_corner(diagram, whole, i)).fold(0.0, f64::max),
             coordinate: whole.lo.iter().chain(&whole.hi).fold(0.0, |m, x| x.abs().max(m)),
         })
     }
@@ -117,10 +119,9 @@ impl<'a> Bounds<'a> {
             + self.moved(v)
     }
 
-    /// Of the sum of all volumes, relative to the container's.
+    /// Of the sum of all volumes, relative to the container's: the law of sums, and the rounding of the file's numbers.
     pub(super) fn volume_sum(&self) -> f64 {
-        let rounding: f64 = self.cells.iter().map(|s| U * s.reach * (s.surface + FEW * s.boundary)).sum();
-        self.sum + self.stored + rounding / self.volume
+        self.sum + self.stored + bound_of_volumes(0.0, self.surface, self.farthest_corner) / self.volume
     }
 
     /// Of the barycenter of all cells together, relative to the diagonal.
@@ -250,10 +251,7 @@ fn scale(diagram: &PowerDiagram, whole: &Whole, again: &Output, i: usize) -> Sca
     let (Some(facets), Some(boundary), Some(second)) = (&again.facets, &again.boundary, &again.second_moment) else {
         return Scale { reach: 0.0, surface: 0.0, boundary: 0.0 };
     };
-    let far = [0, 1, 2].map(|k| (whole.hi[k] - p[k]).abs().max((whole.lo[k] - p[k]).abs()));
-    // A domain's grid encloses it by up to a voxel, at most half an extent.
-    let margin = (0..3).map(|k| 0.5 * (whole.hi[k] - whole.lo[k])).fold(0.0, f64::max);
-    let far = length(far) + margin;
+    let far = farthest_corner(diagram, whole, i);
     let volume = again.volume[i];
     if volume == 0.0 {
         return Scale { reach: far, surface: 0.0, boundary: 0.0 };
@@ -267,6 +265,15 @@ fn scale(diagram: &PowerDiagram, whole: &Whole, again: &Output, i: usize) -> Sca
     let reach = length(sub(again.barycenter[i], p)) + 4.0 * variance.max(0.0).sqrt() + neighbors;
     let reach = if boundary[i].area > 0.0 { far + neighbors } else { reach };
     Scale { reach, surface, boundary: boundary[i].area }
+}
+
+/// The distance from site `i` to the farthest corner of what is integrated.
+fn farthest_corner(diagram: &PowerDiagram, whole: &Whole, i: usize) -> f64 {
+    let p = diagram.positions()[i];
+    let far = [0, 1, 2].map(|k| (whole.hi[k] - p[k]).abs().max((whole.lo[k] - p[k]).abs()));
+    // A domain's grid encloses it by up to a voxel, at most half an extent.
+    let margin = (0..3).map(|k| 0.5 * (whole.hi[k] - whole.lo[k])).fold(0.0, f64::max);
+    length(far) + margin
 }
 
 /// The triangles of the container's surface.

@@ -100,6 +100,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(lattice::duplicated),
     given!(lattice::turned),
     given!(lattice::second_moments),
+    given!(sums::thin),
     given!(folds::volumes),
     given!(folds::order_of_axes),
     given!(large::hiding_weights),

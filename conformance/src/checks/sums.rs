@@ -1,12 +1,14 @@
 //! The cells partition their container: their integrals sum to its.
 
 use glam::{DMat3, DVec3};
+use laguerre_core::shapes::{Mesh, cuboid};
 use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, CellStatus, Output};
+use laguerre_core::{Backend, CellStatus, Output, Request};
 
-use crate::bounds::{Bounds, CLOSURE, ROUNDINGS, U};
+use crate::bounds::{Bounds, CLOSURE, Planes, ROUNDINGS, U};
 use crate::compare::lies_in_surface;
-use crate::domains::Room;
+use crate::domains::{Pose, Room};
+use crate::sites::Random;
 use crate::{Case, Scene, Verdict, sanity};
 
 /// [`volumes`] on a case.
@@ -118,6 +120,46 @@ pub fn boundary_areas(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdic
     }
     let bound = bounds.area_sum();
     ensure!(off <= bound, "the boundaries' areas sum to {total}, not {area}: off by {off:e}, bound {bound:e}");
+    Ok(())
+}
+
+/// Plates, and tetrahedra that are slivers, as thin as a billionth of their width: the law of sums is one of their surface then.
+pub fn thin(backend: &dyn Backend) -> Verdict {
+    for thickness in [1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9] {
+        let sliver = Mesh {
+            vertices: vec![[0.0; 3], [1.0, 1.0, 0.0], [1.0, 0.0, thickness], [0.0, 1.0, thickness]],
+            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+        };
+        for (name, mesh) in [("plate", cuboid([0.0; 3], [2.0, 2.0, thickness])), ("sliver", sliver)] {
+            for (pose, count) in
+                [(Pose::Plain, 1), (Pose::Plain, 300), (Pose::Plain, 3000), (Pose::Turned, 300), (Pose::Turned, 3000)]
+            {
+                let (turn, shift) = pose.motion();
+                let room = Room::of(if pose == Pose::Plain { mesh.clone() } else { mesh.transformed(turn, shift) });
+                let (lo, hi) = room.bounding_box();
+                let mut random = Random::new(11);
+                let place = |_| (DVec3::from(lo) + random.point() * (DVec3::from(hi) - DVec3::from(lo))).into();
+                let positions = (0..count).map(place).collect();
+                let scene = Scene { positions, weights: Vec::new(), room };
+                let output = scene.evaluate(backend, &Request::moments())?;
+                let mut sum = Sum::default();
+                sum.extend(output.volume.iter().copied());
+                let (volume, bounds) = (scene.room.volume(), Bounds::new(&scene, &output, Planes::Same));
+                let (off, bound) = ((sum.total() - volume).abs(), bounds.volume_sum());
+                if std::env::var_os("LAGUERRE_WORST").is_some() {
+                    eprintln!(
+                        "worst {:.1e} {name} {thickness:e} {pose:?} {count}: {:.1e} of the volume",
+                        off / bound,
+                        off / volume
+                    );
+                }
+                ensure!(
+                    off <= bound,
+                    "{name} of {thickness:e}, {pose:?}, {count} sites: off by {off:e}, bound {bound:e}"
+                );
+            }
+        }
+    }
     Ok(())
 }
 

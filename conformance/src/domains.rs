@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock, Mutex};
 use glam::{DMat3, DVec3};
 use laguerre_core::Domain;
 use laguerre_core::diagram::bounding_box;
-use laguerre_core::shapes::{self, Contact, Mesh};
+use laguerre_core::shapes::{self, Contact, Mesh, Section};
 
 /// What the cells are restricted to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -32,11 +32,15 @@ pub enum Shape {
     Plate,
     LongBox,
     DoubleTorus,
+    /// A prism with caps that fold over themselves, 1e-9 off their planes.
+    Folded,
+    /// The same, 1e-4 off.
+    FoldedWidely,
 }
 
 impl Shape {
     /// All shapes, the simplest first.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::Box,
         Self::BoxMesh,
         Self::FlatBox,
@@ -54,6 +58,8 @@ impl Shape {
         Self::Plate,
         Self::LongBox,
         Self::DoubleTorus,
+        Self::Folded,
+        Self::FoldedWidely,
     ];
 
     fn mesh(self) -> Mesh {
@@ -74,6 +80,8 @@ impl Shape {
             Self::Plate => shapes::plate(),
             Self::LongBox => shapes::long_box(),
             Self::DoubleTorus => shapes::double_torus(),
+            Self::Folded => shapes::folded_prism(Section::Star, 1e-9),
+            Self::FoldedWidely => shapes::folded_prism(Section::Comb, 1e-4),
         }
     }
 }

@@ -3,6 +3,7 @@
 use laguerre_core::{Backend, CellStatus, Output};
 
 use crate::bounds::Bounds;
+use crate::checks::sums::has_negative_windings;
 use crate::compare::{same_facet, undecided};
 use crate::{Case, Scene, Verdict, sanity};
 
@@ -61,11 +62,17 @@ pub fn have_distances(scene: &Scene, _: &Output, bounds: &Bounds) -> Verdict {
     Ok(())
 }
 
-/// No facet and no piece of the boundary has a negative area: what rounding makes of nothing is dropped.
-pub fn are_positive(_: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
+/// No facet, where no winding number is negative, and no piece of the boundary has a negative area: what rounding makes of nothing is dropped.
+pub fn are_positive(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
+    let signed = has_negative_windings(&scene.room, scene.len());
     for (i, row) in bounds.rows().iter().enumerate() {
         for facet in row {
-            ensure!(facet.area > 0.0, "facet {i}-{}: area {:e}", facet.neighbor, facet.area);
+            ensure!(
+                facet.area > 0.0 || (signed && facet.area < 0.0),
+                "facet {i}-{}: area {:e}",
+                facet.neighbor,
+                facet.area
+            );
         }
     }
     for (i, boundary) in output.boundary.iter().flatten().enumerate() {

@@ -1,5 +1,7 @@
 //! The cells partition their container: their integrals sum to its.
 
+use std::collections::HashMap;
+
 use glam::{DMat3, DVec3};
 use laguerre_core::shapes::{Mesh, cuboid};
 use laguerre_core::summation::Sum;
@@ -188,10 +190,26 @@ fn second_moment_of(scene: &Scene, m: DVec3) -> [f64; 6] {
     sums.map(|s| s.total())
 }
 
-/// Whether the surface goes around some point the wrong way, as far as the corners of the domain's grid tell.
-fn has_negative_windings(room: &Room, sites: usize) -> bool {
-    let Room::Mesh(_, domain) = room else { return false };
+/// Whether the surface may go around some point the wrong way: as far as the corners of the domain's grid tell, or where it folds over itself.
+pub(super) fn has_negative_windings(room: &Room, sites: usize) -> bool {
+    let Room::Mesh(mesh, domain) = room else { return false };
     let grid = domain.grid(sites);
     let [nx, ny, nz] = grid.dims();
-    (0..nz).any(|k| (0..ny).any(|j| (0..nx).any(|i| grid.winding([i, j, k]) < 0)))
+    folds(mesh) || (0..nz).any(|k| (0..ny).any(|j| (0..nx).any(|i| grid.winding([i, j, k]) < 0)))
+}
+
+/// Cosine of the angle of two triangles' normals below which they lie nearly on each other.
+const FOLDED: f64 = -0.999;
+
+/// Whether two triangles at an edge lie nearly on each other.
+fn folds(mesh: &Mesh) -> bool {
+    let mut normals: HashMap<[u32; 2], Vec<DVec3>> = HashMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        let [x, y, z] = [a, b, c].map(|v| DVec3::from(mesh.vertices[v as usize]));
+        let normal = (y - x).cross(z - x).normalize_or_zero();
+        for [v, w] in [[a, b], [b, c], [c, a]] {
+            normals.entry([v.min(w), v.max(w)]).or_default().push(normal);
+        }
+    }
+    normals.values().any(|at| at.iter().any(|n| at.iter().any(|m| n.dot(*m) < FOLDED)))
 }

@@ -127,6 +127,16 @@ impl<T: Copy> Room<T> {
         self.read_into(queue, first, data)
     }
 
+    /// The first.
+    pub(crate) fn first(&self, queue: &CommandQueue) -> Result<T>
+    where
+        T: Default,
+    {
+        let mut data = [T::default()];
+        self.read_into(queue, 0, &mut data)?;
+        Ok(data[0])
+    }
+
     fn read_into(&self, queue: &CommandQueue, first: usize, data: &mut [T]) -> Result<()> {
         if !data.is_empty() {
             // SAFETY: `data` ends before the buffer does, and the call returns when it is filled; any bits are a `T`, which

@@ -7,8 +7,9 @@ mod tests;
 use crate::buffer::{Room, failed};
 use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
+use crate::interface::data::{Counters, Params, SHELL_RADIUS};
 use crate::launch::enqueue;
-use crate::params::{Params, Shared};
+use crate::params::Shared;
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
 use crate::results::Results;
@@ -45,7 +46,7 @@ pub(crate) struct Device {
     memory: Memory,
     sites: Sites,
     shared: Shared,
-    counters: Vec<u32>,
+    counters: Counters,
     /// Time that kernels took in this call.
     seconds: f64,
     results: Results,
@@ -71,8 +72,7 @@ struct Memory {
     surface_table: Room<u32>,
     clearances: Room<u8>,
     abouts: Room<[i32; 2]>,
-    probe: Room<u32>,
-    counters: Room<u32>,
+    counters: Room<Counters>,
     /// The cells of a pass, where they are not a range, and those it could not end.
     todo: Room<u32>,
     boundary: Room<u32>,
@@ -105,7 +105,7 @@ impl Device {
         let (context, queue) = platform::open(found)?;
         let grid_kernels = GridKernels::build(&context, id)?;
         let mut memory = Memory::new();
-        memory.shells.fill(&context, &queue, &shells::table(shells::RADIUS))?;
+        memory.shells.fill(&context, &queue, &shells::table(SHELL_RADIUS as i32))?;
         Ok(Self {
             id,
             name: found.info.name.clone(),
@@ -118,7 +118,7 @@ impl Device {
             memory,
             sites: Sites::new(),
             shared: Shared::new(),
-            counters: Vec::new(),
+            counters: Counters::default(),
             seconds: 0.0,
             results: Results::default(),
             domain: None,
@@ -204,7 +204,6 @@ impl Memory {
             surface_table: Room::new("the domain's grid"),
             clearances: Room::new("the domain's grid"),
             abouts: Room::new("what is near each site"),
-            probe: Room::new("layouts"),
             counters: Room::new("counters"),
             todo: Room::new("a list of cells"),
             boundary: Room::new("a list of cells"),

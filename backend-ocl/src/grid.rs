@@ -1,8 +1,9 @@
 //! The sites on the device: sorted there, or, where a voxel is crowded, on the host.
 
 use crate::buffer::Room;
+use crate::interface::data::{BLOCK_LEVEL, Block, Cluster, GRID_GROUP, MOST_LEVELS, Range, SCAN_EACH};
 use crate::launch::enqueue;
-use crate::params::{self, Cluster, Range, Shared};
+use crate::params::{self, Shared};
 use crate::program::GridKernels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_grid::Voxels;
@@ -14,15 +15,9 @@ use opencl3::context::Context;
 /// BENCHMARKS.md).
 pub(crate) const SITES_PER_VOXEL: f64 = 2.0;
 
-/// `GRID_GROUP` of `grid.cl`, and the elements that one of its groups scans.
-pub(crate) const GROUP: usize = 256;
-const SCANNED: usize = 8 * GROUP;
-
-/// `block_level` of `params.cl`, where there are so many.
-const BLOCK_LEVEL: usize = 1;
-
-/// Levels of the pyramid at most (`level_begin` of `params.cl`).
-const MOST_LEVELS: usize = 32;
+/// Work-items of a group, and the elements that one group scans.
+pub(crate) const GROUP: usize = GRID_GROUP as usize;
+const SCANNED: usize = GROUP * SCAN_EACH as usize;
 
 /// The sites, as the caller gave them and as the search needs them.
 pub(crate) struct Sites {
@@ -44,7 +39,7 @@ pub(crate) struct Sites {
     /// What bounds the weights of each node of the pyramid from blocks of voxels on, and the search about each block, where weights differ
     /// (`blocks.cl`).
     pub(crate) bounds: Room<[f64; 4]>,
-    pub(crate) blocks: Room<[f64; 6]>,
+    pub(crate) blocks: Room<Block>,
     pub(crate) clusters: Room<Cluster>,
     pub(crate) roots: Room<u32>,
     on_host: OnHost,
@@ -177,7 +172,7 @@ impl Sites {
             self.bounds.grow(context, 1)?;
             return self.blocks.grow(context, 1);
         }
-        let own = BLOCK_LEVEL.min(levels.len() - 1);
+        let own = (BLOCK_LEVEL as usize).min(levels.len() - 1);
         let nodes: Vec<usize> = levels[own..].iter().map(|dims| dims.iter().map(|&n| n as usize).product()).collect();
         let count = nodes[0] as u32;
         let boxes = levels[0].iter().map(|&n| n as usize).product::<usize>();

@@ -8,6 +8,7 @@ mod evaluate;
 mod fallback;
 mod grid;
 mod handle;
+mod interface;
 mod launch;
 mod params;
 #[cfg(feature = "test-util")]

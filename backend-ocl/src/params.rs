@@ -1,94 +1,14 @@
-//! Data that the device reads, laid out as `store.cl` and `evaluate.cl` declare it.
+//! What fills the structs of the interface.
 
 use crate::buffer::Room;
-use laguerre_core::assemble::FacetRecord;
+use crate::interface::data::{Cluster, Params, Range};
 use laguerre_core::diagram::{FramedContainer, Prepared};
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::site_grid::Voxels;
-use laguerre_core::{Error, ErrorKind, Request, Result};
+use laguerre_core::{Request, Result};
 use laguerre_core::{cell, frame};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
-use std::mem::offset_of;
-
-/// `Params` of `store.cl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Params {
-    box_lo: [f64; 3],
-    box_hi: [f64; 3],
-    grid_lo: [f64; 3],
-    grid_width: f64,
-    grid_per_width: f64,
-    grid_pad: [f64; 3],
-    largest_weight: f64,
-    domain_lo: [f64; 3],
-    domain_width: f64,
-    domain_per_width: f64,
-    enlarged: f64,
-    frame_shift: [f64; 3],
-    frame_unit: f64,
-    frame_smallest: f64,
-    origin: [f64; 3],
-    pub(crate) facet_base: u64,
-    grid_dims: [u32; 3],
-    top_level: u32,
-    pub(crate) level_begin: [u32; 32],
-    domain_dims: [u32; 3],
-    pub(crate) has_domain: u32,
-    pub(crate) has_clusters: u32,
-    pub(crate) flags: u32,
-    pub(crate) equal_weights: u32,
-    pub(crate) facet_room: u32,
-    nodes: u32,
-    degree: u32,
-    pub(crate) near_room: u32,
-}
-
-/// `Cluster` of `store.cl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Cluster {
-    lo: [f64; 3],
-    hi: [f64; 3],
-    largest_weight: f64,
-    begin: u32,
-    end: u32,
-    children: u32,
-    unused: u32,
-}
-
-/// Numbers that `probe` of `evaluate.cl` writes.
-pub(crate) const PROBES: usize = 9;
-
-/// Whether the device lays its data out as the host does.
-pub(crate) fn check_layouts(probed: &[u32]) -> Result<()> {
-    let expected = [
-        size_of::<Params>(),
-        offset_of!(Params, grid_dims),
-        offset_of!(Params, facet_room),
-        size_of::<Cluster>(),
-        size_of::<FacetRecord>(),
-        size_of::<cell::V3>(),
-        size_of::<cell::Plane>(),
-        size_of::<cell::CellSums>(),
-        size_of::<cell::FacetSecond>(),
-    ];
-    if probed.iter().map(|&n| n as usize).eq(expected) {
-        return Ok(());
-    }
-    Err(Error::new(ErrorKind::Device, format!("the device lays out structs as {probed:?}, the host as {expected:?}")))
-}
-
-/// Range of some sites: the `Range` of `grid.cl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Range {
-    pub(crate) lo: [f64; 3],
-    pub(crate) hi: [f64; 3],
-    pub(crate) smallest_weight: f64,
-    pub(crate) largest_weight: f64,
-}
 
 impl Default for Range {
     fn default() -> Self {

@@ -16,9 +16,9 @@ pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
 
 const SOURCES: [&str; 16] = [
     include_str!("kernels/prelude.cl"),
-    include_str!("kernels/shells.cl"),
-    include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/interface.cl"),
+    include_str!("kernels/params.cl"),
     include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
     include_str!("kernels/marks.cl"),

@@ -1,8 +1,8 @@
 //! The kernels: their source, built for the room of a pass, and kept.
 
 use crate::handle::Handle;
+use crate::interface::data::Params;
 use crate::launch::Kernel;
-use crate::params::Params;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL};
 use laguerre_core::passes::Capacities;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -17,9 +17,9 @@ use std::ptr;
 
 const EVALUATE: [&str; 16] = [
     include_str!("kernels/prelude.cl"),
-    include_str!("kernels/shells.cl"),
-    include_str!("kernels/params.cl"),
     include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/interface.cl"),
+    include_str!("kernels/params.cl"),
     include_str!("kernels/ties.cl"),
     include_str!("kernels/store.cl"),
     include_str!("kernels/marks.cl"),
@@ -36,10 +36,10 @@ const EVALUATE: [&str; 16] = [
 
 const TOGETHER: [&str; 24] = [
     include_str!("kernels/prelude.cl"),
-    include_str!("kernels/shells.cl"),
+    include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/interface.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/bounds.cl"),
-    include_str!("kernels/cell_types.cl"),
     include_str!("kernels/ties.cl"),
     include_str!("kernels/lanes_store.cl"),
     include_str!("kernels/surface_table.cl"),
@@ -61,9 +61,10 @@ const TOGETHER: [&str; 24] = [
     include_str!("kernels/lanes_evaluate.cl"),
 ];
 
-const GRID: [&str; 8] = [
+const GRID: [&str; 9] = [
     include_str!("kernels/prelude.cl"),
-    include_str!("kernels/shells.cl"),
+    include_str!("kernels/cell_types.cl"),
+    include_str!("kernels/interface.cl"),
     include_str!("kernels/params.cl"),
     include_str!("kernels/bounds.cl"),
     include_str!("kernels/grid.cl"),
@@ -122,9 +123,6 @@ pub(crate) struct Kernels {
     /// Work-items of a group, and those that compute one cell.
     pub(crate) group: usize,
     pub(crate) per_cell: usize,
-    pub(crate) probe: Kernel,
-    /// Whether the layouts were compared.
-    pub(crate) probed: bool,
 }
 
 /// The kernels that sort sites, and those that find how near the surface is to them.
@@ -237,7 +235,7 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
         Way::Alone(_) => (GROUP.min(largest), 1),
         Way::Together(lanes, stage) => (lanes * cells_of_group(stage), lanes),
     };
-    Ok(Kernels { cells, group, per_cell, probe: Kernel::new(&program, "probe")?, probed: false })
+    Ok(Kernels { cells, group, per_cell })
 }
 
 /// Most characters of a build log that stand in a message.

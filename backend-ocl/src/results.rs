@@ -1,18 +1,15 @@
 //! What comes back from a device, kept from call to call.
 
+use crate::interface::data::{ALL_SUMS, FEW_SUMS, OUTCOME_EXACT, OUTCOME_STATUS, OUTCOME_UNCERTIFIED};
 use laguerre_core::CellStatus;
 use laguerre_core::assemble::{Assembler, Facets, Row};
 use laguerre_core::cell::{self, CellSums, v3};
 
-/// Numbers that `evaluate.cl` writes for each cell (`FEW_SUMS`, `ALL_SUMS`).
-const FEW_SUMS: usize = 4;
-const ALL_SUMS: usize = 18;
-
-/// The same for what the flags ask for.
+/// Sums that are written for each cell, for what the flags ask for.
 pub(crate) fn width_of(flags: u32) -> usize {
     match flags {
-        0 => FEW_SUMS,
-        _ => ALL_SUMS + usize::from(flags & cell::INTEGRAL != 0),
+        0 => FEW_SUMS as usize,
+        _ => ALL_SUMS as usize + usize::from(flags & cell::INTEGRAL != 0),
     }
 }
 
@@ -50,14 +47,14 @@ impl Results {
 
     /// Cells that double precision did not suffice for.
     pub(crate) fn exact_cells(&self) -> usize {
-        self.outcomes.iter().filter(|&&outcome| outcome != NOT_COMPUTED && outcome >> 8 & 1 != 0).count()
+        self.outcomes.iter().filter(|&&outcome| outcome != NOT_COMPUTED && outcome & OUTCOME_EXACT != 0).count()
     }
 
     fn sums_of(&self, i: usize) -> CellSums {
         let numbers = &self.sums[i * self.width..][..self.width];
         let vector = |at: usize| v3(numbers[at], numbers[at + 1], numbers[at + 2]);
         let few = CellSums { volume: numbers[0], first: vector(1), ..CellSums::default() };
-        if self.width == FEW_SUMS {
+        if self.width == FEW_SUMS as usize {
             return few;
         }
         CellSums {
@@ -67,7 +64,7 @@ impl Results {
             boundary_moment: vector(11),
             boundary_vector: vector(14),
             boundary_flux: numbers[17],
-            integral: numbers.get(ALL_SUMS).copied().unwrap_or(0.0),
+            integral: numbers.get(ALL_SUMS as usize).copied().unwrap_or(0.0),
             ..few
         }
     }
@@ -78,9 +75,9 @@ fn status_of(outcome: u32) -> Option<CellStatus> {
     if outcome == NOT_COMPUTED {
         return None;
     }
-    Some(match outcome & 0xff {
+    Some(match outcome & OUTCOME_STATUS {
         cell::EMPTY => CellStatus::Empty,
-        _ if outcome >> 9 & 1 != 0 => CellStatus::Uncertified,
+        _ if outcome & OUTCOME_UNCERTIFIED != 0 => CellStatus::Uncertified,
         _ => CellStatus::Complete,
     })
 }

@@ -1,7 +1,4 @@
-//! The table of voxel offsets, nearest first, that the kernels go through (`shells.cl`).
-
-/// Voxels along each axis to each side (`SHELL_RADIUS`).
-pub(crate) const RADIUS: i32 = 6;
+//! The table of voxel offsets, nearest first, that the kernels go through.
 
 /// Offsets of up to `radius` along each axis, plus `radius`, and a lower bound of the squared distance in voxels between the nearest points of this voxel and the first, and
 /// of any later one and the first, in the table or not; sorted by that distance, then by the distance of their centers.
@@ -22,11 +19,19 @@ pub(crate) fn table(radius: i32) -> Vec<[u8; 4]> {
 
 #[cfg(test)]
 mod tests {
+    use crate::interface::{data, single};
+
     #[test]
     fn the_first_rings_are_where_the_search_looks() {
-        for radius in [4, super::RADIUS] {
+        let entries = |radius, shells, inner| {
+            assert_eq!(inner, 27);
+            (radius as i32, shells as usize)
+        };
+        let double = entries(data::SHELL_RADIUS, data::SHELLS, data::INNER_SHELLS);
+        let single = entries(single::SHELL_RADIUS, single::SHELLS, single::INNER_SHELLS);
+        for (radius, shells) in [double, single] {
             let (table, center, last) = (super::table(radius), radius as u8, radius.pow(2) as u8);
-            assert_eq!(table.len(), (2 * radius as usize + 1).pow(3));
+            assert_eq!(table.len(), shells);
             assert_eq!(table[0], [center, center, center, 0]);
             // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
             assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);

@@ -8,6 +8,7 @@ use crate::evaluate::{join_passes, on_all, on_device, shares};
 use crate::fallback;
 use crate::grid::SITES_PER_VOXEL;
 use crate::handle::Handle;
+use crate::interface::single::{OUTCOME_EXACT, OUTCOME_STATUS, Params, SHELL_RADIUS};
 use crate::launch::{Kernel, enqueue};
 use crate::platform::{self, Found, choose};
 use crate::program::compile;
@@ -23,15 +24,16 @@ use laguerre_core::{
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
-use scene::{Params, Scene};
+use scene::Scene;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-const SOURCE: [&str; 9] = [
+const SOURCE: [&str; 10] = [
     include_str!("kernels/single_prelude.cl"),
+    include_str!("kernels/single_interface.cl"),
     include_str!("kernels/cell_types.cl"),
     include_str!("kernels/single_store.cl"),
     include_str!("kernels/marks.cl"),
@@ -48,9 +50,6 @@ const MOST_PLANES: u32 = 144;
 
 /// Levels of the pyramid that `single.cl` can go down: nodes are exact in single precision.
 const MOST_LEVELS: usize = 24;
-
-/// Voxels along each axis to each side that the table of offsets holds (`SHELL_RADIUS` of `single.cl`).
-const SHELL_RADIUS: i32 = 4;
 
 /// Cells that are computed at once, and work-items of a group.
 const BATCH: usize = 1 << 20;
@@ -176,7 +175,7 @@ impl Device {
     fn open(found: &Found) -> Result<Self> {
         let (context, queue) = platform::open(found)?;
         let mut memory = Memory::new();
-        memory.shells.fill(&context, &queue, &shells::table(SHELL_RADIUS))?;
+        memory.shells.fill(&context, &queue, &shells::table(SHELL_RADIUS as i32))?;
         Ok(Self {
             id: found.id.0,
             name: found.info.name.clone(),
@@ -276,7 +275,7 @@ impl Device {
         memory.sums.read(queue, sites.len(), &mut sums)?;
         let mut done = 0;
         for ((&site, &outcome), &sums) in sites.iter().zip(&outcomes).zip(&sums) {
-            let status = match outcome & 0xff {
+            let status = match outcome & OUTCOME_STATUS {
                 cell::COMPLETE => CellStatus::Complete,
                 cell::EMPTY => CellStatus::Empty,
                 cell::P_FULL | cell::V_FULL => {
@@ -291,7 +290,7 @@ impl Device {
                 }
             };
             done += 1;
-            computed.exact_cells += usize::from(outcome >> 8 & 1 != 0);
+            computed.exact_cells += usize::from(outcome & OUTCOME_EXACT != 0);
             computed.cells.push((site, status, sums));
         }
         request.progress.advance(done);

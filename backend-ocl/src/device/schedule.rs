@@ -3,17 +3,15 @@
 use super::{Computed, Device, Memory, WARP};
 use crate::buffer::{failed, lacked_memory};
 use crate::grid::GROUP;
+use crate::interface::data::Counters;
 use crate::launch::{enqueue, launch};
-use crate::params;
-use crate::program::{Kernels, MOST_PLANES, Stage, Way};
+use crate::program::{MOST_PLANES, Stage, Way};
 use crate::results::{NOT_COMPUTED, width_of};
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, FacetSecond, INTEGRAL};
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
 use laguerre_core::{Error, Request, Result};
-use opencl3::command_queue::CommandQueue;
-use opencl3::context::Context;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -39,17 +37,6 @@ const FEWEST_CELLS: usize = 1024;
 /// Work-items over which few cells are spread that are computed alone, where work-items run in step: so that none waits for another, which goes
 /// another way (579 cells at the edge of a cloud: 0.143 to 0.038 s, one NVIDIA H200). About as many as a large GPU runs at a time.
 const FEW_ITEMS: usize = 1 << 16;
-
-/// Counters of `cells` (`OF_BOUNDARY` and so on in `evaluate.cl`).
-const BOUNDARY: usize = 0;
-const FAILED: usize = 1;
-const FULL: usize = 2;
-const UNDECIDED: usize = 3;
-const VISITED: usize = 4;
-const FACETS: usize = 5;
-const TRIED: usize = 6;
-const NEAR: usize = 7;
-const COUNTERS: usize = 8;
 
 /// Cells of a pass: a range of sorted sites, or as many as stand in `todo`.
 #[derive(Clone, Debug)]
@@ -108,7 +95,7 @@ impl Device {
             }
             self.pass(request, room, todo, room == first, together.filter(|_| room == first))
         })?;
-        let undecided = self.counters[UNDECIDED] as usize;
+        let undecided = self.counters.undecided as usize;
         if undecided > 0 {
             std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
             for_host.extend(self.callers(&Todo::Listed(undecided))?);
@@ -145,8 +132,8 @@ impl Device {
         shared.params.near_room = near as u32;
         results.rows.clear();
         results.facet_count = 0;
-        self.counters = vec![0; COUNTERS];
-        memory.counters.fill(context, queue, &self.counters)
+        self.counters = Counters::default();
+        memory.counters.fill(context, queue, &[self.counters])
     }
 
     /// Finds how near the surface is to each of a range of the sorted sites, of which there are at most `sites`.
@@ -184,9 +171,9 @@ impl Device {
             if let Some(late) = self.run(Way::Alone(room), &all, stride, 0..SAMPLE, false)? {
                 return Err(late);
             }
-            let failures = self.counters[FAILED];
-            self.counters = vec![0; COUNTERS];
-            self.memory.counters.fill(&self.context, &self.queue, &self.counters)?;
+            let failures = self.counters.failed;
+            self.counters = Counters::default();
+            self.memory.counters.fill(&self.context, &self.queue, &[self.counters])?;
             if f64::from(failures) <= MAY_FAIL * SAMPLE as f64 || room.grown().planes > MOST_PLANES {
                 return Ok(room);
             }
@@ -217,19 +204,19 @@ impl Device {
                 second.seconds += self.seconds - before;
             }
             let Self { memory, counters, .. } = self;
-            now = Todo::Listed(counters[FULL] as usize);
-            if counters[FULL] > 0 {
+            now = Todo::Listed(counters.full as usize);
+            if counters.full > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
-                counters[FULL] = 0;
-            } else if let (Way::Together(lanes, Stage::First), 1..) = (way, counters[FAILED]) {
-                now = Todo::Listed(counters[FAILED] as usize);
+                counters.full = 0;
+            } else if let (Way::Together(lanes, Stage::First), 1..) = (way, counters.failed) {
+                now = Todo::Listed(counters.failed as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.failed);
-                counters[FAILED] = 0;
+                counters.failed = 0;
                 way = Way::Together(lanes, Stage::Exact);
-            } else if counters[BOUNDARY] > 0 {
-                now = Todo::Listed(counters[BOUNDARY] as usize);
+            } else if counters.boundary > 0 {
+                now = Todo::Listed(counters.boundary as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);
-                counters[BOUNDARY] = 0;
+                counters.boundary = 0;
                 second.cells += if is_second { 0 } else { now.count() };
                 way = match way {
                     // (Facets of cells that the surface cuts are not computed together.)
@@ -240,10 +227,11 @@ impl Device {
                 is_second = true;
             }
         }
-        let failed = Todo::Listed(self.counters[FAILED] as usize);
+        let failed = Todo::Listed(self.counters.failed as usize);
         std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
-        self.counters[FAILED] = 0;
-        let [neighbors, triangles] = [VISITED, TRIED].map(|most| std::mem::take(&mut self.counters[most]));
+        self.counters.failed = 0;
+        let neighbors = std::mem::take(&mut self.counters.visited);
+        let triangles = std::mem::take(&mut self.counters.tried);
         Ok(PassOutcome { failed, neighbors, triangles, device_seconds: self.seconds - begin, second })
     }
 
@@ -262,8 +250,8 @@ impl Device {
         while begin < count {
             let end = (begin + batch).min(count);
             self.shared.params.facet_base = self.results.facet_count as u64;
-            self.counters[NEAR] = 0;
-            let left = |counters: &[u32]| counters[BOUNDARY] + counters[FAILED] + counters[FULL];
+            self.counters.near = 0;
+            let left = |counters: &Counters| counters.boundary + counters.failed + counters.full;
             let before = left(&self.counters);
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
@@ -275,21 +263,21 @@ impl Device {
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
-            if let (Way::Together(lanes, Stage::First), near @ 1..) = (way, self.counters[UNDECIDED]) {
+            if let (Way::Together(lanes, Stage::First), near @ 1..) = (way, self.counters.undecided) {
                 second.cells += near as usize;
                 second.seconds += self.near_cells(lanes, near as usize)?;
             }
             request.progress.advance((end - begin).saturating_sub((left(&self.counters) - before) as usize));
             if request.facets {
                 // Beyond the room there is nothing; a gap at its end belongs to no row.
-                let written = self.counters[FACETS].min(self.shared.params.facet_room) as usize;
+                let written = self.counters.facets.min(self.shared.params.facet_room) as usize;
                 let Self { queue, memory, results, .. } = self;
                 memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
                 if request.facet_second_moments {
                     memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
                 }
                 results.facet_count += written;
-                self.counters[FACETS] = 0;
+                self.counters.facets = 0;
             }
             begin = end;
         }
@@ -300,7 +288,7 @@ impl Device {
     fn near_cells(&mut self, lanes: usize, count: usize) -> Result<f64> {
         let begin = self.seconds;
         std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
-        self.counters[UNDECIDED] = 0;
+        self.counters.undecided = 0;
         let records = Todo::Listed(count);
         match self.run(Way::Together(lanes, Stage::Surface), &records, 1, 0..count, true)? {
             Some(late) => Err(late),
@@ -348,11 +336,10 @@ impl Device {
     ) -> Result<Option<Error>> {
         let Self { context, queue, memory, programs, sites, shared, counters, .. } = self;
         let kernels = programs.get(context, self.id, way, &shared.params)?;
-        check_layouts(context, queue, memory, kernels)?;
         memory.facets.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
         shared.send(context, queue)?;
-        memory.counters.fill(context, queue, counters)?;
+        memory.counters.fill(context, queue, &[*counters])?;
         let (has_list, start) = match cells {
             Todo::Sorted(range) => (0_u32, range.start),
             Todo::Listed(_) => (1, 0),
@@ -374,7 +361,7 @@ impl Device {
             let failed = kernels.cells.failed(error);
             return if late { Ok(Some(failed)) } else { Err(failed) };
         }
-        memory.counters.read(queue, COUNTERS, counters)?;
+        *counters = memory.counters.first(queue)?;
         self.seconds += begin.elapsed().as_secs_f64();
         Ok(None)
     }
@@ -389,17 +376,4 @@ impl Device {
             Todo::Listed(_) => listed.iter().map(|&site| order[site as usize]).collect(),
         })
     }
-}
-
-/// Compares the device's layouts with the host's, once for each build.
-fn check_layouts(context: &Context, queue: &CommandQueue, memory: &mut Memory, kernels: &mut Kernels) -> Result<()> {
-    if !kernels.probed {
-        memory.probe.grow(context, params::PROBES)?;
-        enqueue!(queue, &kernels.probe, 1, 1; memory.probe.get()?);
-        let mut probed = Vec::new();
-        memory.probe.read(queue, params::PROBES, &mut probed)?;
-        params::check_layouts(&probed)?;
-        kernels.probed = true;
-    }
-    Ok(())
 }

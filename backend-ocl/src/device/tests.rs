@@ -2,8 +2,8 @@
 
 use super::Device;
 use crate::grid::SITES_PER_VOXEL;
+use crate::interface::data::{Block, SHELL_RADIUS};
 use crate::platform::choose;
-use crate::shells;
 use laguerre_core::required::if_available;
 use laguerre_core::{DeviceChoice, PowerDiagram, Precision, Request};
 
@@ -30,13 +30,13 @@ fn no_pair_of_sites_breaks_the_bounds_of_a_block() {
         assert_eq!(device.sort(&diagram, &container).unwrap(), Some(positions.len()));
         let grid = diagram.prepare_with(SITES_PER_VOXEL).unwrap().sites;
         let [nx, ny, nz] = grid.levels()[1].dims;
-        let mut blocks: Vec<[f64; 6]> = Vec::new();
+        let mut blocks: Vec<Block> = Vec::new();
         device.sites.blocks.read(&device.queue, (nx * ny * nz) as usize, &mut blocks).unwrap();
         let width = grid.voxel_width();
         for &[x, y, z, w] in grid.sites() {
             let center = grid.voxel_of([x, y, z]);
             let [bx, by, bz] = center.map(|i| i / 2);
-            let [gx, gy, gz, excess, growth, proved] = blocks[(bx + nx * (by + ny * bz)) as usize];
+            let Block { slope: [gx, gy, gz], excess, growth, proved } = blocks[(bx + nx * (by + ny * bz)) as usize];
             assert!(proved >= least * width, "{name}: {} voxels", proved / width);
             let excess = excess - w + (gx * x + gy * y + gz * z);
             for &[ox, oy, oz, other] in grid.sites() {
@@ -47,7 +47,7 @@ fn no_pair_of_sites_breaks_the_bounds_of_a_block() {
                 if square == 0.0 {
                     continue;
                 }
-                if off <= Some(shells::RADIUS as u32) {
+                if off <= Some(SHELL_RADIUS) {
                     assert!(more <= excess + growth * square, "{name}: {more} is above {excess} + {growth}·{square}");
                 } else {
                     let bisector = (square - more) / (2.0 * square.sqrt());

@@ -2,7 +2,7 @@
 
 // Computes `count` cells: those of `list` from `first` on, or without a list every `stride`th site from `first` on; every `apart`th work-item
 // computes one, since few cells take less time where they do not wait for each other. Each cell that ends is written where the caller has its
-// site: `outcome` (status, bit 8: exact arithmetic was needed, bit 9: uncertified), `sums`, and where facets are asked for, `rows`: where
+// site: `outcome`, `sums`, and where facets are asked for, `rows`: where
 // their records begin, and how many they are. The others are appended to a list.
 __kernel void cells(
     __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
@@ -11,7 +11,7 @@ __kernel void cells(
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
     __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
     uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
-    __global FacetRecord *facets, __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary,
+    __global FacetRecord *facets, __global ulong2 *rows, volatile __global Counters *counters, __global uint *boundary,
     __global uint *failed, __global uint *full, __global uint *undecided, __global FacetSecond *facet_seconds,
     __global const real *integrand, __global uint4 *near
 ) {
@@ -46,7 +46,7 @@ __kernel void cells(
                 n++;
             }
         }
-        const uint begin = atomic_add(counters + OF_FACETS, n);
+        const uint begin = atomic_add(&counters->facets, n);
         if ((begin + n) > params->facet_room) {
             status = FACETS_FULL;
         } else {
@@ -56,9 +56,7 @@ __kernel void cells(
                 const FacetSum sum = store.facet[f];
                 if ((store_tag(&store, f) < TAG_BOX) && (facet_is_above_bound(sum) != 0)) {
                     facets[next].area = sum.area;
-                    facets[next].moment[0] = sum.moment.x;
-                    facets[next].moment[1] = sum.moment.y;
-                    facets[next].moment[2] = sum.moment.z;
+                    facets[next].moment = sum.moment;
                     facets[next].neighbor = order[store_tag(&store, f)];
                     facets[next].unused = 0u;
 #if WITH_FACET_SECOND
@@ -70,25 +68,25 @@ __kernel void cells(
         }
     }
 #endif
-    if (search.visited > counters[VISITED]) {
-        atomic_max(counters + VISITED, search.visited);
+    if (search.visited > counters->visited) {
+        atomic_max(&counters->visited, search.visited);
     }
-    if (store.world.tried > counters[TRIED]) {
-        atomic_max(counters + TRIED, store.world.tried);
+    if (store.world.tried > counters->tried) {
+        atomic_max(&counters->tried, store.world.tried);
     }
     if ((status != COMPLETE) && (status != EMPTY)) {
         if (status == BOUNDARY) {
-            boundary[atomic_inc(counters + OF_BOUNDARY)] = site;
+            boundary[atomic_inc(&counters->boundary)] = site;
         } else if ((status == P_FULL) || (status == V_FULL)) {
-            failed[atomic_inc(counters + OF_FAILED)] = site;
+            failed[atomic_inc(&counters->failed)] = site;
         } else if (status == FACETS_FULL) {
-            full[atomic_inc(counters + OF_FULL)] = site;
+            full[atomic_inc(&counters->full)] = site;
         } else {
-            undecided[atomic_inc(counters + OF_UNDECIDED)] = site;
+            undecided[atomic_inc(&counters->undecided)] = site;
         }
         return;
     }
-    outcome[i] = status | (store.exact << 8) | (search.uncertified << 9);
+    outcome[i] = (status | ((store.exact != 0u) ? OUTCOME_EXACT : 0u)) | ((search.uncertified != 0u) ? OUTCOME_UNCERTIFIED : 0u);
     if (status != COMPLETE) {
         return;
     }

@@ -1,18 +1,6 @@
 // The site grid: sites moved into the frame, sorted by voxel and within a voxel by position, coincident ones taken out, and the pyramid
 // of largest weights. The same sites in the same order as the host's `SiteGrid` (site_grid.rs) sorts them.
 
-// Work-items of a group, and elements that each scans.
-#define GRID_GROUP 256u
-#define SCAN_EACH 8u
-
-// Range of the sites of one group, and of all.
-typedef struct {
-    real lo[3];
-    real hi[3];
-    real smallest_weight;
-    real largest_weight;
-} Range;
-
 // The sites in the frame: x, y, z, weight; the same expressions as `Frame::enter` and `Frame::enter_weight`. And the range of each
 // group.
 __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void enter_sites(

@@ -8,7 +8,7 @@ __kernel void cells_together(
     __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
     __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
     uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
-    __global FacetRecord *facets, __global ulong2 *rows, volatile __global uint *counters, __global uint *boundary,
+    __global FacetRecord *facets, __global ulong2 *rows, volatile __global Counters *counters, __global uint *boundary,
     __global uint *failed, __global uint *full, __global uint *undecided, __global FacetSecond *facet_seconds,
     __global const real *integrand, __global uint4 *near
 ) {
@@ -111,7 +111,7 @@ __kernel void cells_together(
             part.boundary_flux = lanes_sum(walls.boundary_flux);
             uint begin = 0;
             if (s->lane == 0u) {
-                begin = atomic_add(counters + OF_FACETS, n);
+                begin = atomic_add(&counters->facets, n);
             }
             begin = lane_value(begin, 0);
             if ((begin + n) > params->facet_room) {
@@ -123,9 +123,7 @@ __kernel void cells_together(
                     if (((kept[turn] >> s->lane) & 1u) != 0u) {
                         __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
                         record->area = facet[turn].area;
-                        record->moment[0] = facet[turn].moment.x;
-                        record->moment[1] = facet[turn].moment.y;
-                        record->moment[2] = facet[turn].moment.z;
+                        record->moment = facet[turn].moment;
                         record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
                         record->unused = 0u;
                     }
@@ -148,33 +146,33 @@ __kernel void cells_together(
     if (s->lane != 0u) {
         return;
     }
-    if (visited > counters[VISITED]) {
-        atomic_max(counters + VISITED, visited);
+    if (visited > counters->visited) {
+        atomic_max(&counters->visited, visited);
     }
 #if WITH_SURFACE
-    if (s->world.tried > counters[TRIED]) {
-        atomic_max(counters + TRIED, s->world.tried);
+    if (s->world.tried > counters->tried) {
+        atomic_max(&counters->tried, s->world.tried);
     }
 #endif
     if (status == FACETS_FULL) {
-        full[atomic_inc(counters + OF_FULL)] = site;
+        full[atomic_inc(&counters->full)] = site;
         return;
     }
     if (status == OPEN) {
-        failed[atomic_inc(counters + OF_FAILED)] = site;
+        failed[atomic_inc(&counters->failed)] = site;
         return;
     }
 #if GIVES_NEAR
     if (status == NEAR) {
-        undecided[atomic_inc(counters + OF_UNDECIDED)] = place;
+        undecided[atomic_inc(&counters->undecided)] = place;
         return;
     }
 #endif
     if ((status != COMPLETE) && (status != EMPTY)) {
-        boundary[atomic_inc(counters + OF_BOUNDARY)] = site;
+        boundary[atomic_inc(&counters->boundary)] = site;
         return;
     }
-    outcome[i] = status | ((exact != 0u) << 8);
+    outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     if (status == COMPLETE) {
         write_sums(sums, params->flags, i, &part);
     }

@@ -6,13 +6,13 @@
 // Writes the record of a cell, whose place is `place`: `NEAR`; or `OPEN` where there is no room: the stage WITH_EXACT finds the same cell anew,
 // so that no bit depends on which cells came first.
 INLINE uint give_cell(
-    Store *s, __global uint4 *near, volatile __global uint *counters, uint site, uint exact, uint *place
+    Store *s, __global uint4 *near, volatile __global Counters *counters, uint site, uint exact, uint *place
 ) {
     const uint words = s->vertices + s->planes;
     const uint length = (1u + s->vertices) + ((words + 3u) / 4u);
     uint begin = 0;
     if (s->lane == 0u) {
-        begin = atomic_add(counters + OF_NEAR, length);
+        begin = atomic_add(&counters->near, length);
     }
     begin = lane_value(begin, 0);
     *place = begin;

@@ -1,62 +1,4 @@
-// What the host tells the kernels, and what those that sort sites and those that use them share.
-
-// Scalars of an evaluation. The host's struct `Params` (params.rs) is laid out alike; `probe` checks it.
-typedef struct {
-    // Initial cell: the box, or the domain's grid.
-    real box_lo[3];
-    real box_hi[3];
-    // Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by, largest weight of all.
-    real grid_lo[3];
-    real grid_width;
-    real grid_per_width;
-    real grid_pad[3];
-    real largest_weight;
-    // Domain grid: minimum corner, width of the voxels and its inverse.
-    real domain_lo[3];
-    real domain_width;
-    real domain_per_width;
-    // 1 + ε of the paper's security radius, or 0 for a proof.
-    real enlarged;
-    // `Frame`: x' = (x − shift) / unit, and what is taken as zero.
-    real frame_shift[3];
-    real frame_unit;
-    real frame_smallest;
-    // What the monomials of the polynomial to be integrated are about.
-    real origin[3];
-    // Where the records of this batch will stand among all.
-    ulong facet_base;
-    uint grid_dims[3];
-    uint top_level;
-    uint level_begin[32];
-    uint domain_dims[3];
-    uint has_domain;
-    uint has_clusters;
-    // What to compute: the flags of `integrate_cell`.
-    uint flags;
-    // 1: all weights are the same.
-    uint equal_weights;
-    // Room for facet records.
-    uint facet_room;
-    // Nodes of the quadrature rule, and the polynomial's degree.
-    uint nodes;
-    uint degree;
-    // Room for records of cells near the surface.
-    uint near_room;
-} Params;
-
-// A node of the tree inside a crowded voxel (`ClusterNode`).
-typedef struct {
-    real lo[3];
-    real hi[3];
-    real largest_weight;
-    uint begin;
-    uint end;
-    uint children;
-    uint unused;
-} Cluster;
-
-// A voxel with more sites than this has a tree (site_grid.rs).
-#define CROWDED 64u
+// What the kernels that sort sites and those that use them share, beside what the host tells them (`interface.cl`).
 
 // The voxel along an axis that holds x, clamped into the grid (`SiteGrid::voxel_of`).
 INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
@@ -67,17 +9,19 @@ INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
 
 // After INNER_SHELLS, voxels from the site to its cell's farthest vertex beyond which what is outside the domain is cut off: in spacings about as
 // far as the CPU's, whose voxels have twice as many sites; those beyond which a cell near the surface is not expected to end by itself; and
-// those from which on the cell is cut by a sample of all sites before, and its size.
+// those from which on the cell is cut by a sample of all sites before (of SAMPLE sites).
 #define CAP_FROM REAL(1.75)
 #define FAR_FROM REAL(3.0)
 #define SAMPLE_FROM REAL(5.0)
-#define SAMPLE 512u
 
 // Number i of that sample, as evenly spread over the sorted sites.
 INLINE uint sampled_site(__global const Params *params, __global const uint *voxels, uint i) {
     const ulong sites = voxels[params->grid_dims[0] * (params->grid_dims[1] * params->grid_dims[2])];
     return (uint)((i * sites) / SAMPLE);
 }
+
+// What single precision may err by in a distance to a voxel, in units of a voxel: distances are below 16, and pads below 1e-9.
+#define SHELL_SLACK 1e-5f
 
 // Room for the roundings of a place in voxels of the domain's grid in single precision, three of them, of which the site's is relative.
 #define VOXEL_SLACK 1e-4f
@@ -95,9 +39,7 @@ INLINE uint voxel_in_domain(__global const Params *params, uint axis, float plac
     return (uint)clamp(place, 0.0f, (float)(params->domain_dims[axis] - 1u));
 }
 
-// Level of the pyramid whose nodes are the blocks of `blocks.cl`, or all there is; and how many of them to each side have what the table of
-// offsets holds about any voxel of one.
-#define BLOCK_LEVEL 1u
+// How many blocks to each side have what the table of offsets holds about any voxel of one; and their level of the pyramid.
 #define NEAR_BLOCKS ((SHELL_RADIUS + ((1u << BLOCK_LEVEL) - 1u)) >> BLOCK_LEVEL)
 INLINE uint block_level(__global const Params *params) { return min(BLOCK_LEVEL, params->top_level); }
 
@@ -105,18 +47,6 @@ INLINE uint block_level(__global const Params *params) { return min(BLOCK_LEVEL,
 INLINE uint level_dim(__global const Params *params, uint axis, uint level) {
     return (params->grid_dims[axis] + ((1u << level) - 1u)) >> level;
 }
-
-// What bounds the search about the sites of a block, where weights differ and there are no trees (`blocks.cl`). For a site x of weight w,
-// with W = excess − w + slope·x and κ = growth:
-typedef struct {
-    // g: distances to vertices are measured from x − g/2, and weights compared less g·x.
-    real slope[3];
-    // Sites of the table of offsets at distance d weigh, so compared, at most W + κ d² more.
-    real excess;
-    real growth;
-    // How far the vertices of a cell may be for no site beyond the table to cut it.
-    real proved;
-} Block;
 
 INLINE Block block_about(__global const Params *params, __global const Block *blocks, real x, real y, real z) {
     const uint level = block_level(params);

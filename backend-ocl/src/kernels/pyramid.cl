@@ -1,9 +1,6 @@
 // What one work-item knows while it searches the sites that cut its cell, and the part of the search that goes through the pyramid from its
 // root, and the trees of crowded voxels.
 
-// Sites in a voxel from which on the sharp test costs less than what it saves.
-#define WORTH_SHARP_TEST 8u
-
 // Where the search of the pyramid stands.
 #define IN_PYRAMID 1u
 #define IN_TREE 2u

@@ -10,12 +10,6 @@
 #define LARGEST_OFFSET REAL(549755813888.0)
 #define NEAREST REAL(256.0)
 
-// The table of offsets (shells.rs), smaller than where there are `blocks.cl`. A voxel with more sites is the host's, which has trees.
-#define SHELL_RADIUS 4u
-#define SHELLS 729u
-#define INNER_SHELLS 27u
-#define CROWDED 256u
-
 // For the roundings of a squared distance and its bound.
 #define SAFE_SQUARE (REAL(1.0) + (REAL(64.0) * UNIT_ROUNDOFF))
 
@@ -320,7 +314,7 @@ OUTLINE uint integrate_certainly(Store *s, CellSums *sums) {
     return (bound < (SHARE_OF_VOLUME * fabs(sums->volume))) ? COMPLETE : UNCERTAIN;
 }
 
-// Computes `count` cells, those of `list`: `outcome` (status, bit 8: a wider stage was needed) and `sums` (volume and first moment) by
+// Computes `count` cells, those of `list`: `outcome` and `sums` (volume and first moment) by
 // their place in it.
 __kernel void single_cells(
     __global const Params *params, __global const real4 *sites, __global const real4 *rests, __global const uint *voxels,
@@ -349,6 +343,6 @@ __kernel void single_cells(
         // What is left of it widened, rounding may have made.
         status = (status == COMPLETE) ? UNCERTAIN : status;
     }
-    outcome[turn] = status | (exact << 8);
+    outcome[turn] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     sums[turn] = (real4)(part.volume, part.first.x, part.first.y, part.first.z);
 }

@@ -1,33 +1,7 @@
 // Where a cell lives whose numbers are single: in the private memory of its work-item, with all its half-spaces. Lengths are in a unit
-// of the grid's (`Params` of single/scene.rs), so that products of four coefficients neither overflow nor underflow.
+// of the grid's (`Params` of `single_interface.cl`), so that products of four coefficients neither overflow nor underflow.
 
 #define WORDS ((CAP_V + 31) / 32)
-
-// Scalars of an evaluation, all of four bytes: the host's struct is laid out alike.
-typedef struct {
-    // Initial cell, each coordinate as the sum of two numbers.
-    real box_lo[3];
-    real box_lo_rest[3];
-    real box_hi[3];
-    real box_hi_rest[3];
-    // Width of the voxels of the site grid, whose minimum corner is the origin, and how far outside its voxel rounding may put a site.
-    real grid_width;
-    real grid_pad;
-    // What the two numbers of a position, and of a weight, leave of a difference of two of them, at most.
-    real position_error;
-    real weight_error;
-    // Largest weight of all sites.
-    real largest_weight;
-    // Domain grid: minimum corner, width of the voxels, and what rounding may misplace a point by.
-    real domain_lo[3];
-    real domain_width;
-    real domain_margin;
-    uint grid_dims[3];
-    uint top_level;
-    uint level_begin[32];
-    uint domain_dims[3];
-    uint has_domain;
-} Params;
 
 // Sites and domain, in global memory. What only cells at the surface need is not there: those are the host's.
 typedef struct {

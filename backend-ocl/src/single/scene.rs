@@ -1,5 +1,6 @@
 //! Sites and grids as `single.cl` reads them: each number as the sum of two single ones, in a unit of the grid's.
 
+use crate::interface::single::Params;
 use laguerre_core::diagram::Prepared;
 use std::iter;
 
@@ -19,29 +20,6 @@ const LEFT_BY_PAIRS: f64 = 1.0 / (1_u64 << 44) as f64;
 /// the site, the cell and the grid's corner, five for their sums, ten for the quotient, eight for the voxel's corner.
 const ROUNDINGS_OF_SITE: f64 = 16.0 * (f32::EPSILON as f64 / 2.0);
 const ROUNDINGS_IN_DOMAIN: f64 = 32.0 * (f32::EPSILON as f64 / 2.0);
-
-/// `Params` of `single_store.cl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Params {
-    box_lo: [f32; 3],
-    box_lo_rest: [f32; 3],
-    box_hi: [f32; 3],
-    box_hi_rest: [f32; 3],
-    grid_width: f32,
-    grid_pad: f32,
-    position_error: f32,
-    weight_error: f32,
-    largest_weight: f32,
-    domain_lo: [f32; 3],
-    domain_width: f32,
-    domain_margin: f32,
-    grid_dims: [u32; 3],
-    top_level: u32,
-    level_begin: [u32; 32],
-    domain_dims: [u32; 3],
-    has_domain: u32,
-}
 
 /// What a device needs of a diagram, but for the domain's tables.
 pub(super) struct Scene {

@@ -431,8 +431,10 @@ impl<'a> Emitter<'a> {
     fn declare(&self, name: &str, ty: &Type) -> Result<String, String> {
         match ty {
             Type::Array(array) => {
-                let Expr::Lit(syn::ExprLit { lit: syn::Lit::Int(length), .. }) = &array.len else {
-                    return self.unit.error(array.span(), "array whose length is no number");
+                let length = match &array.len {
+                    Expr::Lit(syn::ExprLit { lit: syn::Lit::Int(length), .. }) => length.to_string(),
+                    Expr::Path(path) if path.path.get_ident().is_some() => path.path.segments[0].ident.to_string(),
+                    length => return self.unit.error(length.span(), "such length of an array"),
                 };
                 Ok(format!("{} {name}[{length}]", self.type_name(&array.elem)?))
             }
@@ -452,8 +454,13 @@ pub(super) fn type_name(unit: &Unit, ty: &Type) -> Result<String, String> {
     let Some(name) = path.path.get_ident() else { return unit.error(ty.span(), "such type") };
     Ok(match name.to_string().as_str() {
         "Real" => "real".to_owned(),
-        "u32" => "uint".to_owned(),
+        "u32" | "usize" => "uint".to_owned(),
         "i32" => "int".to_owned(),
+        // Of the interface: the host's own types.
+        "f64" => "real".to_owned(),
+        "f32" => "float".to_owned(),
+        "u64" => "ulong".to_owned(),
+        "u8" => "uchar".to_owned(),
         name => name.to_owned(),
     })
 }

@@ -4,11 +4,12 @@
 //! and refuses, with file and line, what the dialect does not have.
 
 mod emit;
+mod interface;
 mod parity;
 mod source;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The files of the algorithm, each after what it uses by value.
 const FILES: [&str; 16] = [
@@ -37,7 +38,31 @@ const FUNCTIONS: &str = "backend-ocl/src/kernels/cell.cl";
 const PARITY: &str = "backend-ocl/src/kernels/parity.cl";
 const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
 
-const HEADER: &str = "// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.\n";
+/// What the host and the kernels share: the modules, what they borrow from other files, and the generated file.
+const INTERFACES: [Interface; 2] = [
+    Interface {
+        modules: &["data"],
+        borrowed: &[
+            ("core/src/site_grid.rs", &["CROWDED"]),
+            ("core/src/search.rs", &["WORTH_SHARP_TEST", "SAMPLE"]),
+            ("core/src/assemble.rs", &["FacetRecord"]),
+        ],
+        target: "backend-ocl/src/kernels/interface.cl",
+    },
+    Interface { modules: &["single"], borrowed: &[], target: "backend-ocl/src/kernels/single_interface.cl" },
+];
+
+struct Interface {
+    /// Files of `backend-ocl/src/interface/`.
+    modules: &'static [&'static str],
+    borrowed: &'static [(&'static str, &'static [&'static str])],
+    target: &'static str,
+}
+
+/// The first line of a generated file.
+fn header(from: &str) -> String {
+    format!("// Generated from {from} by `cargo xtask codegen`; do not edit.\n")
+}
 
 /// Generates the files, or with `check` only compares them with what is committed.
 pub(crate) fn run(check: bool) -> Result<(), String> {
@@ -52,23 +77,33 @@ pub(crate) fn run(check: bool) -> Result<(), String> {
         if committed != generated {
             let same = committed.lines().zip(generated.lines()).take_while(|(a, b)| a == b).count();
             let line = same + 1;
-            return Err(format!("{name} line {line} is not what core/src/cell/ says: run `cargo xtask codegen`"));
+            return Err(format!("{name} line {line} is not what its Rust text says: run `cargo xtask codegen`"));
         }
     }
     Ok(())
 }
 
-fn generate(root: &Path) -> Result<[(&'static str, String); 4], String> {
-    let mut units = Vec::new();
-    for name in FILES {
-        let path: PathBuf = ["core", "src", "cell", &format!("{name}.rs")].iter().collect();
-        let text = fs::read_to_string(root.join(&path)).map_err(|error| format!("cannot read {path:?}: {error}"))?;
-        units.push(source::Unit::parse(&format!("core/src/cell/{name}.rs"), &text)?);
-    }
+fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
+    let units = FILES.map(|name| read(root, &format!("core/src/cell/{name}.rs")));
+    let units = units.into_iter().collect::<Result<Vec<_>, _>>()?;
     let [types, functions] = translate(&units)?;
     let parity::Parity { kernels, table } = parity::parity(&units)?;
     let files = [(TYPES, types), (FUNCTIONS, functions), (PARITY, kernels), (PARITY_TABLE, table)];
-    Ok(files.map(|(name, text)| (name, format!("{HEADER}{text}"))))
+    let header_of_cell = header("core/src/cell/");
+    let mut files = files.map(|(name, text)| (name, format!("{header_of_cell}{text}"))).to_vec();
+    for Interface { modules, borrowed, target } in INTERFACES {
+        let borrowed = borrowed.iter().map(|(path, names)| interface::only(read(root, path)?, names));
+        let borrowed = borrowed.collect::<Result<Vec<_>, _>>()?;
+        let modules = modules.iter().map(|name| read(root, &format!("backend-ocl/src/interface/{name}.rs")));
+        let text = interface::interface(&borrowed, &modules.collect::<Result<Vec<_>, _>>()?)?;
+        files.push((target, format!("{}{text}", header("backend-ocl/src/interface/"))));
+    }
+    Ok(files)
+}
+
+fn read(root: &Path, path: &str) -> Result<source::Unit, String> {
+    let text = fs::read_to_string(root.join(path)).map_err(|error| format!("cannot read {path}: {error}"))?;
+    source::Unit::parse(path, &text)
 }
 
 /// The C of some files: constants and structs; prototypes and functions.

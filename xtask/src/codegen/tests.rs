@@ -1,5 +1,6 @@
 //! The mapping, construct by construct.
 
+use super::interface::{interface, only};
 use super::parity::parity;
 use super::source::Unit;
 use super::translate;
@@ -137,4 +138,37 @@ fn a_function_that_can_be_called_gets_a_kernel_and_its_twin() {
     assert!(made.table.contains("host!(s, (tag: u32 = TAG_CONE, sum: Sum) text::f(&mut s, tag, &mut sum), [sum]),"));
     assert!(made.table.contains("words!(Sum { terms, count });"));
     assert!(!made.kernels.contains("parity_g") && !made.kernels.contains("parity_h"));
+}
+
+/// The C of a module of the interface.
+fn interface_of(rust: &str) -> Result<String, String> {
+    interface(&[], &[Unit::parse("text.rs", rust)?])
+}
+
+#[test]
+fn shared_structs_have_the_hosts_layout() {
+    let c = interface_of(
+        "const MOST: usize = 3;\n#[repr(C)]\nstruct Inner { x: f64 }\n
+         #[repr(C)]\nstruct Shared { inner: Inner, large: u64, few: [u32; MOST], last: i32 }",
+    )
+    .unwrap();
+    assert!(c.contains("    Inner inner;\n    ulong large;\n    uint few[MOST];\n    int last;\n} Shared;"), "{c}");
+    assert!(c.contains("[(sizeof(Shared) == 32) ? 1 : -1]"), "{c}");
+}
+
+#[test]
+fn a_layout_that_compilers_may_choose_is_refused() {
+    for (fields, what) in [("a: u32, b: f64", "before a field"), ("a: f64, b: u32", "at the end"), ("a: bool", "type")]
+    {
+        let error = interface_of(&format!("#[repr(C)]\nstruct Shared {{ {fields} }}")).unwrap_err();
+        assert!(error.contains(what), "{error}");
+    }
+    assert!(interface_of("struct Shared { a: u32 }").unwrap_err().contains("repr(C)"));
+}
+
+#[test]
+fn what_is_borrowed_must_be_there() {
+    let unit = || Unit::parse("text.rs", "const A: u32 = 1;\nconst B: u32 = 2;").unwrap();
+    assert_eq!(only(unit(), &["B"]).unwrap().items.len(), 1);
+    assert!(only(unit(), &["B", "C"]).is_err_and(|error| error == "text.rs has no `C`"));
 }

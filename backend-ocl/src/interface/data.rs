@@ -1,0 +1,132 @@
+//! Constants and structs of the kernels in double precision.
+#![allow(dead_code, reason = "the kernels use all of it")]
+
+/// Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds.
+pub(crate) const SHELL_RADIUS: u32 = 6;
+
+/// Entries of the table of offsets, and how many of them are about the own voxel.
+pub(crate) const SHELLS: u32 = 2197;
+pub(crate) const INNER_SHELLS: u32 = 27;
+
+/// Levels of the pyramid at most.
+pub(crate) const MOST_LEVELS: usize = 32;
+
+/// The level of the pyramid whose nodes are the blocks of `blocks.cl`, where there are so many.
+pub(crate) const BLOCK_LEVEL: u32 = 1;
+
+/// Work-items of a group where sites are sorted, and the elements that each of them scans.
+pub(crate) const GRID_GROUP: u32 = 256;
+pub(crate) const SCAN_EACH: u32 = 8;
+
+/// Sums that are written for each cell: volume and first moment; with any flag all others, and last the integral where it is asked for.
+pub(crate) const FEW_SUMS: u32 = 4;
+pub(crate) const ALL_SUMS: u32 = 18;
+
+/// The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
+pub(crate) const OUTCOME_STATUS: u32 = 0xff;
+pub(crate) const OUTCOME_EXACT: u32 = 0x100;
+pub(crate) const OUTCOME_UNCERTIFIED: u32 = 0x200;
+
+/// Scalars of an evaluation.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Params {
+    /// Initial cell: the box, or the domain's grid.
+    pub(crate) box_lo: [f64; 3],
+    pub(crate) box_hi: [f64; 3],
+    /// Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by, largest weight of all.
+    pub(crate) grid_lo: [f64; 3],
+    pub(crate) grid_width: f64,
+    pub(crate) grid_per_width: f64,
+    pub(crate) grid_pad: [f64; 3],
+    pub(crate) largest_weight: f64,
+    /// Domain grid: minimum corner, width of the voxels and its inverse.
+    pub(crate) domain_lo: [f64; 3],
+    pub(crate) domain_width: f64,
+    pub(crate) domain_per_width: f64,
+    /// 1 + ε of the paper's security radius, or 0 for a proof.
+    pub(crate) enlarged: f64,
+    /// `Frame`: x' = (x − shift) / unit, and what is taken as zero.
+    pub(crate) frame_shift: [f64; 3],
+    pub(crate) frame_unit: f64,
+    pub(crate) frame_smallest: f64,
+    /// What the monomials of the polynomial to be integrated are about.
+    pub(crate) origin: [f64; 3],
+    /// Where the records of this batch will stand among all.
+    pub(crate) facet_base: u64,
+    pub(crate) grid_dims: [u32; 3],
+    pub(crate) top_level: u32,
+    pub(crate) level_begin: [u32; MOST_LEVELS],
+    pub(crate) domain_dims: [u32; 3],
+    pub(crate) has_domain: u32,
+    pub(crate) has_clusters: u32,
+    /// What to compute: the flags of `integrate_cell`.
+    pub(crate) flags: u32,
+    /// 1: all weights are the same.
+    pub(crate) equal_weights: u32,
+    /// Room for facet records.
+    pub(crate) facet_room: u32,
+    /// Nodes of the quadrature rule, and the polynomial's degree.
+    pub(crate) nodes: u32,
+    pub(crate) degree: u32,
+    /// Room for records of cells near the surface.
+    pub(crate) near_room: u32,
+    /// Zero.
+    pub(crate) unused: u32,
+}
+
+/// A node of the tree inside a crowded voxel (`ClusterNode`).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Cluster {
+    pub(crate) lo: [f64; 3],
+    pub(crate) hi: [f64; 3],
+    pub(crate) largest_weight: f64,
+    pub(crate) begin: u32,
+    pub(crate) end: u32,
+    pub(crate) children: u32,
+    pub(crate) unused: u32,
+}
+
+/// Range of the sites of one group, or of all.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Range {
+    pub(crate) lo: [f64; 3],
+    pub(crate) hi: [f64; 3],
+    pub(crate) smallest_weight: f64,
+    pub(crate) largest_weight: f64,
+}
+
+/// What bounds the search about the sites of a block, where weights differ and there are no trees (`blocks.cl`). For a site x of weight w,
+/// with W = excess − w + slope·x and κ = growth:
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Block {
+    /// g: distances to vertices are measured from x − g/2, and weights compared less g·x.
+    pub(crate) slope: [f64; 3],
+    /// Sites of the table of offsets at distance d weigh, so compared, at most W + κ d² more.
+    pub(crate) excess: f64,
+    pub(crate) growth: f64,
+    /// How far the vertices of a cell may be for no site beyond the table to cut it.
+    pub(crate) proved: f64,
+}
+
+/// What the cells of a run count.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counters {
+    /// Lengths of the lists of cells that did not end.
+    pub(crate) boundary: u32,
+    pub(crate) failed: u32,
+    pub(crate) full: u32,
+    pub(crate) undecided: u32,
+    /// The most sites that a cell visited.
+    pub(crate) visited: u32,
+    /// Facet records.
+    pub(crate) facets: u32,
+    /// The most triangles that a cell tried.
+    pub(crate) tried: u32,
+    /// Length of the records of cells near the surface.
+    pub(crate) near: u32,
+}

@@ -1,0 +1,162 @@
+// Generated from backend-ocl/src/interface/ by `cargo xtask codegen`; do not edit.
+
+// core/src/site_grid.rs
+
+// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.
+#define CROWDED ((uint)(64))
+
+// core/src/search.rs
+
+// Sites in a node from which on the sharp test costs less than what it saves.
+#define WORTH_SHARP_TEST ((uint)(8))
+
+#define SAMPLE ((uint)(512))
+
+// core/src/assemble.rs
+
+// One facet of a finished cell, in the frame of its site. Devices write the same.
+typedef struct {
+    // Area.
+    real area;
+    // ∫ x dA.
+    V3 moment;
+    // The caller's index of the site beyond it.
+    uint neighbor;
+    // Zero.
+    uint unused;
+} FacetRecord;
+
+// backend-ocl/src/interface/data.rs
+
+// Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds.
+#define SHELL_RADIUS ((uint)(6))
+
+// Entries of the table of offsets, and how many of them are about the own voxel.
+#define SHELLS ((uint)(2197))
+
+#define INNER_SHELLS ((uint)(27))
+
+// Levels of the pyramid at most.
+#define MOST_LEVELS ((uint)(32))
+
+// The level of the pyramid whose nodes are the blocks of `blocks.cl`, where there are so many.
+#define BLOCK_LEVEL ((uint)(1))
+
+// Work-items of a group where sites are sorted, and the elements that each of them scans.
+#define GRID_GROUP ((uint)(256))
+
+#define SCAN_EACH ((uint)(8))
+
+// Sums that are written for each cell: volume and first moment; with any flag all others, and last the integral where it is asked for.
+#define FEW_SUMS ((uint)(4))
+
+#define ALL_SUMS ((uint)(18))
+
+// The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
+#define OUTCOME_STATUS ((uint)(0xff))
+
+#define OUTCOME_EXACT ((uint)(0x100))
+
+#define OUTCOME_UNCERTIFIED ((uint)(0x200))
+
+// Scalars of an evaluation.
+typedef struct {
+    // Initial cell: the box, or the domain's grid.
+    real box_lo[3];
+    real box_hi[3];
+    // Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by, largest weight of all.
+    real grid_lo[3];
+    real grid_width;
+    real grid_per_width;
+    real grid_pad[3];
+    real largest_weight;
+    // Domain grid: minimum corner, width of the voxels and its inverse.
+    real domain_lo[3];
+    real domain_width;
+    real domain_per_width;
+    // 1 + ε of the paper's security radius, or 0 for a proof.
+    real enlarged;
+    // `Frame`: x' = (x − shift) / unit, and what is taken as zero.
+    real frame_shift[3];
+    real frame_unit;
+    real frame_smallest;
+    // What the monomials of the polynomial to be integrated are about.
+    real origin[3];
+    // Where the records of this batch will stand among all.
+    ulong facet_base;
+    uint grid_dims[3];
+    uint top_level;
+    uint level_begin[MOST_LEVELS];
+    uint domain_dims[3];
+    uint has_domain;
+    uint has_clusters;
+    // What to compute: the flags of `integrate_cell`.
+    uint flags;
+    // 1: all weights are the same.
+    uint equal_weights;
+    // Room for facet records.
+    uint facet_room;
+    // Nodes of the quadrature rule, and the polynomial's degree.
+    uint nodes;
+    uint degree;
+    // Room for records of cells near the surface.
+    uint near_room;
+    // Zero.
+    uint unused;
+} Params;
+
+// A node of the tree inside a crowded voxel (`ClusterNode`).
+typedef struct {
+    real lo[3];
+    real hi[3];
+    real largest_weight;
+    uint begin;
+    uint end;
+    uint children;
+    uint unused;
+} Cluster;
+
+// Range of the sites of one group, or of all.
+typedef struct {
+    real lo[3];
+    real hi[3];
+    real smallest_weight;
+    real largest_weight;
+} Range;
+
+// What bounds the search about the sites of a block, where weights differ and there are no trees (`blocks.cl`). For a site x of weight w,
+// with W = excess − w + slope·x and κ = growth:
+typedef struct {
+    // g: distances to vertices are measured from x − g/2, and weights compared less g·x.
+    real slope[3];
+    // Sites of the table of offsets at distance d weigh, so compared, at most W + κ d² more.
+    real excess;
+    real growth;
+    // How far the vertices of a cell may be for no site beyond the table to cut it.
+    real proved;
+} Block;
+
+// What the cells of a run count.
+typedef struct {
+    // Lengths of the lists of cells that did not end.
+    uint boundary;
+    uint failed;
+    uint full;
+    uint undecided;
+    // The most sites that a cell visited.
+    uint visited;
+    // Facet records.
+    uint facets;
+    // The most triangles that a cell tried.
+    uint tried;
+    // Length of the records of cells near the surface.
+    uint near;
+} Counters;
+
+// Sizes as on the host: a compiler that pads does not build this.
+typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
+typedef char size_of_Params[(sizeof(Params) == 432) ? 1 : -1];
+typedef char size_of_Cluster[(sizeof(Cluster) == 72) ? 1 : -1];
+typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
+typedef char size_of_Block[(sizeof(Block) == 48) ? 1 : -1];
+typedef char size_of_Counters[(sizeof(Counters) == 32) ? 1 : -1];

@@ -149,6 +149,22 @@ impl<T: Copy> Room<T> {
     }
 }
 
+/// A struct of memory, each with what it holds, and its name in messages.
+macro_rules! rooms {
+    ($vis:vis struct $Name:ident { $($(#[$attribute:meta])* $field:ident: $ty:ty = $what:literal,)* }) => {
+        $vis struct $Name {
+            $($(#[$attribute])* $field: crate::buffer::Room<$ty>,)*
+        }
+
+        impl $Name {
+            const fn new() -> Self {
+                Self { $($field: crate::buffer::Room::new($what),)* }
+            }
+        }
+    };
+}
+pub(crate) use rooms;
+
 /// Elements that a buffer for `length` has: OpenCL has no empty ones.
 fn room_for(length: usize) -> usize {
     length.max(1)

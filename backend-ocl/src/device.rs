@@ -4,11 +4,11 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
-use crate::buffer::{Room, failed};
+use crate::buffer::{failed, rooms};
 use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
 use crate::interface::data::{Counters, Params, SHELL_RADIUS};
-use crate::launch::enqueue;
+use crate::interface::kernels::MeasureClearances;
 use crate::params::Shared;
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
@@ -61,32 +61,34 @@ pub(crate) struct Device {
 // SAFETY: OpenCL objects may be used from any thread; a device is used by one at a time, being borrowed mutably.
 unsafe impl Send for Device {}
 
-struct Memory {
-    shells: Room<[u8; 4]>,
-    domain_vertices: Room<[f64; 3]>,
-    triangles: Room<[u32; 3]>,
-    lowest_voxels: Room<[u32; 3]>,
-    list_offsets: Room<u32>,
-    list_entries: Room<u32>,
-    windings: Room<i32>,
-    surface_table: Room<u32>,
-    clearances: Room<u8>,
-    abouts: Room<[i32; 2]>,
-    counters: Room<Counters>,
-    /// The cells of a pass, where they are not a range, and those it could not end.
-    todo: Room<u32>,
-    boundary: Room<u32>,
-    failed: Room<u32>,
-    full: Room<u32>,
-    undecided: Room<u32>,
-    /// Records of finished cells near the surface (`lanes_near.cl`).
-    near: Room<[u32; 4]>,
-    outcome: Room<u32>,
-    sums: Room<f64>,
-    rows: Room<[u64; 2]>,
-    facets: Room<FacetRecord>,
-    facet_seconds: Room<FacetSecond>,
-    integrand: Room<f64>,
+rooms! {
+    struct Memory {
+        shells: [u8; 4] = "the table of offsets",
+        domain_vertices: [f64; 3] = "the domain's vertices",
+        triangles: [u32; 3] = "the domain's triangles",
+        lowest_voxels: [u32; 3] = "the domain's grid",
+        list_offsets: u32 = "the domain's grid",
+        list_entries: u32 = "the domain's grid",
+        windings: i32 = "the domain's grid",
+        surface_table: u32 = "the domain's grid",
+        clearances: u8 = "the domain's grid",
+        abouts: [i32; 2] = "what is near each site",
+        counters: Counters = "counters",
+        /// The cells of a pass, where they are not a range, and those it could not end.
+        todo: u32 = "a list of cells",
+        boundary: u32 = "a list of cells",
+        failed: u32 = "a list of cells",
+        full: u32 = "a list of cells",
+        undecided: u32 = "a list of cells",
+        /// Records of finished cells near the surface (`lanes_near.cl`).
+        near: [u32; 4] = "cells near the surface",
+        outcome: u32 = "how cells ended",
+        sums: f64 = "cells' sums",
+        rows: [u64; 2] = "rows of facets",
+        facets: FacetRecord = "a batch's facets",
+        facet_seconds: FacetSecond = "a batch's facets",
+        integrand: f64 = "the integrand",
+    }
 }
 
 /// What a device did with its share of the cells.
@@ -166,8 +168,13 @@ impl Device {
         memory.clearances.grow(context, voxels)?;
         if voxels > 0 {
             shared.send(context, queue)?;
-            enqueue!(queue, &grid_kernels.measure_clearances, voxels, GROUP;
-                shared.room.get()?, memory.surface_table.get()?, &(voxels as u32), memory.clearances.get()?);
+            let arguments = MeasureClearances {
+                params: &shared.room,
+                surface_table: &memory.surface_table,
+                count: voxels as u32,
+                clearances: &memory.clearances,
+            };
+            grid_kernels.measure_clearances.run(queue, voxels, GROUP, arguments)?;
         }
         self.domain = grid.cloned();
         self.first = None;
@@ -188,35 +195,5 @@ impl Device {
     pub(crate) fn take(&mut self, prepared: &Prepared) -> Result<usize> {
         let Self { context, queue, grid_kernels, sites, shared, .. } = self;
         sites.take(context, queue, grid_kernels, prepared, shared)
-    }
-}
-
-impl Memory {
-    const fn new() -> Self {
-        Self {
-            shells: Room::new("the table of offsets"),
-            domain_vertices: Room::new("the domain's vertices"),
-            triangles: Room::new("the domain's triangles"),
-            lowest_voxels: Room::new("the domain's grid"),
-            list_offsets: Room::new("the domain's grid"),
-            list_entries: Room::new("the domain's grid"),
-            windings: Room::new("the domain's grid"),
-            surface_table: Room::new("the domain's grid"),
-            clearances: Room::new("the domain's grid"),
-            abouts: Room::new("what is near each site"),
-            counters: Room::new("counters"),
-            todo: Room::new("a list of cells"),
-            boundary: Room::new("a list of cells"),
-            failed: Room::new("a list of cells"),
-            full: Room::new("a list of cells"),
-            undecided: Room::new("a list of cells"),
-            near: Room::new("cells near the surface"),
-            outcome: Room::new("how cells ended"),
-            sums: Room::new("cells' sums"),
-            rows: Room::new("rows of facets"),
-            facets: Room::new("a batch's facets"),
-            facet_seconds: Room::new("a batch's facets"),
-            integrand: Room::new("the integrand"),
-        }
     }
 }

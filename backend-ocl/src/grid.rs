@@ -2,7 +2,10 @@
 
 use crate::buffer::Room;
 use crate::interface::data::{BLOCK_LEVEL, Block, Cluster, GRID_GROUP, MOST_LEVELS, Range, SCAN_EACH};
-use crate::launch::enqueue;
+use crate::interface::kernels::{
+    AddBlocks, BoundBlocks, CountSites, EnterSites, FitBlocks, GatherSites, MarkVoxels, PlaceSites, RaiseBounds,
+    RaiseLevel, ScanBlocks, SortVoxels,
+};
 use crate::params::{self, Shared};
 use crate::program::GridKernels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
@@ -99,9 +102,20 @@ impl Sites {
         self.placed.grow(context, n)?;
         self.ranges.grow(context, n.div_ceil(GROUP))?;
         let has_weights = u32::from(!diagram.weights().is_empty());
-        enqueue!(queue, &kernels.enter_sites, n, GROUP;
-            shared.room.get()?, self.positions.get()?, self.given_weights.get()?, &has_weights, &count, self.placed.get()?,
-            self.ranges.get()?);
+        kernels.enter_sites.run(
+            queue,
+            n,
+            GROUP,
+            EnterSites {
+                params: &shared.room,
+                positions: &self.positions,
+                weights: &self.given_weights,
+                has_weights,
+                count,
+                placed: &self.placed,
+                ranges: &self.ranges,
+            },
+        )?;
         self.ranges.read(queue, n.div_ceil(GROUP), &mut self.on_host.ranges)?;
         let range = self.on_host.ranges.iter().fold(Range::default(), |all, part| all.joined(part));
         let farthest = range.lo.iter().chain(&range.hi).fold(0.0_f64, |far, x| far.max(x.abs()));
@@ -112,8 +126,12 @@ impl Sites {
         shared.params.sort_into(&coarse, &range, false);
         shared.send(context, queue)?;
         self.starts.fill_with(context, queue, 0, coarse.count())?;
-        enqueue!(queue, &kernels.mark_voxels, n, GROUP;
-            shared.room.get()?, self.placed.get()?, &count, self.starts.get()?);
+        kernels.mark_voxels.run(
+            queue,
+            n,
+            GROUP,
+            MarkVoxels { params: &shared.room, placed: &self.placed, count, marks: &self.starts },
+        )?;
         self.starts.read(queue, coarse.count(), &mut self.on_host.number)?;
         let filled = self.on_host.number.iter().filter(|&&mark| mark != 0).count();
         let voxels = coarse.over_part(range.lo, range.hi, n, filled, SITES_PER_VOXEL);
@@ -132,27 +150,77 @@ impl Sites {
         self.order.grow(context, n)?;
         self.clusters.grow(context, 1)?;
         self.roots.grow(context, 1)?;
-        enqueue!(queue, &kernels.count_sites, n, GROUP;
-            shared.room.get()?, self.placed.get()?, &count, self.place.get()?, self.starts.get()?, self.crowded.get()?);
+        kernels.count_sites.run(
+            queue,
+            n,
+            GROUP,
+            CountSites {
+                params: &shared.room,
+                placed: &self.placed,
+                count,
+                place: &self.place,
+                counts: &self.starts,
+                crowded: &self.crowded,
+            },
+        )?;
         self.crowded.read(queue, 1, &mut self.on_host.number)?;
         if self.on_host.number[0] != 0 {
             return Ok(None);
         }
         scan(queue, kernels, &self.starts, boxes + 1, &mut self.sums)?;
-        enqueue!(queue, &kernels.place_sites, n, GROUP;
-            &count, self.place.get()?, self.starts.get()?, self.slots.get()?);
-        enqueue!(queue, &kernels.sort_voxels, boxes, GROUP;
-            self.placed.get()?, &box_count, self.starts.get()?, self.slots.get()?, self.offsets.get()?);
+        kernels.place_sites.run(
+            queue,
+            n,
+            GROUP,
+            PlaceSites { count, place: &self.place, starts: &self.starts, slots: &self.slots },
+        )?;
+        kernels.sort_voxels.run(
+            queue,
+            boxes,
+            GROUP,
+            SortVoxels {
+                placed: &self.placed,
+                voxels: box_count,
+                starts: &self.starts,
+                slots: &self.slots,
+                kept: &self.offsets,
+            },
+        )?;
         scan(queue, kernels, &self.offsets, boxes + 1, &mut self.sums)?;
-        enqueue!(queue, &kernels.gather_sites, boxes, GROUP;
-            self.placed.get()?, &box_count, self.starts.get()?, self.slots.get()?, self.offsets.get()?, self.sites.get()?,
-            self.order.get()?, self.weights.get()?);
+        kernels.gather_sites.run(
+            queue,
+            boxes,
+            GROUP,
+            GatherSites {
+                placed: &self.placed,
+                voxels: box_count,
+                starts: &self.starts,
+                slots: &self.slots,
+                offsets: &self.offsets,
+                sites: &self.sites,
+                order: &self.order,
+                weights: &self.weights,
+            },
+        )?;
         let levels = voxels.levels();
         for (level, pair) in levels.windows(2).enumerate() {
             let ([bx, by, bz], [nx, ny, nz]) = (pair[0], pair[1]);
-            enqueue!(queue, &kernels.raise_level, (nx * ny * nz) as usize, GROUP;
-                self.weights.get()?, &shared.params.level_begin[level + 1], &nx, &ny, &nz, &shared.params.level_begin[level], &bx, &by,
-                &bz);
+            kernels.raise_level.run(
+                queue,
+                (nx * ny * nz) as usize,
+                GROUP,
+                RaiseLevel {
+                    weights: &self.weights,
+                    begin: shared.params.level_begin[level + 1],
+                    nx,
+                    ny,
+                    nz,
+                    below: shared.params.level_begin[level],
+                    below_nx: bx,
+                    below_ny: by,
+                    below_nz: bz,
+                },
+            )?;
         }
         self.bound_blocks(context, queue, kernels, &levels, shared)?;
         self.offsets.read_from(queue, boxes, 1, &mut self.on_host.number)?;
@@ -178,13 +246,33 @@ impl Sites {
         let boxes = levels[0].iter().map(|&n| n as usize).product::<usize>();
         self.bounds.grow(context, nodes.iter().sum::<usize>().max(boxes / 4))?;
         self.blocks.grow(context, nodes[0].max(boxes / 4))?;
-        enqueue!(queue, &kernels.fit_blocks, nodes[0], GROUP;
-            shared.room.get()?, self.sites.get()?, self.offsets.get()?, &count, self.bounds.get()?);
+        kernels.fit_blocks.run(
+            queue,
+            nodes[0],
+            GROUP,
+            FitBlocks { params: &shared.room, sites: &self.sites, voxels: &self.offsets, count, bounds: &self.bounds },
+        )?;
         for (level, &nodes) in (own..).zip(&nodes).skip(1) {
-            enqueue!(queue, &kernels.raise_bounds, nodes, GROUP; shared.room.get()?, self.bounds.get()?, &(level as u32));
+            kernels.raise_bounds.run(
+                queue,
+                nodes,
+                GROUP,
+                RaiseBounds { params: &shared.room, bounds: &self.bounds, level: level as u32 },
+            )?;
         }
-        enqueue!(queue, &kernels.bound_blocks, nodes[0], GROUP;
-            shared.room.get()?, self.sites.get()?, self.offsets.get()?, self.bounds.get()?, &count, self.blocks.get()?);
+        kernels.bound_blocks.run(
+            queue,
+            nodes[0],
+            GROUP,
+            BoundBlocks {
+                params: &shared.room,
+                sites: &self.sites,
+                voxels: &self.offsets,
+                bounds: &self.bounds,
+                count,
+                blocks: &self.blocks,
+            },
+        )?;
         Ok(())
     }
 
@@ -251,10 +339,10 @@ fn scan(
     let blocks = count.div_ceil(SCANNED);
     let number = count as u32;
     let Some((own, deeper)) = sums.split_first_mut() else { return Ok(()) };
-    enqueue!(queue, &kernels.scan_blocks, blocks * GROUP, GROUP; data.get()?, &number, own.get()?);
+    kernels.scan_blocks.run(queue, blocks * GROUP, GROUP, ScanBlocks { data, count: number, sums: own })?;
     if blocks > 1 {
         scan(queue, kernels, own, blocks, deeper)?;
-        enqueue!(queue, &kernels.add_blocks, count, GROUP; data.get()?, &number, own.get()?);
+        kernels.add_blocks.run(queue, count, GROUP, AddBlocks { data, count: number, sums: own })?;
     }
     Ok(())
 }

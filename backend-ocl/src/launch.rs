@@ -1,6 +1,6 @@
 //! Kernels, and how they are run.
 
-use crate::buffer::failed;
+use crate::buffer::{Room, failed};
 use crate::handle::Handle;
 use laguerre_core::{Error, Result};
 use opencl3::command_queue::CommandQueue;
@@ -8,19 +8,59 @@ use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel as Object;
 use opencl3::program::Program;
 use opencl3::types::cl_device_id;
+use std::marker::PhantomData;
 use std::ptr;
 
-/// A kernel, and its name for messages: a lost device would not tell it.
-pub(crate) struct Kernel {
+/// A kernel that takes the arguments `K`, and its name for messages: a lost device would not tell it.
+pub(crate) struct Kernel<K> {
     object: Handle<Object>,
     name: String,
+    arguments: PhantomData<K>,
 }
 
-impl Kernel {
-    /// The kernel of that name, which has no NUL in it.
-    pub(crate) fn new(program: &Program, name: &str) -> Result<Self> {
+/// What the parameters of a kernel are given: a buffer, a number, or several of them.
+pub(crate) trait Argument {
+    /// Sets it, or them, as the next arguments; fails where a buffer has no memory. What OpenCL says is known at the end.
+    fn set(&self, launch: &mut Launch<'_>) -> Result<()>;
+}
+
+/// All that a kernel is given: made by `kernels!` alone, from the table that the kernel's own parameters are generated from.
+pub(crate) trait Arguments: Argument {
+    /// The kernel's name.
+    const KERNEL: &'static str;
+    /// These arguments whatever they borrow.
+    type Kernel: 'static;
+}
+
+impl<T: Copy> Argument for &Room<T> {
+    fn set(&self, launch: &mut Launch<'_>) -> Result<()> {
+        let buffer = self.get()?;
+        // SAFETY: the kernel's parameter, which is next in the table, is a pointer to global memory.
+        unsafe { launch.argument(buffer) };
+        Ok(())
+    }
+}
+
+impl Argument for u32 {
+    fn set(&self, launch: &mut Launch<'_>) -> Result<()> {
+        // SAFETY: the kernel's parameter, which is next in the table, is a `uint`.
+        unsafe { launch.argument(self) };
+        Ok(())
+    }
+}
+
+impl<K: Arguments> Kernel<K> {
+    /// The kernel that takes these arguments.
+    pub(crate) fn new(program: &Program) -> Result<Self> {
+        Self::named(program, K::KERNEL)
+    }
+}
+
+impl<K> Kernel<K> {
+    /// A kernel by its name, which has no NUL in it; it takes these arguments.
+    pub(crate) fn named(program: &Program, name: &str) -> Result<Self> {
         let object = Object::create(program, name).map_err(|e| failed(&format!("creating {name}"), e))?;
-        Ok(Self { object: Handle::new(object), name: name.to_owned() })
+        Ok(Self { object: Handle::new(object), name: name.to_owned(), arguments: PhantomData })
     }
 
     /// Work-items of a group at most.
@@ -33,28 +73,50 @@ impl Kernel {
     pub(crate) fn failed(&self, error: ClError) -> Error {
         failed(&format!("running {}", self.name), error)
     }
+
+    /// Enqueues `items` work-items, rounded up to whole groups.
+    pub(crate) fn run<A>(&self, queue: &CommandQueue, items: usize, group: usize, arguments: A) -> Result<()>
+    where
+        A: Arguments<Kernel = K>,
+    {
+        self.launch(queue, items, group, arguments)?.map_err(|error| self.failed(error))
+    }
+
+    /// The same; gives OpenCL's answer. Buffers have the lengths that the kernel is told.
+    pub(crate) fn launch<A>(
+        &self,
+        queue: &CommandQueue,
+        items: usize,
+        group: usize,
+        arguments: A,
+    ) -> Result<std::result::Result<(), ClError>>
+    where
+        A: Arguments<Kernel = K>,
+    {
+        let mut launch = Launch { kernel: &self.object, arguments: 0, status: Ok(()) };
+        arguments.set(&mut launch)?;
+        // SAFETY: all arguments are set, in the order and of the types that the kernel declares, which come from the same table;
+        // kernels leave the rest of the last group alone.
+        Ok(unsafe { launch.enqueue(queue, items, group) })
+    }
 }
 
-/// A kernel that gets its arguments one by one and is then enqueued: by [`launch`] and [`enqueue`].
+/// A kernel that gets its arguments one by one and is then enqueued.
 pub(crate) struct Launch<'a> {
-    kernel: &'a Kernel,
+    kernel: &'a Object,
     arguments: u32,
     status: std::result::Result<(), ClError>,
 }
 
-impl<'a> Launch<'a> {
-    pub(crate) const fn new(kernel: &'a Kernel) -> Self {
-        Self { kernel, arguments: 0, status: Ok(()) }
-    }
-
-    /// Sets the next argument. What fails is said by [`enqueue`](Self::enqueue).
+impl Launch<'_> {
+    /// Sets the next argument.
     ///
     /// # Safety
     /// The kernel has this argument, and it is of this type.
-    pub(crate) unsafe fn argument<T>(&mut self, value: &T) {
+    unsafe fn argument<T>(&mut self, value: &T) {
         if self.status.is_ok() {
             // SAFETY: as the caller promises.
-            self.status = unsafe { self.kernel.object.set_arg(self.arguments, value) };
+            self.status = unsafe { self.kernel.set_arg(self.arguments, value) };
             self.arguments += 1;
         }
     }
@@ -63,38 +125,11 @@ impl<'a> Launch<'a> {
     ///
     /// # Safety
     /// All arguments are set, and as the kernel expects them.
-    pub(crate) unsafe fn enqueue(
-        self,
-        queue: &CommandQueue,
-        items: usize,
-        group: usize,
-    ) -> std::result::Result<(), ClError> {
+    unsafe fn enqueue(self, queue: &CommandQueue, items: usize, group: usize) -> std::result::Result<(), ClError> {
         self.status?;
-        let (items, kernel) = (items.next_multiple_of(group), self.kernel.object.get());
+        let (items, kernel) = (items.next_multiple_of(group), self.kernel.get());
         // SAFETY: both sizes are of the one dimension, and there is no offset; the rest is as the caller promises.
         let event = unsafe { queue.enqueue_nd_range_kernel(kernel, 1, ptr::null(), &items, &group, &[]) };
         event.map(Handle::new).map(drop)
     }
 }
-
-/// Enqueues `items` work-items of a kernel, rounded up to whole groups, with its arguments in their order; OpenCL's answer.
-macro_rules! launch {
-    ($queue:expr, $kernel:expr, $items:expr, $group:expr; $($argument:expr),* $(,)?) => {{
-        let mut launch = crate::launch::Launch::new($kernel);
-        // SAFETY: the arguments are those that the kernel declares, in its order and of its types; every buffer has the length that
-        // the kernel is told, and kernels leave the rest of the last group alone.
-        unsafe {
-            $(launch.argument($argument);)*
-            launch.enqueue($queue, $items, $group)
-        }
-    }};
-}
-pub(crate) use launch;
-
-/// The same; a failure leaves the function.
-macro_rules! enqueue {
-    ($queue:expr, $kernel:expr, $($rest:tt)*) => {
-        crate::launch::launch!($queue, $kernel, $($rest)*).map_err(|error| ($kernel).failed(error))?
-    };
-}
-pub(crate) use enqueue;

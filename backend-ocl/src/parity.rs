@@ -1,8 +1,10 @@
 //! Runs the device's own functions of the algorithm one by one, on words that the host's were run on (`laguerre_core::cell::parity`).
 
-use crate::buffer::{Room, failed};
+use crate::buffer::Room;
 use crate::handle::Handle;
-use crate::launch::{Kernel, enqueue};
+use crate::interface::data::Params;
+use crate::interface::parity::Parity as Call;
+use crate::launch::Kernel;
 use crate::platform::{self, choose};
 use crate::program::compile;
 use laguerre_core::cell::parity::{Calls, NEIGHBORS, PLANES, VERTICES, World};
@@ -33,9 +35,6 @@ const SOURCES: [&str; 16] = [
     include_str!("kernels/parity.cl"),
 ];
 
-/// At least as large as `Params` of `params.cl`, in numbers.
-const ROOM_FOR_PARAMS: usize = 1024;
-
 /// Work-items of a group: a device on the host has the stores of a whole group on one stack.
 const GROUP: usize = 32;
 
@@ -45,7 +44,7 @@ pub struct Parity {
     program: Handle<Program>,
     queue: Handle<CommandQueue>,
     context: Handle<Context>,
-    params: Room<f64>,
+    params: Room<Params>,
     vertices: Room<[f64; 3]>,
     table: Room<u32>,
     integrand: Room<f64>,
@@ -64,21 +63,16 @@ impl Parity {
         let options = format!("-D CAP_P={PLANES} -D CAP_V={VERTICES} {with} -D NEIGHBORS={NEIGHBORS}");
         let source = SOURCES.map(|part| if part == FUNCTIONS { functions } else { part }).concat();
         let program = compile(&context, found.id.0, &source, &options)?;
-        let numbers = filled(&context, &queue, &world.numbers)?;
-        let parity = Self {
+        Ok(Self {
             name: found.info.name.clone(),
-            params: filled(&context, &queue, &[0.0; ROOM_FOR_PARAMS])?,
+            params: filled(&context, &queue, &[params_of(world)])?,
             vertices: filled(&context, &queue, &world.vertices)?,
             table: filled(&context, &queue, &world.table)?,
             integrand: filled(&context, &queue, &world.integrand.table())?,
             program,
             queue,
             context,
-        };
-        let kernel = parity.kernel("prepare")?;
-        enqueue!(&parity.queue, &kernel, 1, 1; parity.params.get()?, numbers.get()?);
-        parity.queue.finish().map_err(|e| failed("running parity_prepare", e))?;
-        Ok(parity)
+        })
     }
 
     /// The device's name.
@@ -97,16 +91,43 @@ impl Parity {
         let count = results.len() / calls.output_width.max(1);
         let inputs = filled(context, queue, &calls.inputs)?;
         let outputs = filled(context, queue, &results)?;
-        // As `PARITY_ARGUMENTS` in `parity_state.cl` has them; the words of `count` calls stand in both buffers.
-        enqueue!(queue, &kernel, count, GROUP;
-            self.params.get()?, self.vertices.get()?, self.table.get()?, self.integrand.get()?, inputs.get()?, &(calls.input_width as u32),
-            outputs.get()?, &(calls.output_width as u32), &(count as u32));
+        // The words of `count` calls stand in both buffers.
+        let arguments = Call {
+            params: &self.params,
+            domain_vertices: &self.vertices,
+            table: &self.table,
+            integrand: &self.integrand,
+            inputs: &inputs,
+            input_width: calls.input_width as u32,
+            outputs: &outputs,
+            output_width: calls.output_width as u32,
+            count: count as u32,
+        };
+        kernel.run(queue, count, GROUP, arguments)?;
         outputs.read(queue, count * calls.output_width, &mut results)?;
         Ok(results)
     }
 
-    fn kernel(&self, function: &str) -> Result<Kernel> {
-        Kernel::new(&self.program, &format!("parity_{function}"))
+    fn kernel(&self, function: &str) -> Result<Kernel<Call<'static>>> {
+        Kernel::named(&self.program, &format!("parity_{function}"))
+    }
+}
+
+/// What the store reads, of the numbers of a world.
+fn params_of(world: &World) -> Params {
+    let (numbers, integrand) = (&world.numbers, &world.integrand);
+    let three = |at: usize| [numbers[at], numbers[at + 1], numbers[at + 2]];
+    Params {
+        box_lo: three(0),
+        box_hi: three(3),
+        domain_lo: three(0),
+        domain_width: numbers[6],
+        domain_dims: three(7).map(|n| n as u32),
+        has_domain: 1,
+        nodes: integrand.nodes().len() as u32,
+        degree: integrand.degree(),
+        origin: integrand.origin(),
+        ..Params::default()
     }
 }
 

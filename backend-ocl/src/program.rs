@@ -2,6 +2,10 @@
 
 use crate::handle::Handle;
 use crate::interface::data::Params;
+use crate::interface::kernels::{
+    AddBlocks, BoundBlocks, Cells, CountSites, EnterSites, FitBlocks, GatherSites, LookAbout, MarkVoxels,
+    MeasureClearances, PlaceSites, RaiseBounds, RaiseLevel, ScanBlocks, SortVoxels,
+};
 use crate::launch::Kernel;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL};
 use laguerre_core::passes::Capacities;
@@ -119,7 +123,7 @@ const fn cells_of_group(stage: Stage) -> usize {
 
 /// One build, and its kernels.
 pub(crate) struct Kernels {
-    pub(crate) cells: Kernel,
+    pub(crate) cells: Kernel<Cells<'static>>,
     /// Work-items of a group, and those that compute one cell.
     pub(crate) group: usize,
     pub(crate) per_cell: usize,
@@ -127,40 +131,40 @@ pub(crate) struct Kernels {
 
 /// The kernels that sort sites, and those that find how near the surface is to them.
 pub(crate) struct GridKernels {
-    pub(crate) enter_sites: Kernel,
-    pub(crate) mark_voxels: Kernel,
-    pub(crate) count_sites: Kernel,
-    pub(crate) scan_blocks: Kernel,
-    pub(crate) add_blocks: Kernel,
-    pub(crate) place_sites: Kernel,
-    pub(crate) sort_voxels: Kernel,
-    pub(crate) gather_sites: Kernel,
-    pub(crate) raise_level: Kernel,
-    pub(crate) fit_blocks: Kernel,
-    pub(crate) raise_bounds: Kernel,
-    pub(crate) bound_blocks: Kernel,
-    pub(crate) measure_clearances: Kernel,
-    pub(crate) look_about: Kernel,
+    pub(crate) enter_sites: Kernel<EnterSites<'static>>,
+    pub(crate) mark_voxels: Kernel<MarkVoxels<'static>>,
+    pub(crate) count_sites: Kernel<CountSites<'static>>,
+    pub(crate) scan_blocks: Kernel<ScanBlocks<'static>>,
+    pub(crate) add_blocks: Kernel<AddBlocks<'static>>,
+    pub(crate) place_sites: Kernel<PlaceSites<'static>>,
+    pub(crate) sort_voxels: Kernel<SortVoxels<'static>>,
+    pub(crate) gather_sites: Kernel<GatherSites<'static>>,
+    pub(crate) raise_level: Kernel<RaiseLevel<'static>>,
+    pub(crate) fit_blocks: Kernel<FitBlocks<'static>>,
+    pub(crate) raise_bounds: Kernel<RaiseBounds<'static>>,
+    pub(crate) bound_blocks: Kernel<BoundBlocks<'static>>,
+    pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
+    pub(crate) look_about: Kernel<LookAbout<'static>>,
 }
 
 impl GridKernels {
     pub(crate) fn build(context: &Context, device: cl_device_id) -> Result<Self> {
         let program = compile(context, device, &GRID.concat(), "")?;
         Ok(Self {
-            enter_sites: Kernel::new(&program, "enter_sites")?,
-            mark_voxels: Kernel::new(&program, "mark_voxels")?,
-            count_sites: Kernel::new(&program, "count_sites")?,
-            scan_blocks: Kernel::new(&program, "scan_blocks")?,
-            add_blocks: Kernel::new(&program, "add_blocks")?,
-            place_sites: Kernel::new(&program, "place_sites")?,
-            sort_voxels: Kernel::new(&program, "sort_voxels")?,
-            gather_sites: Kernel::new(&program, "gather_sites")?,
-            raise_level: Kernel::new(&program, "raise_level")?,
-            fit_blocks: Kernel::new(&program, "fit_blocks")?,
-            raise_bounds: Kernel::new(&program, "raise_bounds")?,
-            bound_blocks: Kernel::new(&program, "bound_blocks")?,
-            measure_clearances: Kernel::new(&program, "measure_clearances")?,
-            look_about: Kernel::new(&program, "look_about")?,
+            enter_sites: Kernel::new(&program)?,
+            mark_voxels: Kernel::new(&program)?,
+            count_sites: Kernel::new(&program)?,
+            scan_blocks: Kernel::new(&program)?,
+            add_blocks: Kernel::new(&program)?,
+            place_sites: Kernel::new(&program)?,
+            sort_voxels: Kernel::new(&program)?,
+            gather_sites: Kernel::new(&program)?,
+            raise_level: Kernel::new(&program)?,
+            fit_blocks: Kernel::new(&program)?,
+            raise_bounds: Kernel::new(&program)?,
+            bound_blocks: Kernel::new(&program)?,
+            measure_clearances: Kernel::new(&program)?,
+            look_about: Kernel::new(&program)?,
         })
     }
 }
@@ -203,10 +207,10 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
         ("WEIGHTS", WEIGHTS),
     ];
     let asked = asked.map(|(name, flag)| with(name, flag)).join(" ");
-    let (program, name) = match way {
+    let program = match way {
         Way::Alone(Capacities { planes, vertices }) => {
             let options = format!("-D CAP_P={planes} -D CAP_V={vertices} {asked}");
-            (compile(context, device, &EVALUATE.concat(), &options)?, "cells")
+            compile(context, device, &EVALUATE.concat(), &options)?
         }
         Way::Together(lanes, stage) => {
             // More registers each, and fewer cells are computed at a time (measured for each stage; an option of NVIDIA's alone).
@@ -226,10 +230,10 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
                 "-D LANES={lanes}u -D CELLS={cells} -D WITH_EXACT={exact} -D WITH_SURFACE={surface} -D WITH_ROOM={room} {asked} \
                  {registers}"
             );
-            (compile(context, device, &TOGETHER.concat(), &options)?, "cells_together")
+            compile(context, device, &TOGETHER.concat(), &options)?
         }
     };
-    let cells = Kernel::new(&program, name)?;
+    let cells = Kernel::new(&program)?;
     let largest = cells.largest_group(device)?;
     let (group, per_cell) = match way {
         Way::Alone(_) => (GROUP.min(largest), 1),

@@ -3,13 +3,13 @@
 
 mod scene;
 
-use crate::buffer::{Room, failed};
+use crate::buffer::{failed, rooms};
 use crate::evaluate::{join_passes, on_all, on_device, shares};
 use crate::fallback;
 use crate::grid::SITES_PER_VOXEL;
 use crate::handle::Handle;
-use crate::interface::single::{OUTCOME_EXACT, OUTCOME_STATUS, Params, SHELL_RADIUS};
-use crate::launch::{Kernel, enqueue};
+use crate::interface::single::{OUTCOME_EXACT, OUTCOME_STATUS, Params, SHELL_RADIUS, SingleCells};
+use crate::launch::Kernel;
 use crate::platform::{self, Found, choose};
 use crate::program::compile;
 use crate::shells;
@@ -66,7 +66,7 @@ struct Device {
     name: String,
     context: Handle<Context>,
     queue: Handle<CommandQueue>,
-    kernels: HashMap<Capacities, (Kernel, usize)>,
+    kernels: HashMap<Capacities, (Kernel<SingleCells<'static>>, usize)>,
     memory: Memory,
     /// The domain's grid whose tables are on the device.
     domain: Option<Arc<DomainGrid>>,
@@ -76,19 +76,21 @@ struct Device {
 // SAFETY: OpenCL objects may be used from any thread; a device is used by one at a time, being borrowed mutably.
 unsafe impl Send for Device {}
 
-struct Memory {
-    params: Room<Params>,
-    shells: Room<[u8; 4]>,
-    sites: Room<[f32; 4]>,
-    rests: Room<[f32; 4]>,
-    voxels: Room<u32>,
-    weights: Room<f32>,
-    windings: Room<i32>,
-    surface_table: Room<u32>,
-    list: Room<u32>,
-    outcome: Room<u32>,
-    sums: Room<[f32; 4]>,
-    visited: Room<u32>,
+rooms! {
+    struct Memory {
+        params: Params = "parameters",
+        shells: [u8; 4] = "the table of offsets",
+        sites: [f32; 4] = "sorted sites",
+        rests: [f32; 4] = "sorted sites",
+        voxels: u32 = "the site grid",
+        weights: f32 = "the pyramid",
+        windings: i32 = "the domain's grid",
+        surface_table: u32 = "the domain's grid",
+        list: u32 = "a list of cells",
+        outcome: u32 = "how cells ended",
+        sums: [f32; 4] = "cells' sums",
+        visited: u32 = "counters",
+    }
 }
 
 /// What a device did with its share of the cells.
@@ -263,10 +265,22 @@ impl Device {
         memory.visited.fill(context, queue, &[pass.neighbors])?;
         queue.finish().map_err(|e| failed("copying sites to the device", e))?;
         let begin = Instant::now();
-        enqueue!(queue, kernel, sites.len(), *group;
-            memory.params.get()?, memory.sites.get()?, memory.rests.get()?, memory.voxels.get()?, memory.weights.get()?,
-            memory.shells.get()?, memory.windings.get()?, memory.surface_table.get()?, memory.list.get()?,
-            &(sites.len() as u32), memory.outcome.get()?, memory.sums.get()?, memory.visited.get()?);
+        let arguments = SingleCells {
+            params: &memory.params,
+            sites: &memory.sites,
+            rests: &memory.rests,
+            voxels: &memory.voxels,
+            weights: &memory.weights,
+            shells: &memory.shells,
+            windings: &memory.windings,
+            surface_table: &memory.surface_table,
+            list: &memory.list,
+            count: sites.len() as u32,
+            outcome: &memory.outcome,
+            sums: &memory.sums,
+            most_visited: &memory.visited,
+        };
+        kernel.run(queue, sites.len(), *group, arguments)?;
         let (mut visited, mut outcomes, mut sums) = (Vec::new(), Vec::new(), Vec::new());
         memory.visited.read(queue, 1, &mut visited)?;
         self.seconds += begin.elapsed().as_secs_f64();
@@ -299,31 +313,12 @@ impl Device {
 }
 
 /// The kernel with the given room, and how many work-items it has in a group.
-fn build(context: &Context, device: cl_device_id, room: Capacities) -> Result<(Kernel, usize)> {
+fn build(context: &Context, device: cl_device_id, room: Capacities) -> Result<(Kernel<SingleCells<'static>>, usize)> {
     let options = format!("-D CAP_P={} -D CAP_V={}", room.planes, room.vertices);
     let program = compile(context, device, &SOURCE.concat(), &options)?;
-    let kernel = Kernel::new(&program, "single_cells")?;
+    let kernel = Kernel::new(&program)?;
     let group = GROUP.min(kernel.largest_group(device)?);
     Ok((kernel, group))
-}
-
-impl Memory {
-    const fn new() -> Self {
-        Self {
-            params: Room::new("parameters"),
-            shells: Room::new("the table of offsets"),
-            sites: Room::new("sorted sites"),
-            rests: Room::new("sorted sites"),
-            voxels: Room::new("the site grid"),
-            weights: Room::new("the pyramid"),
-            windings: Room::new("the domain's grid"),
-            surface_table: Room::new("the domain's grid"),
-            list: Room::new("a list of cells"),
-            outcome: Room::new("how cells ended"),
-            sums: Room::new("cells' sums"),
-            visited: Room::new("counters"),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::{Computed, Device, Memory, WARP};
 use crate::buffer::{failed, lacked_memory};
 use crate::grid::GROUP;
 use crate::interface::data::Counters;
-use crate::launch::{enqueue, launch};
+use crate::interface::kernels::{self, LookAbout, World};
 use crate::program::{MOST_PLANES, Stage, Way};
 use crate::results::{NOT_COMPUTED, width_of};
 use laguerre_core::assemble::FacetRecord;
@@ -143,9 +143,16 @@ impl Device {
         memory.abouts.grow(context, if has_surface { sites } else { 1 })?;
         if has_surface {
             let begin = Instant::now();
-            enqueue!(queue, &grid_kernels.look_about, share.len(), GROUP;
-                shared.room.get()?, self.sites.sites.get()?, &(share.start as u32), &(share.len() as u32), memory.clearances.get()?,
-                memory.windings.get()?, memory.abouts.get()?);
+            let arguments = LookAbout {
+                params: &shared.room,
+                sites: &self.sites.sites,
+                first: share.start as u32,
+                count: share.len() as u32,
+                clearances: &memory.clearances,
+                windings: &memory.windings,
+                abouts: &memory.abouts,
+            };
+            grid_kernels.look_about.run(queue, share.len(), GROUP, arguments)?;
             queue.finish().map_err(|e| failed("looking about the sites", e))?;
             self.seconds += begin.elapsed().as_secs_f64();
         }
@@ -348,14 +355,50 @@ impl Device {
         let in_step = matches!(way, Way::Alone(_)) && self.together.is_some();
         let apart = if in_step { (FEW_ITEMS / turns.len().max(1)).clamp(1, WARP) } else { 1 };
         let begin = Instant::now();
-        let ran = launch!(queue, &kernels.cells, turns.len() * kernels.per_cell * apart, kernels.group;
-            shared.room.get()?, sites.sites.get()?, sites.offsets.get()?, sites.weights.get()?, sites.bounds.get()?, sites.blocks.get()?,
-            sites.clusters.get()?, sites.roots.get()?, memory.shells.get()?, memory.domain_vertices.get()?, memory.triangles.get()?,
-            memory.lowest_voxels.get()?, memory.list_offsets.get()?, memory.list_entries.get()?, memory.windings.get()?,
-            memory.surface_table.get()?, memory.abouts.get()?, sites.order.get()?, memory.todo.get()?, &has_list, &first, &(stride as u32),
-            &(apart as u32), &(turns.len() as u32), &u32::from(interior_only), memory.outcome.get()?, memory.sums.get()?,
-            memory.facets.get()?, memory.rows.get()?, memory.counters.get()?, memory.boundary.get()?, memory.failed.get()?,
-            memory.full.get()?, memory.undecided.get()?, memory.facet_seconds.get()?, memory.integrand.get()?, memory.near.get()?);
+        let world = World {
+            params: &shared.room,
+            sites: &sites.sites,
+            voxels: &sites.offsets,
+            weights: &sites.weights,
+            bounds: &sites.bounds,
+            blocks: &sites.blocks,
+            clusters: &sites.clusters,
+            roots: &sites.roots,
+            domain_vertices: &memory.domain_vertices,
+            triangles: &memory.triangles,
+            lowest_voxels: &memory.lowest_voxels,
+            list_offsets: &memory.list_offsets,
+            list_entries: &memory.list_entries,
+            windings: &memory.windings,
+            surface_table: &memory.surface_table,
+            integrand: &memory.integrand,
+        };
+        let arguments = kernels::Cells {
+            world,
+            shells: &memory.shells,
+            abouts: &memory.abouts,
+            order: &sites.order,
+            list: &memory.todo,
+            has_list,
+            first,
+            stride: stride as u32,
+            apart: apart as u32,
+            count: turns.len() as u32,
+            interior_only: u32::from(interior_only),
+            outcome: &memory.outcome,
+            sums: &memory.sums,
+            rows: &memory.rows,
+            facets: &memory.facets,
+            facet_seconds: &memory.facet_seconds,
+            counters: &memory.counters,
+            boundary: &memory.boundary,
+            failed: &memory.failed,
+            full: &memory.full,
+            undecided: &memory.undecided,
+            near: &memory.near,
+        };
+        let items = turns.len() * kernels.per_cell * apart;
+        let ran = kernels.cells.launch(queue, items, kernels.group, arguments)?;
         if let Err(error) = ran {
             let late = lacked_memory(&error);
             let failed = kernels.cells.failed(error);

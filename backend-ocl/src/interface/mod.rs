@@ -3,4 +3,8 @@
 //! `cargo xtask codegen` makes `kernels/interface.cl` of `data.rs` and `kernels.rs`, and `kernels/single_interface.cl` of `single.rs`.
 
 pub(crate) mod data;
+pub(crate) mod kernels;
+#[cfg(feature = "test-util")]
+pub(crate) mod parity;
 pub(crate) mod single;
+mod table;

@@ -1,5 +1,7 @@
-//! Constants and structs of the kernels in single precision.
+//! Constants and structs of the kernels in single precision, and their parameters.
 #![allow(dead_code, reason = "the kernels use all of it")]
+
+use super::table::kernels;
 
 /// Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds: fewer than where there are `blocks.cl`.
 pub(crate) const SHELL_RADIUS: u32 = 4;
@@ -41,4 +43,27 @@ pub(crate) struct Params {
     pub(crate) level_begin: [u32; 32],
     pub(crate) domain_dims: [u32; 3],
     pub(crate) has_domain: u32,
+}
+
+kernels! {
+    kernel SingleCells = single_cells {
+        input params: Params,
+        /// Sorted sites, x, y, z, weight, each as the sum of two numbers.
+        input sites: [f32; 4],
+        input rests: [f32; 4],
+        /// Where the sites of each voxel begin; one more at the end.
+        input voxels: u32,
+        /// Largest weight of each node, level after level.
+        input weights: f32,
+        /// The table of offsets.
+        input shells: [u8; 4],
+        input windings: i32,
+        input surface_table: u32,
+        /// The cells, `count` of them; results by their place in it.
+        input list: u32,
+        value count: u32,
+        output outcome: u32,
+        output sums: [f32; 4],
+        atomic most_visited: u32,
+    }
 }

@@ -68,9 +68,7 @@ INLINE real3 fitted_slope(__global const Params *params, __global const real4 *s
 }
 
 // The affine bound of each block: slope, and what its weights are at most above that, at its middle.
-__kernel void fit_blocks(
-    __global const Params *params, __global const real4 *sites, __global const uint *voxels, uint count, __global real4 *bounds
-) {
+__kernel void fit_blocks(FIT_BLOCKS_ARGUMENTS) {
     const uint block = get_global_id(0);
     if (block >= count) {
         return;
@@ -94,7 +92,7 @@ __kernel void fit_blocks(
 }
 
 // The bounds of a level from those of the level below.
-__kernel void raise_bounds(__global const Params *params, __global real4 *bounds, uint level) {
+__kernel void raise_bounds(RAISE_BOUNDS_ARGUMENTS) {
     const uint index = get_global_id(0);
     if (index >= nodes_of(params, level)) {
         return;
@@ -134,10 +132,7 @@ INLINE real proved_radius(real distance, real excess) {
 #define GROWTHS 5u
 INLINE real growth_of(uint turn) { return (turn < (GROWTHS - 1u)) ? (REAL(1.0) / (real)(2u << turn)) : REAL(0.0); }
 
-__kernel void bound_blocks(
-    __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real4 *bounds,
-    uint count, __global Block *blocks
-) {
+__kernel void bound_blocks(BOUND_BLOCKS_ARGUMENTS) {
     const uint block = get_global_id(0);
     if (block >= count) {
         return;

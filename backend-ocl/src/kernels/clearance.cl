@@ -2,9 +2,7 @@
 
 // For each of `count` voxels 0 where the surface meets it, or else the largest number n up to 255 such that it meets no voxel less than n away
 // along each axis.
-__kernel void measure_clearances(
-    __global const Params *params, __global const uint *surface_table, uint count, __global uchar *clearances
-) {
+__kernel void measure_clearances(MEASURE_CLEARANCES_ARGUMENTS) {
     const uint index = get_global_id(0);
     if (index >= count) {
         return;
@@ -25,10 +23,7 @@ __kernel void measure_clearances(
 // For each of `count` sorted sites from `first` on what its cell has to know: while no vertex is farther than x, a number in single
 // precision, the cell does not meet the surface, and lies where the winding number is y. (A site beyond the grid, which its cell is not, is
 // no nearer than the voxel that it is next to.)
-__kernel void look_about(
-    __global const Params *params, __global const real4 *sites, uint first, uint count, __global const uchar *clearances,
-    __global const int *windings, __global int2 *abouts
-) {
+__kernel void look_about(LOOK_ABOUT_ARGUMENTS) {
     if (get_global_id(0) >= count) {
         return;
     }

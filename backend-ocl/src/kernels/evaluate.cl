@@ -4,17 +4,7 @@
 // computes one, since few cells take less time where they do not wait for each other. Each cell that ends is written where the caller has its
 // site: `outcome`, `sums`, and where facets are asked for, `rows`: where
 // their records begin, and how many they are. The others are appended to a list.
-__kernel void cells(
-    __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
-    __global const real4 *bounds, __global const Block *blocks, __global const Cluster *clusters, __global const uint *roots,
-    __global const uchar4 *shells, __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
-    __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
-    __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
-    uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
-    __global FacetRecord *facets, __global ulong2 *rows, volatile __global Counters *counters, __global uint *boundary,
-    __global uint *failed, __global uint *full, __global uint *undecided, __global FacetSecond *facet_seconds,
-    __global const real *integrand, __global uint4 *near
-) {
+__kernel void cells(CELLS_ARGUMENTS) {
     const uint own = (uint)get_global_id(0) / apart;
     if ((own >= count) || (((uint)get_global_id(0) % apart) != 0u)) {
         return;
@@ -22,12 +12,9 @@ __kernel void cells(
     const uint turn = first + (own * stride);
     const uint site = (has_list != 0u) ? list[turn] : turn;
     Store store;
-    store.world = (World){
-        .params = params, .sites = sites, .voxels = voxels, .weights = weights, .bounds = bounds, .blocks = blocks, .clusters = clusters,
-        .roots = roots, .domain_vertices = domain_vertices, .triangles = triangles, .lowest_voxels = lowest_voxels,
-        .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table,
-        .integrand = integrand
-    };
+    store.world = WORLD_OF_ARGUMENTS;
+    store.tried = 0;
+    store.last_tried = 0;
     Search search;
     uint status = complete_cell(&store, &search, shells, site);
     if (status == COMPLETE) {
@@ -71,8 +58,8 @@ __kernel void cells(
     if (search.visited > counters->visited) {
         atomic_max(&counters->visited, search.visited);
     }
-    if (store.world.tried > counters->tried) {
-        atomic_max(&counters->tried, store.world.tried);
+    if (store.tried > counters->tried) {
+        atomic_max(&counters->tried, store.tried);
     }
     if ((status != COMPLETE) && (status != EMPTY)) {
         if (status == BOUNDARY) {

@@ -3,10 +3,7 @@
 
 // The sites in the frame: x, y, z, weight; the same expressions as `Frame::enter` and `Frame::enter_weight`. And the range of each
 // group.
-__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void enter_sites(
-    __global const Params *params, __global const real *positions, __global const real *weights, uint has_weights, uint count,
-    __global real4 *placed, __global Range *ranges
-) {
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void enter_sites(ENTER_SITES_ARGUMENTS) {
     __local real lo[3][GRID_GROUP];
     __local real hi[3][GRID_GROUP];
     __local real least[GRID_GROUP];
@@ -60,7 +57,7 @@ INLINE uint voxel_of(__global const Params *params, real4 p) {
 }
 
 // Marks the voxels that have a site.
-__kernel void mark_voxels(__global const Params *params, __global const real4 *placed, uint count, __global uint *marks) {
+__kernel void mark_voxels(MARK_VOXELS_ARGUMENTS) {
     const uint i = get_global_id(0);
     if (i < count) {
         // (Most are marked already, and reading costs less than writing.)
@@ -73,10 +70,7 @@ __kernel void mark_voxels(__global const Params *params, __global const real4 *p
 
 // Counts the sites of each voxel, and gives each site its number among them (in no order: `sort_voxels` makes one).
 // `crowded` becomes 1 where a voxel has more than CROWDED: those the host sorts into trees.
-__kernel void count_sites(
-    __global const Params *params, __global const real4 *placed, uint count, __global uint2 *place, volatile __global uint *counts,
-    __global uint *crowded
-) {
+__kernel void count_sites(COUNT_SITES_ARGUMENTS) {
     const uint i = get_global_id(0);
     if (i >= count) {
         return;
@@ -90,9 +84,7 @@ __kernel void count_sites(
 }
 
 // Sums of the elements before each, within a block of GRID_GROUP · SCAN_EACH, in place; and the sum of each block.
-__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void scan_blocks(
-    __global uint *data, uint count, __global uint *sums
-) {
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void scan_blocks(SCAN_BLOCKS_ARGUMENTS) {
     __local uint sum[GRID_GROUP];
     const uint own = get_local_id(0);
     const uint first = get_group_id(0) * (GRID_GROUP * SCAN_EACH) + own * SCAN_EACH;
@@ -119,7 +111,7 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void scan_block
 }
 
 // Adds to each element the sum of the blocks before its own.
-__kernel void add_blocks(__global uint *data, uint count, __global const uint *sums) {
+__kernel void add_blocks(ADD_BLOCKS_ARGUMENTS) {
     const uint e = get_global_id(0);
     if (e < count) {
         data[e] += sums[e / (GRID_GROUP * SCAN_EACH)];
@@ -127,7 +119,7 @@ __kernel void add_blocks(__global uint *data, uint count, __global const uint *s
 }
 
 // Puts each site into the slot that is its own.
-__kernel void place_sites(uint count, __global const uint2 *place, __global const uint *starts, __global uint *slots) {
+__kernel void place_sites(PLACE_SITES_ARGUMENTS) {
     const uint i = get_global_id(0);
     if (i < count) {
         slots[starts[place[i].x] + place[i].y] = i;
@@ -153,9 +145,7 @@ INLINE uint is_before(real4 p, uint i, real4 q, uint j) {
 
 // Sorts the slots of each voxel, and drops those that stand at the position of another; `kept` counts what is left. Crowded voxels are
 // left alone.
-__kernel void sort_voxels(
-    __global const real4 *placed, uint voxels, __global const uint *starts, __global uint *slots, __global uint *kept
-) {
+__kernel void sort_voxels(SORT_VOXELS_ARGUMENTS) {
     const uint voxel = get_global_id(0);
     if (voxel >= voxels) {
         return;
@@ -190,10 +180,7 @@ __kernel void sort_voxels(
 }
 
 // Sites and caller's indices in sorted order, and the largest weight of each voxel.
-__kernel void gather_sites(
-    __global const real4 *placed, uint voxels, __global const uint *starts, __global const uint *slots,
-    __global const uint *offsets, __global real4 *sites, __global uint *order, __global real *weights
-) {
+__kernel void gather_sites(GATHER_SITES_ARGUMENTS) {
     const uint voxel = get_global_id(0);
     if (voxel >= voxels) {
         return;
@@ -212,9 +199,7 @@ __kernel void gather_sites(
 }
 
 // The largest weight of each node of a level from the level below.
-__kernel void raise_level(
-    __global real *weights, uint begin, uint nx, uint ny, uint nz, uint below, uint below_nx, uint below_ny, uint below_nz
-) {
+__kernel void raise_level(RAISE_LEVEL_ARGUMENTS) {
     const uint node = get_global_id(0);
     if (node >= ((nx * ny) * nz)) {
         return;

@@ -153,6 +153,223 @@ typedef struct {
     uint near;
 } Counters;
 
+// backend-ocl/src/interface/kernels.rs
+
+// Sites and domain.
+typedef struct {
+    __global const Params *params;
+    // Sorted sites: x, y, z, weight.
+    __global const real4 *sites;
+    // Where the sites of each voxel begin; one more at the end.
+    __global const uint *voxels;
+    // Largest weight of each node, level after level.
+    __global const real *weights;
+    // What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
+    __global const real4 *bounds;
+    __global const Block *blocks;
+    __global const Cluster *clusters;
+    __global const uint *roots;
+    __global const real *domain_vertices;
+    __global const uint *triangles;
+    __global const uint *lowest_voxels;
+    __global const uint *list_offsets;
+    __global const uint *list_entries;
+    __global const int *windings;
+    __global const uint *surface_table;
+    // Nodes and coefficients of the function to be integrated, if there is one.
+    __global const real *integrand;
+} World;
+#define WORLD_OF_ARGUMENTS ((World){ \
+    .params = params, \
+    .sites = sites, \
+    .voxels = voxels, \
+    .weights = weights, \
+    .bounds = bounds, \
+    .blocks = blocks, \
+    .clusters = clusters, \
+    .roots = roots, \
+    .domain_vertices = domain_vertices, \
+    .triangles = triangles, \
+    .lowest_voxels = lowest_voxels, \
+    .list_offsets = list_offsets, \
+    .list_entries = list_entries, \
+    .windings = windings, \
+    .surface_table = surface_table, \
+    .integrand = integrand \
+})
+#define WORLD_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *sites, \
+    __global const uint *voxels, \
+    __global const real *weights, \
+    __global const real4 *bounds, \
+    __global const Block *blocks, \
+    __global const Cluster *clusters, \
+    __global const uint *roots, \
+    __global const real *domain_vertices, \
+    __global const uint *triangles, \
+    __global const uint *lowest_voxels, \
+    __global const uint *list_offsets, \
+    __global const uint *list_entries, \
+    __global const int *windings, \
+    __global const uint *surface_table, \
+    __global const real *integrand
+
+#define CELLS_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *sites, \
+    __global const uint *voxels, \
+    __global const real *weights, \
+    __global const real4 *bounds, \
+    __global const Block *blocks, \
+    __global const Cluster *clusters, \
+    __global const uint *roots, \
+    __global const real *domain_vertices, \
+    __global const uint *triangles, \
+    __global const uint *lowest_voxels, \
+    __global const uint *list_offsets, \
+    __global const uint *list_entries, \
+    __global const int *windings, \
+    __global const uint *surface_table, \
+    __global const real *integrand, \
+    __global const uchar4 *shells, \
+    __global const int2 *abouts, \
+    __global const uint *order, \
+    __global const uint *list, \
+    uint has_list, \
+    uint first, \
+    uint stride, \
+    uint apart, \
+    uint count, \
+    uint interior_only, \
+    __global uint *outcome, \
+    __global real *sums, \
+    __global ulong2 *rows, \
+    __global FacetRecord *facets, \
+    __global FacetSecond *facet_seconds, \
+    volatile __global Counters *counters, \
+    __global uint *boundary, \
+    __global uint *failed, \
+    __global uint *full, \
+    __global uint *undecided, \
+    __global uint4 *near
+
+#define ENTER_SITES_ARGUMENTS \
+    __global const Params *params, \
+    __global const real *positions, \
+    __global const real *weights, \
+    uint has_weights, \
+    uint count, \
+    __global real4 *placed, \
+    __global Range *ranges
+
+#define MARK_VOXELS_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *placed, \
+    uint count, \
+    __global uint *marks
+
+#define COUNT_SITES_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *placed, \
+    uint count, \
+    __global uint2 *place, \
+    volatile __global uint *counts, \
+    __global uint *crowded
+
+#define SCAN_BLOCKS_ARGUMENTS \
+    __global uint *data, \
+    uint count, \
+    __global uint *sums
+
+#define ADD_BLOCKS_ARGUMENTS \
+    __global uint *data, \
+    uint count, \
+    __global const uint *sums
+
+#define PLACE_SITES_ARGUMENTS \
+    uint count, \
+    __global const uint2 *place, \
+    __global const uint *starts, \
+    __global uint *slots
+
+#define SORT_VOXELS_ARGUMENTS \
+    __global const real4 *placed, \
+    uint voxels, \
+    __global const uint *starts, \
+    __global uint *slots, \
+    __global uint *kept
+
+#define GATHER_SITES_ARGUMENTS \
+    __global const real4 *placed, \
+    uint voxels, \
+    __global const uint *starts, \
+    __global const uint *slots, \
+    __global const uint *offsets, \
+    __global real4 *sites, \
+    __global uint *order, \
+    __global real *weights
+
+#define RAISE_LEVEL_ARGUMENTS \
+    __global real *weights, \
+    uint begin, \
+    uint nx, \
+    uint ny, \
+    uint nz, \
+    uint below, \
+    uint below_nx, \
+    uint below_ny, \
+    uint below_nz
+
+#define FIT_BLOCKS_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *sites, \
+    __global const uint *voxels, \
+    uint count, \
+    __global real4 *bounds
+
+#define RAISE_BOUNDS_ARGUMENTS \
+    __global const Params *params, \
+    __global real4 *bounds, \
+    uint level
+
+#define BOUND_BLOCKS_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *sites, \
+    __global const uint *voxels, \
+    __global const real4 *bounds, \
+    uint count, \
+    __global Block *blocks
+
+#define MEASURE_CLEARANCES_ARGUMENTS \
+    __global const Params *params, \
+    __global const uint *surface_table, \
+    uint count, \
+    __global uchar *clearances
+
+#define LOOK_ABOUT_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *sites, \
+    uint first, \
+    uint count, \
+    __global const uchar *clearances, \
+    __global const int *windings, \
+    __global int2 *abouts
+
+// backend-ocl/src/interface/parity.rs
+
+// All that `parity.cl` has: the words of each of `count` calls stand in a row; `table` begins with where its parts do.
+#define PARITY_ARGUMENTS \
+    __global const Params *params, \
+    __global const real *domain_vertices, \
+    __global const uint *table, \
+    __global const real *integrand, \
+    __global const ulong *inputs, \
+    uint input_width, \
+    __global ulong *outputs, \
+    uint output_width, \
+    uint count
+
 // Sizes as on the host: a compiler that pads does not build this.
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
 typedef char size_of_Params[(sizeof(Params) == 432) ? 1 : -1];

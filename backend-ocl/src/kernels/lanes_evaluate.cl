@@ -1,17 +1,7 @@
 // The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group. What is left
 // to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`; `undecided` lists
 // the records of cells that are given to it WITH_SURFACE.
-__kernel void cells_together(
-    __global const Params *params, __global const real4 *sites, __global const uint *voxels, __global const real *weights,
-    __global const real4 *bounds, __global const Block *blocks, __global const Cluster *clusters, __global const uint *roots,
-    __global const uchar4 *shells, __global const real *domain_vertices, __global const uint *triangles, __global const uint *lowest_voxels,
-    __global const uint *list_offsets, __global const uint *list_entries, __global const int *windings,
-    __global const uint *surface_table, __global const int2 *abouts, __global const uint *order, __global const uint *list,
-    uint has_list, uint first, uint stride, uint apart, uint count, uint interior_only, __global uint *outcome, __global real *sums,
-    __global FacetRecord *facets, __global ulong2 *rows, volatile __global Counters *counters, __global uint *boundary,
-    __global uint *failed, __global uint *full, __global uint *undecided, __global FacetSecond *facet_seconds,
-    __global const real *integrand, __global uint4 *near
-) {
+__kernel void cells(CELLS_ARGUMENTS) {
     __local Cell cells[CELLS];
     const uint own_turn = lanes_alike((uint)get_global_id(0) / LANES);
     if (own_turn >= count) {
@@ -26,11 +16,9 @@ __kernel void cells_together(
 #endif
     Store store;
     Store *s = &store;
-    s->world = (World){
-        .params = params, .sites = sites, .voxels = voxels, .weights = weights, .bounds = bounds, .blocks = blocks, .clusters = clusters,
-        .roots = roots, .domain_vertices = domain_vertices, .triangles = triangles, .lowest_voxels = lowest_voxels,
-        .list_offsets = list_offsets, .list_entries = list_entries, .windings = windings, .surface_table = surface_table
-    };
+    s->world = WORLD_OF_ARGUMENTS;
+    s->tried = 0;
+    s->last_tried = 0;
     const real4 own = sites[site];
     __local Cell *cell = cells + lanes_alike((uint)get_local_id(0) / LANES);
     s->cell = cell;
@@ -150,8 +138,8 @@ __kernel void cells_together(
         atomic_max(&counters->visited, visited);
     }
 #if WITH_SURFACE
-    if (s->world.tried > counters->tried) {
-        atomic_max(&counters->tried, s->world.tried);
+    if (s->tried > counters->tried) {
+        atomic_max(&counters->tried, s->tried);
     }
 #endif
     if (status == FACETS_FULL) {

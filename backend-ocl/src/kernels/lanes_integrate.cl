@@ -38,7 +38,7 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
         const uint is_out = outside | lanes_with(on_wall);
         const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags & SECOND_MOMENTS, &inner, &part));
         s->exact |= copy.exact;
-        s->world.tried = copy.world.tried;
+        s->tried = copy.tried;
         if (ended != UNTOUCHED) {
             *sums = part;
             return ended;

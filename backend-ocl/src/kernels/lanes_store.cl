@@ -96,6 +96,9 @@ typedef struct {
 
 typedef struct {
     World world;
+    // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
+    uint tried;
+    uint last_tried;
     __local Cell *cell;
     V3 site;
     real weight;

@@ -125,7 +125,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
 #endif
     const Saved saved = saved_cell(s);
     const uint count = gather_triangles(s, lo, hi);
-    s->world.tried = count;
+    s->tried = count;
     if ((count > LANES_V) || ((s->planes + 4u) > LANES_P)) {
         return LEFT;
     }
@@ -249,7 +249,7 @@ OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, r
     const V3 center = (outside != 0u) ? middle : v3(REAL(0.0), REAL(0.0), REAL(0.0));
     const uint status = restrict_together(s, lo, hi, center, winding, flags, sums);
     given->exact = s->exact;
-    given->world.tried = s->world.tried;
+    given->tried = s->tried;
     return status;
 #else
     return LEFT;

@@ -55,31 +55,3 @@ INLINE Block block_about(__global const Params *params, __global const Block *bl
     const uint k = voxel_along(params, 2, z) >> level;
     return blocks[i + (level_dim(params, 0, level) * (j + (level_dim(params, 1, level) * k)))];
 }
-
-// Sites and domain, in global memory.
-typedef struct {
-    __global const Params *params;
-    // Sorted sites: x, y, z, weight.
-    __global const real4 *sites;
-    // Where the sites of each voxel begin; one more at the end.
-    __global const uint *voxels;
-    // Largest weight of each node, level after level.
-    __global const real *weights;
-    // What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
-    __global const real4 *bounds;
-    __global const Block *blocks;
-    __global const Cluster *clusters;
-    __global const uint *roots;
-    __global const real *domain_vertices;
-    __global const uint *triangles;
-    __global const uint *lowest_voxels;
-    __global const uint *list_offsets;
-    __global const uint *list_entries;
-    __global const int *windings;
-    __global const uint *surface_table;
-    // Nodes and coefficients of the function to be integrated, if there is one.
-    __global const real *integrand;
-    // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
-    uint tried;
-    uint last_tried;
-} World;

@@ -18,11 +18,6 @@ OUTLINE void give_Plane(Output *out, Plane value);
 OUTLINE void give_Triplet(Output *out, Triplet value);
 OUTLINE void give_FacetSum(Output *out, FacetSum value);
 
-// The words of each of `count` calls stand in a row. `table` begins with where its parts do.
-#define PARITY_ARGUMENTS \
-    __global const Params *params, __global const real *domain_vertices, __global const uint *table, \
-    __global const real *integrand, __global const ulong *inputs, uint input_width, __global ulong *outputs, uint output_width, uint count
-
 #define PARITY_CALL \
     const size_t number = get_global_id(0); \
     if (number >= count) { \
@@ -46,21 +41,6 @@ OUTLINE void give_FacetSum(Output *out, FacetSum value);
         return; \
     }
 
-// Fills what `parity_store` and the store read, from numbers of the host: the fields by name, however they are laid out.
-__kernel void parity_prepare(__global Params *params, __global const real *numbers) {
-    for (uint axis = 0; axis < 3u; axis++) {
-        params->box_lo[axis] = numbers[axis];
-        params->box_hi[axis] = numbers[3u + axis];
-        params->domain_lo[axis] = numbers[axis];
-        params->domain_dims[axis] = (uint)numbers[7u + axis];
-        params->origin[axis] = numbers[12u + axis];
-    }
-    params->domain_width = numbers[6];
-    params->has_domain = 1u;
-    params->nodes = (uint)numbers[10];
-    params->degree = (uint)numbers[11];
-}
-
 // A cell in the middle of its life, made as `cells` makes it: clipped in single precision by the bisectors with some sites, then all its
 // vertices computed in double precision, and marked by the bisector with one more site.
 OUTLINE uint parity_store(Store *s, Input *in) {
@@ -68,6 +48,8 @@ OUTLINE uint parity_store(Store *s, Input *in) {
     *in += 4u * (1u + NEIGHBORS);
     const real4 own = sites[0];
     s->world.sites = sites;
+    s->tried = 0;
+    s->last_tried = 0;
     s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
     s->exact = 0;

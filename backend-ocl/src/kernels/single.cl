@@ -316,17 +316,14 @@ OUTLINE uint integrate_certainly(Store *s, CellSums *sums) {
 
 // Computes `count` cells, those of `list`: `outcome` and `sums` (volume and first moment) by
 // their place in it.
-__kernel void single_cells(
-    __global const Params *params, __global const real4 *sites, __global const real4 *rests, __global const uint *voxels,
-    __global const real *weights, __global const uchar4 *shells, __global const int *windings,
-    __global const uint *surface_table, __global const uint *list, uint count, __global uint *outcome, __global real4 *sums,
-    volatile __global uint *most_visited
-) {
+__kernel void single_cells(SINGLE_CELLS_ARGUMENTS) {
     const uint turn = (uint)get_global_id(0);
     if (turn >= count) {
         return;
     }
     Store store;
+    store.tried = 0;
+    store.last_tried = 0;
     store.world = (World){ .params = params, .sites = sites, .rests = rests, .voxels = voxels, .weights = weights,
                            .windings = windings, .surface_table = surface_table };
     CellSums part = (CellSums){ 0 };

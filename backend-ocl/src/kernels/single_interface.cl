@@ -44,5 +44,20 @@ typedef struct {
     uint has_domain;
 } Params;
 
+#define SINGLE_CELLS_ARGUMENTS \
+    __global const Params *params, \
+    __global const float4 *sites, \
+    __global const float4 *rests, \
+    __global const uint *voxels, \
+    __global const float *weights, \
+    __global const uchar4 *shells, \
+    __global const int *windings, \
+    __global const uint *surface_table, \
+    __global const uint *list, \
+    uint count, \
+    __global uint *outcome, \
+    __global float4 *sums, \
+    volatile __global uint *most_visited
+
 // Sizes as on the host: a compiler that pads does not build this.
 typedef char size_of_Params[(sizeof(Params) == 248) ? 1 : -1];

@@ -20,12 +20,13 @@ typedef struct {
     __global const uint *list_entries;
     __global const int *windings;
     __global const uint *surface_table;
-    uint tried;
-    uint last_tried;
 } World;
 
 typedef struct {
     World world;
+    // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
+    uint tried;
+    uint last_tried;
     // The cell's site, and its sorted index.
     real4 own;
     real4 own_rest;

@@ -15,6 +15,9 @@
 // computed anew. For the integrals, all vertices are (`refine`).
 typedef struct {
     World world;
+    // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
+    uint tried;
+    uint last_tried;
     V3 site;
     real weight;
     uint planes;

@@ -40,8 +40,8 @@ INLINE Voxel store_lowest_voxel(Store *s, uint t) {
     return (Voxel){ .i = lowest[0], .j = lowest[1], .k = lowest[2] };
 }
 INLINE Triangle store_triangle(Store *s, uint t) {
-    s->world.tried += (s->world.last_tried != (t + 1u)) ? 1u : 0u;
-    s->world.last_tried = t + 1u;
+    s->tried += (s->last_tried != (t + 1u)) ? 1u : 0u;
+    s->last_tried = t + 1u;
     __global const uint *corners = s->world.triangles + 3u * t;
     return (Triangle){ .a = corners[0], .b = corners[1], .c = corners[2] };
 }

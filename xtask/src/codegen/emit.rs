@@ -85,7 +85,7 @@ fn is_plain(attrs: &[syn::Attribute]) -> bool {
     attrs.iter().any(|a| a.path().is_ident("repr")) || attrs.iter().all(|a| !a.path().is_ident("cfg"))
 }
 
-fn documentation(attrs: &[syn::Attribute]) -> Vec<String> {
+pub(super) fn documentation(attrs: &[syn::Attribute]) -> Vec<String> {
     let text = |attr: &syn::Attribute| match &attr.meta {
         syn::Meta::NameValue(pair) if pair.path.is_ident("doc") => match &pair.value {
             Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => Some(text.value()),

@@ -1,7 +1,8 @@
-//! What the host and the kernels share, from its Rust text to OpenCL C: constants, and structs without padding, which every compiler
-//! therefore lays out alike.
+//! What the host and the kernels share, from its Rust text to OpenCL C: constants, structs without padding, which every compiler
+//! therefore lays out alike, and the parameters of kernels.
 
 use super::emit;
+use super::kernels::kernels;
 use super::source::Unit;
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -13,7 +14,7 @@ pub(crate) fn interface(borrowed: &[Unit], module: &[Unit]) -> Result<String, St
     let mut text = String::new();
     let mut layouts = Layouts::default();
     for unit in borrowed.iter().chain(module) {
-        let _ = write!(text, "\n// {}\n{}", unit.name, emit::unit(unit)?.types);
+        let _ = write!(text, "\n// {}\n{}{}", unit.name, emit::unit(unit)?.types, kernels(unit)?);
         for item in &unit.items {
             layouts.note(unit, item)?;
         }

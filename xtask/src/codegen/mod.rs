@@ -5,6 +5,7 @@
 
 mod emit;
 mod interface;
+mod kernels;
 mod parity;
 mod source;
 
@@ -41,7 +42,7 @@ const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
 /// What the host and the kernels share: the modules, what they borrow from other files, and the generated file.
 const INTERFACES: [Interface; 2] = [
     Interface {
-        modules: &["data"],
+        modules: &["data", "kernels", "parity"],
         borrowed: &[
             ("core/src/site_grid.rs", &["CROWDED"]),
             ("core/src/search.rs", &["WORTH_SHARP_TEST", "SAMPLE"]),

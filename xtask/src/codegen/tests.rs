@@ -172,3 +172,29 @@ fn what_is_borrowed_must_be_there() {
     assert_eq!(only(unit(), &["B"]).unwrap().items.len(), 1);
     assert!(only(unit(), &["B", "C"]).is_err_and(|error| error == "text.rs has no `C`"));
 }
+
+#[test]
+fn a_kernels_parameters_and_groups_of_them() {
+    let c = interface_of(
+        "kernels! {
+            /// Of all.
+            group Inputs { input corners: [f64; 3], input sites: [f64; 4] }
+            kernel Sort = sort_all { group inputs: Inputs, value count: u32, output places: [u32; 2], atomic sum: u32 }
+        }",
+    )
+    .unwrap();
+    let inputs = "    __global const real *corners, \\\n    __global const real4 *sites";
+    assert!(c.contains("// Of all.\ntypedef struct {\n    __global const real *corners;\n"), "{c}");
+    assert!(c.contains("#define INPUTS_OF_ARGUMENTS ((Inputs){ \\\n    .corners = corners, \\\n"), "{c}");
+    let own = "uint count, \\\n    __global uint2 *places, \\\n    volatile __global uint *sum\n";
+    assert!(c.contains(&format!("#define SORT_ALL_ARGUMENTS \\\n{inputs}, \\\n    {own}")), "{c}");
+}
+
+#[test]
+fn what_no_kernel_can_have_is_refused_with_its_line() {
+    for parameter in ["inout x: u32", "group x: Nothing", "input x: [f64; 6]", "input x: &u32"] {
+        let error = interface_of(&format!("kernels! {{\n kernel K = k {{ {parameter} }}\n}}")).unwrap_err();
+        assert!(error.starts_with("text.rs line 2: "), "{error}");
+    }
+    assert!(interface_of("kernels! { function K {} }").unwrap_err().contains("expected `kernel` or `group`"));
+}

@@ -1,0 +1,181 @@
+//! The kernels in double precision, and their parameters. What they do is said where their text is.
+
+use super::data::{Block, Cluster, Counters, Params, Range};
+use super::table::kernels;
+use laguerre_core::assemble::FacetRecord;
+use laguerre_core::cell::FacetSecond;
+
+kernels! {
+    /// Sites and domain.
+    group World {
+        input params: Params,
+        /// Sorted sites: x, y, z, weight.
+        input sites: [f64; 4],
+        /// Where the sites of each voxel begin; one more at the end.
+        input voxels: u32,
+        /// Largest weight of each node, level after level.
+        input weights: f64,
+        /// What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
+        input bounds: [f64; 4],
+        input blocks: Block,
+        input clusters: Cluster,
+        input roots: u32,
+        input domain_vertices: [f64; 3],
+        input triangles: [u32; 3],
+        input lowest_voxels: [u32; 3],
+        input list_offsets: u32,
+        input list_entries: u32,
+        input windings: i32,
+        input surface_table: u32,
+        /// Nodes and coefficients of the function to be integrated, if there is one.
+        input integrand: f64,
+    }
+
+    kernel Cells = cells {
+        group world: World,
+        /// The table of offsets.
+        input shells: [u8; 4],
+        /// How near the surface is to each site.
+        input abouts: [i32; 2],
+        /// The caller's index of each sorted site.
+        input order: u32,
+        /// The cells of a list, or without one every `stride`th from `first` on: `count` of them, of every `apart`th work-item.
+        input list: u32,
+        value has_list: u32,
+        value first: u32,
+        value stride: u32,
+        value apart: u32,
+        value count: u32,
+        value interior_only: u32,
+        /// Results, by the caller's index.
+        output outcome: u32,
+        output sums: f64,
+        output rows: [u64; 2],
+        output facets: FacetRecord,
+        output facet_seconds: FacetSecond,
+        atomic counters: Counters,
+        /// Lists of the cells that did not end.
+        output boundary: u32,
+        output failed: u32,
+        output full: u32,
+        output undecided: u32,
+        /// Records of cells near the surface.
+        output near: [u32; 4],
+    }
+
+    kernel EnterSites = enter_sites {
+        input params: Params,
+        input positions: [f64; 3],
+        input weights: f64,
+        value has_weights: u32,
+        value count: u32,
+        output placed: [f64; 4],
+        output ranges: Range,
+    }
+
+    kernel MarkVoxels = mark_voxels {
+        input params: Params,
+        input placed: [f64; 4],
+        value count: u32,
+        output marks: u32,
+    }
+
+    kernel CountSites = count_sites {
+        input params: Params,
+        input placed: [f64; 4],
+        value count: u32,
+        output place: [u32; 2],
+        atomic counts: u32,
+        output crowded: u32,
+    }
+
+    kernel ScanBlocks = scan_blocks {
+        output data: u32,
+        value count: u32,
+        output sums: u32,
+    }
+
+    kernel AddBlocks = add_blocks {
+        output data: u32,
+        value count: u32,
+        input sums: u32,
+    }
+
+    kernel PlaceSites = place_sites {
+        value count: u32,
+        input place: [u32; 2],
+        input starts: u32,
+        output slots: u32,
+    }
+
+    kernel SortVoxels = sort_voxels {
+        input placed: [f64; 4],
+        value voxels: u32,
+        input starts: u32,
+        output slots: u32,
+        output kept: u32,
+    }
+
+    kernel GatherSites = gather_sites {
+        input placed: [f64; 4],
+        value voxels: u32,
+        input starts: u32,
+        input slots: u32,
+        input offsets: u32,
+        output sites: [f64; 4],
+        output order: u32,
+        output weights: f64,
+    }
+
+    kernel RaiseLevel = raise_level {
+        output weights: f64,
+        value begin: u32,
+        value nx: u32,
+        value ny: u32,
+        value nz: u32,
+        value below: u32,
+        value below_nx: u32,
+        value below_ny: u32,
+        value below_nz: u32,
+    }
+
+    kernel FitBlocks = fit_blocks {
+        input params: Params,
+        input sites: [f64; 4],
+        input voxels: u32,
+        value count: u32,
+        output bounds: [f64; 4],
+    }
+
+    kernel RaiseBounds = raise_bounds {
+        input params: Params,
+        output bounds: [f64; 4],
+        value level: u32,
+    }
+
+    kernel BoundBlocks = bound_blocks {
+        input params: Params,
+        input sites: [f64; 4],
+        input voxels: u32,
+        input bounds: [f64; 4],
+        value count: u32,
+        output blocks: Block,
+    }
+
+    kernel MeasureClearances = measure_clearances {
+        input params: Params,
+        input surface_table: u32,
+        value count: u32,
+        output clearances: u8,
+    }
+
+    kernel LookAbout = look_about {
+        input params: Params,
+        input sites: [f64; 4],
+        value first: u32,
+        value count: u32,
+        input clearances: u8,
+        input windings: i32,
+        output abouts: [i32; 2],
+    }
+}

@@ -3,6 +3,7 @@
 //! The loader is found at run time: this builds, and says what is missing, on a machine without OpenCL.
 
 mod buffer;
+mod builds;
 mod device;
 mod evaluate;
 mod fallback;
@@ -18,6 +19,7 @@ mod program;
 mod results;
 mod shells;
 mod single;
+mod sources;
 
 pub use evaluate::Ocl;
 pub use platform::devices;

@@ -1,13 +1,15 @@
 //! Runs the device's own functions of the algorithm one by one, on words that the host's were run on (`laguerre_core::cell::parity`).
 
 use crate::buffer::Room;
+use crate::builds::Build;
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::parity::Parity as Call;
 use crate::launch::Kernel;
 use crate::platform::{self, choose};
-use crate::program::compile;
+use crate::program::compile_text;
 use laguerre_core::cell::parity::{Calls, NEIGHBORS, PLANES, VERTICES, World};
+use laguerre_core::passes::Capacities;
 use laguerre_core::{DeviceChoice, Error, ErrorKind, Precision, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -15,25 +17,6 @@ use opencl3::program::Program;
 
 /// The generated functions, as a device gets them.
 pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
-
-const SOURCES: [&str; 16] = [
-    include_str!("kernels/prelude.cl"),
-    include_str!("kernels/cell_types.cl"),
-    include_str!("kernels/interface.cl"),
-    include_str!("kernels/params.cl"),
-    include_str!("kernels/ties.cl"),
-    include_str!("kernels/store.cl"),
-    include_str!("kernels/marks.cl"),
-    include_str!("kernels/surface_table.cl"),
-    include_str!("kernels/world.cl"),
-    include_str!("kernels/further.cl"),
-    FUNCTIONS,
-    include_str!("kernels/reach.cl"),
-    include_str!("kernels/pyramid.cl"),
-    include_str!("kernels/search.cl"),
-    include_str!("kernels/parity_state.cl"),
-    include_str!("kernels/parity.cl"),
-];
 
 /// Work-items of a group: a device on the host has the stores of a whole group on one stack.
 const GROUP: usize = 32;
@@ -59,10 +42,10 @@ impl Parity {
         let chosen = choose(choice, Precision::F64)?;
         let found = chosen.first().ok_or_else(|| Error::new(ErrorKind::Unavailable, "no device was chosen"))?;
         let (context, queue) = platform::open(found)?;
-        let with = "-D WITH_FACETS=1 -D WITH_FACET_SECOND=1 -D WITH_INTEGRAL=1";
-        let options = format!("-D CAP_P={PLANES} -D CAP_V={VERTICES} {with} -D NEIGHBORS={NEIGHBORS}");
-        let source = SOURCES.map(|part| if part == FUNCTIONS { functions } else { part }).concat();
-        let program = compile(&context, found.id.0, &source, &options)?;
+        let room = Capacities { planes: PLANES as u32, vertices: VERTICES as u32 };
+        let build = Build::Parity(room, NEIGHBORS as u32);
+        let text = build.text().whole_with(&[("cell.cl", functions)])?;
+        let program = compile_text(&context, found.id.0, &text, &build.options())?;
         Ok(Self {
             name: found.info.name.clone(),
             params: filled(&context, &queue, &[params_of(world)])?,

@@ -1,5 +1,6 @@
-//! The kernels: their source, built for the room of a pass, and kept.
+//! The kernels: built as they are needed, and kept.
 
+use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
@@ -7,8 +8,6 @@ use crate::interface::kernels::{
     MeasureClearances, PlaceSites, RaiseBounds, RaiseLevel, ScanBlocks, SortVoxels,
 };
 use crate::launch::Kernel;
-use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL};
-use laguerre_core::passes::Capacities;
 use laguerre_core::{Error, ErrorKind, Result};
 use opencl3::context::Context;
 use opencl3::error_codes::{CL_BUILD_PROGRAM_FAILURE, CL_INVALID_BUILD_OPTIONS, ClError};
@@ -19,107 +18,8 @@ use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
 
-const EVALUATE: [&str; 16] = [
-    include_str!("kernels/prelude.cl"),
-    include_str!("kernels/cell_types.cl"),
-    include_str!("kernels/interface.cl"),
-    include_str!("kernels/params.cl"),
-    include_str!("kernels/ties.cl"),
-    include_str!("kernels/store.cl"),
-    include_str!("kernels/marks.cl"),
-    include_str!("kernels/surface_table.cl"),
-    include_str!("kernels/world.cl"),
-    include_str!("kernels/further.cl"),
-    include_str!("kernels/cell.cl"),
-    include_str!("kernels/reach.cl"),
-    include_str!("kernels/pyramid.cl"),
-    include_str!("kernels/search.cl"),
-    include_str!("kernels/output.cl"),
-    include_str!("kernels/evaluate.cl"),
-];
-
-const TOGETHER: [&str; 24] = [
-    include_str!("kernels/prelude.cl"),
-    include_str!("kernels/cell_types.cl"),
-    include_str!("kernels/interface.cl"),
-    include_str!("kernels/params.cl"),
-    include_str!("kernels/bounds.cl"),
-    include_str!("kernels/ties.cl"),
-    include_str!("kernels/lanes_store.cl"),
-    include_str!("kernels/surface_table.cl"),
-    include_str!("kernels/world.cl"),
-    include_str!("kernels/further.cl"),
-    include_str!("kernels/cell.cl"),
-    include_str!("kernels/reach.cl"),
-    include_str!("kernels/output.cl"),
-    include_str!("kernels/lanes_exact.cl"),
-    include_str!("kernels/lanes_clip.cl"),
-    include_str!("kernels/lanes_cap.cl"),
-    include_str!("kernels/lanes_reach.cl"),
-    include_str!("kernels/lanes_far.cl"),
-    include_str!("kernels/lanes.cl"),
-    include_str!("kernels/lanes_near.cl"),
-    include_str!("kernels/lanes_sums.cl"),
-    include_str!("kernels/lanes_surface.cl"),
-    include_str!("kernels/lanes_integrate.cl"),
-    include_str!("kernels/lanes_evaluate.cl"),
-];
-
-const GRID: [&str; 9] = [
-    include_str!("kernels/prelude.cl"),
-    include_str!("kernels/cell_types.cl"),
-    include_str!("kernels/interface.cl"),
-    include_str!("kernels/params.cl"),
-    include_str!("kernels/bounds.cl"),
-    include_str!("kernels/grid.cl"),
-    include_str!("kernels/blocks.cl"),
-    include_str!("kernels/surface_table.cl"),
-    include_str!("kernels/clearance.cl"),
-];
-
 /// Most half-spaces that a work-item has room for; what needs more is the host's.
 pub(crate) const MOST_PLANES: u32 = 216;
-
-/// Who computes a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Way {
-    /// One work-item, with so much room.
-    Alone(Capacities),
-    /// A group of so many work-items: `LANES` of `lanes_store.cl`.
-    Together(usize, Stage),
-}
-
-/// What cells that are computed together are built for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Stage {
-    /// All of them; those are given up that need exact signs, or may meet the surface.
-    First,
-    /// Those that may meet the surface; those are given up that need exact signs.
-    Surface,
-    /// Those that need exact signs, or sites beyond the table of offsets.
-    Exact,
-    /// Those that need more room.
-    Wide,
-}
-
-/// Work-items of a group where each computes a cell alone. They share nothing; a multiple of what any GPU runs in step.
-const GROUP: usize = 64;
-
-/// Stand among the flags for a domain and for weights that differ: the kernels of shared cells are faster if they know that there is none,
-/// or that they do not (by 3 % and by 8 %, one NVIDIA H200).
-const DOMAIN: u32 = 1 << 31;
-const WEIGHTS: u32 = 1 << 30;
-
-/// Cells of a group where several work-items compute one together: as many as fit into 48 KiB, so that they go through the same
-/// instructions at about the same time, which are more than the nearest cache holds (of 2 million cells, 5 instead of 4 save 1 %, 2 cost 8 %;
-/// one NVIDIA H200); but no more than let registers be used up.
-const fn cells_of_group(stage: Stage) -> usize {
-    match stage {
-        Stage::First => 5,
-        Stage::Surface | Stage::Exact => 4,
-        Stage::Wide => 1,
-    }
-}
 
 /// One build, and its kernels.
 pub(crate) struct Kernels {
@@ -149,7 +49,7 @@ pub(crate) struct GridKernels {
 
 impl GridKernels {
     pub(crate) fn build(context: &Context, device: cl_device_id) -> Result<Self> {
-        let program = compile(context, device, &GRID.concat(), "")?;
+        let program = compile(context, device, Build::Grid)?;
         Ok(Self {
             enter_sites: Kernel::new(&program)?,
             mark_voxels: Kernel::new(&program)?,
@@ -172,12 +72,11 @@ impl GridKernels {
 /// All builds so far.
 #[derive(Default)]
 pub(crate) struct Programs {
-    built: HashMap<(Way, u32), Kernels>,
+    built: HashMap<(Way, Asked), Kernels>,
 }
 
 impl Programs {
-    /// The kernels that compute cells in the given way, with what the flags of `integrate_cell` ask for and no more, and where cells
-    /// are shared with a domain or without, and for weights that differ or not; built if they are not.
+    /// The kernels that compute cells in the given way, with what the parameters ask for and no more; built if they are not.
     pub(crate) fn get(
         &mut self,
         context: &Context,
@@ -185,59 +84,21 @@ impl Programs {
         way: Way,
         params: &Params,
     ) -> Result<&mut Kernels> {
-        let mut compiled = params.flags & (FACETS | FACET_SECOND_MOMENTS | INTEGRAL);
-        if matches!(way, Way::Together(..)) {
-            compiled |= if params.has_domain == 0 { 0 } else { DOMAIN };
-            compiled |= if params.equal_weights == 0 { WEIGHTS } else { 0 };
-        }
-        match self.built.entry((way, compiled)) {
+        let asked = Asked::of(params, way);
+        match self.built.entry((way, asked)) {
             Entry::Occupied(built) => Ok(built.into_mut()),
-            Entry::Vacant(place) => Ok(place.insert(build(context, device, way, compiled)?)),
+            Entry::Vacant(place) => Ok(place.insert(build(context, device, way, asked)?)),
         }
     }
 }
 
-fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Result<Kernels> {
-    let with = |name: &str, flag: u32| format!("-D WITH_{name}={}", u32::from(flags & flag != 0));
-    let asked = [
-        ("FACETS", FACETS),
-        ("FACET_SECOND", FACET_SECOND_MOMENTS),
-        ("INTEGRAL", INTEGRAL),
-        ("DOMAIN", DOMAIN),
-        ("WEIGHTS", WEIGHTS),
-    ];
-    let asked = asked.map(|(name, flag)| with(name, flag)).join(" ");
-    let program = match way {
-        Way::Alone(Capacities { planes, vertices }) => {
-            let options = format!("-D CAP_P={planes} -D CAP_V={vertices} {asked}");
-            compile(context, device, &EVALUATE.concat(), &options)?
-        }
-        Way::Together(lanes, stage) => {
-            // More registers each, and fewer cells are computed at a time (measured for each stage; an option of NVIDIA's alone).
-            let registers = match stage {
-                _ if lanes == 1 => String::new(),
-                Stage::First => "-cl-nv-maxrregcount=96".into(),
-                Stage::Surface => "-cl-nv-maxrregcount=168".into(),
-                Stage::Exact => "-cl-nv-maxrregcount=128".into(),
-                Stage::Wide => String::new(),
-            };
-            // The facets of a cell that the surface cuts are not computed together.
-            let surface = stage != Stage::First && flags & DOMAIN != 0 && flags & FACETS == 0;
-            let exact = matches!(stage, Stage::Exact | Stage::Wide);
-            let [exact, surface, room] = [exact, surface, stage == Stage::Wide].map(u32::from);
-            let cells = cells_of_group(stage);
-            let options = format!(
-                "-D LANES={lanes}u -D CELLS={cells} -D WITH_EXACT={exact} -D WITH_SURFACE={surface} -D WITH_ROOM={room} {asked} \
-                 {registers}"
-            );
-            compile(context, device, &TOGETHER.concat(), &options)?
-        }
-    };
+fn build(context: &Context, device: cl_device_id, way: Way, asked: Asked) -> Result<Kernels> {
+    let program = compile(context, device, Build::Cells(way, asked))?;
     let cells = Kernel::new(&program)?;
-    let largest = cells.largest_group(device)?;
-    let (group, per_cell) = match way {
-        Way::Alone(_) => (GROUP.min(largest), 1),
-        Way::Together(lanes, stage) => (lanes * cells_of_group(stage), lanes),
+    let (group, per_cell) = way.group();
+    let group = match way {
+        Way::Alone(_) => group.min(cells.largest_group(device)?),
+        Way::Together(..) => group,
     };
     Ok(Kernels { cells, group, per_cell })
 }
@@ -246,7 +107,17 @@ fn build(context: &Context, device: cl_device_id, way: Way, flags: u32) -> Resul
 const MOST_OF_A_LOG: usize = 1000;
 
 /// Builds a program for a device.
-pub(crate) fn compile(context: &Context, device: cl_device_id, source: &str, options: &str) -> Result<Handle<Program>> {
+pub(crate) fn compile(context: &Context, device: cl_device_id, build: Build) -> Result<Handle<Program>> {
+    compile_text(context, device, &build.text().whole()?, &build.options())
+}
+
+/// The same from another text.
+pub(crate) fn compile_text(
+    context: &Context,
+    device: cl_device_id,
+    source: &str,
+    options: &str,
+) -> Result<Handle<Program>> {
     let failed = |error: ClError, log: &str| {
         let message = format!("the OpenCL kernels do not build: {error} ({}): use --backend cpu{log}", error.0);
         Error::new(ErrorKind::Device, message)

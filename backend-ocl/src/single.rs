@@ -4,6 +4,7 @@
 mod scene;
 
 use crate::buffer::{failed, rooms};
+use crate::builds::Build;
 use crate::evaluate::{join_passes, on_all, on_device, shares};
 use crate::fallback;
 use crate::grid::SITES_PER_VOXEL;
@@ -30,19 +31,6 @@ use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-
-const SOURCE: [&str; 10] = [
-    include_str!("kernels/single_prelude.cl"),
-    include_str!("kernels/single_interface.cl"),
-    include_str!("kernels/cell_types.cl"),
-    include_str!("kernels/single_store.cl"),
-    include_str!("kernels/marks.cl"),
-    include_str!("kernels/surface_table.cl"),
-    include_str!("kernels/world.cl"),
-    include_str!("kernels/further.cl"),
-    include_str!("kernels/cell.cl"),
-    include_str!("kernels/single.cl"),
-];
 
 /// Room of the first pass, and of the last one: what needs more is the host's.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
@@ -314,35 +302,8 @@ impl Device {
 
 /// The kernel with the given room, and how many work-items it has in a group.
 fn build(context: &Context, device: cl_device_id, room: Capacities) -> Result<(Kernel<SingleCells<'static>>, usize)> {
-    let options = format!("-D CAP_P={} -D CAP_V={}", room.planes, room.vertices);
-    let program = compile(context, device, &SOURCE.concat(), &options)?;
+    let program = compile(context, device, Build::Single(room))?;
     let kernel = Kernel::new(&program)?;
     let group = GROUP.min(kernel.largest_group(device)?);
     Ok((kernel, group))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A device without doubles must be able to build it.
-    #[test]
-    fn the_kernels_have_no_doubles() {
-        let source = SOURCE.concat();
-        let text: Vec<&str> = source.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
-        let text = text.join("\n");
-        assert!(!text.contains("double") && !text.contains("fp64"));
-        // A literal with a point or an exponent is double unless it stands in `REAL(…)`, which makes it single.
-        for (at, _) in text.match_indices('.') {
-            let before = &text[..at];
-            let digits = before.trim_end_matches(|c: char| c.is_ascii_digit());
-            if digits.len() < before.len() && !digits.ends_with(|c: char| c.is_alphanumeric() || c == '_') {
-                assert!(
-                    digits.trim_end_matches('-').ends_with("REAL("),
-                    "{}",
-                    &text[digits.len().saturating_sub(60)..at + 10]
-                );
-            }
-        }
-    }
 }

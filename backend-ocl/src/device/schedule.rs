@@ -2,10 +2,11 @@
 
 use super::{Computed, Device, Memory, WARP};
 use crate::buffer::{failed, lacked_memory};
+use crate::builds::{Stage, Way};
 use crate::grid::GROUP;
 use crate::interface::data::Counters;
 use crate::interface::kernels::{self, LookAbout, World};
-use crate::program::{MOST_PLANES, Stage, Way};
+use crate::program::MOST_PLANES;
 use crate::results::{NOT_COMPUTED, width_of};
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, FacetSecond, INTEGRAL};

@@ -6,6 +6,8 @@
 // (`reach.cl`). The largest weight of all would have every cell search as far as the heaviest site anywhere could
 // reach; and the weights of optimal transport differ by hundreds of squared spacings, as far as its cells are from their sites.
 
+#import "bounds.cl"
+
 // Sites that a slope is fitted to, at least, if the node above the block has so many; and what is added to their second moments, in squared
 // voxels, so that the fit has one solution.
 #define SITES_OF_FIT 8u

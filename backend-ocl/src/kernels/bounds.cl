@@ -1,6 +1,8 @@
 // Nodes of the pyramid, and affine bounds of their sites' weights (`blocks.cl` makes them): slope, and what the weights are at most above that,
 // at the node's middle; −∞ where there is no site.
 
+#import "params.cl"
+
 // A node that covers 2^level voxels along each axis.
 typedef struct {
     uint level;

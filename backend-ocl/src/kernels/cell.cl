@@ -1,5 +1,9 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
+#import <store>
+#import "world.cl"
+#import "further.cl"
+
 INLINE V3 v3(real x, real y, real z);
 INLINE V3 add(V3 a, V3 b);
 INLINE V3 sub(V3 a, V3 b);

@@ -1,5 +1,7 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
+#import <prelude>
+
 // core/src/cell/vector.rs
 
 // Half the distance from 1 to the next number: the largest relative error of one rounding.

@@ -1,5 +1,8 @@
 // How far from each voxel of the domain's grid the surface is, and so from each site.
 
+#import "params.cl"
+#import "surface_table.cl"
+
 // For each of `count` voxels 0 where the surface meets it, or else the largest number n up to 255 such that it meets no voxel less than n away
 // along each axis.
 __kernel void measure_clearances(MEASURE_CLEARANCES_ARGUMENTS) {

@@ -1,5 +1,8 @@
 // The entry point where one work-item computes a cell.
 
+#import "search.cl"
+#import "output.cl"
+
 // Computes `count` cells: those of `list` from `first` on, or without a list every `stride`th site from `first` on; every `apart`th work-item
 // computes one, since few cells take less time where they do not wait for each other. Each cell that ends is written where the caller has its
 // site: `outcome`, `sums`, and where facets are asked for, `rows`: where

@@ -1,6 +1,8 @@
 // What only some requests ask for. Built with -D WITH_FACET_SECOND and WITH_INTEGRAL; without, nothing of it is there, and what the
 // generated text does for it is compiled to nothing.
 
+#import <store>
+
 #if WITH_FACET_SECOND
 INLINE FacetSecond store_facet_second(Store *s, uint f) { return s->facet_second[f]; }
 INLINE void store_set_facet_second(Store *s, uint f, FacetSecond second) { s->facet_second[f] = second; }

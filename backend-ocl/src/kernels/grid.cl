@@ -1,6 +1,8 @@
 // The site grid: sites moved into the frame, sorted by voxel and within a voxel by position, coincident ones taken out, and the pyramid
 // of largest weights. The same sites in the same order as the host's `SiteGrid` (site_grid.rs) sorts them.
 
+#import "params.cl"
+
 // The sites in the frame: x, y, z, weight; the same expressions as `Frame::enter` and `Frame::enter_weight`. And the range of each
 // group.
 __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void enter_sites(ENTER_SITES_ARGUMENTS) {

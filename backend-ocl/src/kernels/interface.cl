@@ -1,5 +1,7 @@
 // Generated from backend-ocl/src/interface/ by `cargo xtask codegen`; do not edit.
 
+#import "cell_types.cl"
+
 // core/src/site_grid.rs
 
 // A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.

@@ -9,6 +9,9 @@
 // inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either or reaches beyond the table of
 // offsets, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
 
+#import "lanes_cap.cl"
+#import "lanes_far.cl"
+
 #if WITH_DOMAIN
 // How many voxels the surface meets of those that the box of the vertices, which are in single precision, and the site may; and the lowest
 // of them.

@@ -1,6 +1,8 @@
 // Cuts off what of a cell is far outside the domain (`core/src/cell/cap.rs`), where LANES work-items compute it together: only built
 // WITH_EXACT, since a cell of a site amid others reaches nowhere far.
 
+#import "lanes_clip.cl"
+
 #if WITH_DOMAIN && WITH_EXACT
 
 // The position of the vertex that is farthest from the site.

@@ -1,5 +1,7 @@
 // How a cell that LANES work-items compute together is begun, and clipped.
 
+#import "lanes_exact.cl"
+
 // Words of a bit for each vertex, LANES bits in each.
 #define WORDS (LANES_V / LANES)
 

@@ -1,6 +1,12 @@
 // The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group. What is left
 // to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`; `undecided` lists
 // the records of cells that are given to it WITH_SURFACE.
+
+#import "lanes.cl"
+#import "lanes_near.cl"
+#import "lanes_integrate.cl"
+#import "output.cl"
+
 __kernel void cells(CELLS_ARGUMENTS) {
     __local Cell cells[CELLS];
     const uint own_turn = lanes_alike((uint)get_global_id(0) / LANES);

@@ -1,6 +1,9 @@
 // What of the search is beyond the table of offsets, where LANES work-items compute a cell together: twice as far each time, through nodes of the
 // pyramid that are twice as large, of which each lane has its own, until it comes to a block whose sites may cut the cell.
 
+#import "bounds.cl"
+#import "lanes_reach.cl"
+
 #if SEARCHES_FAR
 
 // The squared distance of a node's box from the site; no less than that of any node that it is in.

@@ -1,5 +1,9 @@
 // The integrals of a cell that LANES work-items compute together.
 
+#import "lanes.cl"
+#import "lanes_sums.cl"
+#import "lanes_surface.cl"
+
 // The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`.
 INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums) {
     __local Cell *cell = s->cell;

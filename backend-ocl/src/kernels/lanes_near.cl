@@ -2,6 +2,8 @@
 // site, numbers of half-spaces and of vertices, whether exact arithmetic was needed; the vertices in single precision; their
 // triplets, and the sites beyond the half-spaces.
 
+#import "lanes_clip.cl"
+
 #if GIVES_NEAR
 // Writes the record of a cell, whose place is `place`: `NEAR`; or `OPEN` where there is no room: the stage WITH_EXACT finds the same cell anew,
 // so that no bit depends on which cells came first.

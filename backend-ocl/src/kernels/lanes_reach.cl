@@ -1,5 +1,8 @@
 // How far a cell reaches that LANES work-items compute together, which sites can cut it, and in what order they do.
 
+#import "reach.cl"
+#import "lanes_clip.cl"
+
 // Below this the squares of single precision could underflow.
 #define ROUGH_SQUARE 1e-30f
 

@@ -5,6 +5,9 @@
 // A `Store` stays in registers as long as no function that is not inlined is given its address, and nothing in it is indexed: such
 // functions are given a copy. (Without that, half of all instructions were about memory.)
 
+#import "params.cl"
+#import "ties.cl"
+
 // Built with -D LANES: 32, a warp of NVIDIA's, which talks through its registers; or 1, with which any device can run it and find the same
 // cells.
 

@@ -1,5 +1,7 @@
 // Sums over the vertices of a polytope that LANES work-items compute together.
 
+#import "cell.cl"
+
 // A lane's view of its share of the vertices.
 INLINE Store share_of(__local Cell *cell, uint lane, uint vertices, uint is_fine) {
     Store share;

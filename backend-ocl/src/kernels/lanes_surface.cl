@@ -1,4 +1,8 @@
 // Cells near the domain's surface, where LANES work-items compute one together. Those that it cuts, too, but for their facets.
+
+#import "lanes_clip.cl"
+#import "lanes_sums.cl"
+
 #if WITH_DOMAIN && (WITH_SURFACE || WITH_FACETS)
 
 // How many voxels there are from `lo` to `hi`, and number n of them.

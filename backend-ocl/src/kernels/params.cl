@@ -1,5 +1,7 @@
 // What the kernels that sort sites and those that use them share, beside what the host tells them (`interface.cl`).
 
+#import "interface.cl"
+
 // The voxel along an axis that holds x, clamped into the grid (`SiteGrid::voxel_of`).
 INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
     const real q = (x - params->grid_lo[axis]) / params->grid_width;

@@ -1,5 +1,7 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
+#import "parity_state.cl"
+
 INLINE V3 take_V3(Input *in) {
     V3 value;
     value.x = take_real(in);

@@ -1,6 +1,8 @@
 // What the generated kernels of parity.cl stand on: words in and out, and the cell that functions of the store are called on. The host's
 // twin is core/src/cell/parity.rs. Built with -D NEIGHBORS, the sites that cut the cell.
 
+#import "search.cl"
+
 typedef __global const ulong *Input;
 typedef __global ulong *Output;
 

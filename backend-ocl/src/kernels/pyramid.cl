@@ -1,6 +1,8 @@
 // What one work-item knows while it searches the sites that cut its cell, and the part of the search that goes through the pyramid from its
 // root, and the trees of crowded voxels.
 
+#import "reach.cl"
+
 // Where the search of the pyramid stands.
 #define IN_PYRAMID 1u
 #define IN_TREE 2u

@@ -1,6 +1,8 @@
 // Which sites can cut a cell, where weights differ: as `security_reach` of `cell.cl` has it, but less what weights have in common that
 // moves all cells alike (`Block` of `params.cl`). In single precision, rounded to the safe side.
 
+#import "cell.cl"
+
 #define REACH_SAFE 1.00001f
 #define PLANE_SAFE 0.99999f
 

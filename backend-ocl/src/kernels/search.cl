@@ -5,6 +5,8 @@
 // Each work-item looks for its own next candidate, and then all of a group clip together: looking must cost little. So what it needs
 // is kept in registers, and distances to voxels are in single precision and units of a voxel.
 
+#import "pyramid.cl"
+
 // Whether a site's bisector is among the cell's half-spaces.
 OUTLINE uint has_cut(Store *s, uint site) {
     for (uint f = 0; f < s->planes; f++) {

@@ -1,5 +1,7 @@
 // Generated from backend-ocl/src/interface/ by `cargo xtask codegen`; do not edit.
 
+#import "cell_types.cl"
+
 // backend-ocl/src/interface/single.rs
 
 // Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds: fewer than where there are `blocks.cl`.

@@ -1,6 +1,8 @@
 // Where a cell lives whose numbers are single: in the private memory of its work-item, with all its half-spaces. Lengths are in a unit
 // of the grid's (`Params` of `single_interface.cl`), so that products of four coefficients neither overflow nor underflow.
 
+#import "single_interface.cl"
+
 #define WORDS ((CAP_V + 31) / 32)
 
 // Sites and domain, in global memory. What only cells at the surface need is not there: those are the host's.
@@ -147,3 +149,5 @@ INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; 
 INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
 INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
+
+#import "marks.cl"

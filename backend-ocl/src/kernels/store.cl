@@ -1,5 +1,8 @@
 // Where a cell lives that one work-item computes: in its private memory, which GPUs interleave between work-items.
 
+#import "params.cl"
+#import "ties.cl"
+
 #define WORDS ((CAP_V + 31) / 32)
 
 // Sources of half-spaces from here on are no sites but places in `special`.
@@ -298,3 +301,5 @@ INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; 
 INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
 INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
+
+#import "marks.cl"

@@ -1,5 +1,7 @@
 // Voxels of the domain's grid that the surface meets, counted for any box of voxels from the summed-area table (domain_grid/surface.rs).
 
+#import <prelude>
+
 INLINE uint table_entry(__global const uint *dims, __global const uint *table, uint i, uint j, uint k) {
     return table[i + ((dims[0] + 1u) * (j + ((dims[1] + 1u) * k)))];
 }

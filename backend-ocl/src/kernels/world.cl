@@ -1,5 +1,8 @@
 // The domain, as the cells see it. (`Store`, declared before, has its `world`.)
 
+#import <store>
+#import "surface_table.cl"
+
 INLINE uint store_has_domain(Store *s) { return s->world.params->has_domain; }
 
 // Lattice coordinates are exact, as on the host (domain_grid/lattice.rs).

@@ -60,9 +60,11 @@ struct Interface {
     target: &'static str,
 }
 
-/// The first line of a generated file.
-fn header(from: &str) -> String {
-    format!("// Generated from {from} by `cargo xtask codegen`; do not edit.\n")
+/// What begins a generated file of kernels: where it comes from, and the files that it stands on.
+fn header(from: &str, imports: &[&str]) -> String {
+    let imports: String = imports.iter().map(|file| format!("#import {file}\n")).collect();
+    let gap = if imports.is_empty() { "" } else { "\n" };
+    format!("// Generated from {from} by `cargo xtask codegen`; do not edit.\n{gap}{imports}")
 }
 
 /// Generates the files, or with `check` only compares them with what is committed.
@@ -89,15 +91,20 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
     let units = units.into_iter().collect::<Result<Vec<_>, _>>()?;
     let [types, functions] = translate(&units)?;
     let parity::Parity { kernels, table } = parity::parity(&units)?;
-    let files = [(TYPES, types), (FUNCTIONS, functions), (PARITY, kernels), (PARITY_TABLE, table)];
-    let header_of_cell = header("core/src/cell/");
-    let mut files = files.map(|(name, text)| (name, format!("{header_of_cell}{text}"))).to_vec();
+    let files: [(_, &[&str], _); 4] = [
+        (TYPES, &["<prelude>"], types),
+        (FUNCTIONS, &["<store>", "\"world.cl\"", "\"further.cl\""], functions),
+        (PARITY, &["\"parity_state.cl\""], kernels),
+        (PARITY_TABLE, &[], table),
+    ];
+    let cell = |imports: &[&str], text| format!("{}{text}", header("core/src/cell/", imports));
+    let mut files = files.map(|(name, imports, text)| (name, cell(imports, text))).to_vec();
     for Interface { modules, borrowed, target } in INTERFACES {
         let borrowed = borrowed.iter().map(|(path, names)| interface::only(read(root, path)?, names));
         let borrowed = borrowed.collect::<Result<Vec<_>, _>>()?;
         let modules = modules.iter().map(|name| read(root, &format!("backend-ocl/src/interface/{name}.rs")));
         let text = interface::interface(&borrowed, &modules.collect::<Result<Vec<_>, _>>()?)?;
-        files.push((target, format!("{}{text}", header("backend-ocl/src/interface/"))));
+        files.push((target, format!("{}{text}", header("backend-ocl/src/interface/", &["\"cell_types.cl\""]))));
     }
     Ok(files)
 }

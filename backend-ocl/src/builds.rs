@@ -1,0 +1,261 @@
+//! The builds of the kernels: their texts, and the flags that they are compiled with.
+
+use crate::interface::data::Params;
+use crate::sources::Text;
+use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL};
+use laguerre_core::passes::Capacities;
+
+/// The kernels that sort sites, and those that find how near the surface is to them.
+const GRID: Text = Text { entries: &["grid.cl", "blocks.cl", "clearance.cl"], prelude: "prelude.cl", store: None };
+
+/// A cell by one work-item, and by several.
+const ALONE: Text = Text { entries: &["evaluate.cl"], prelude: "prelude.cl", store: Some("store.cl") };
+const TOGETHER: Text = Text { entries: &["lanes_evaluate.cl"], prelude: "prelude.cl", store: Some("lanes_store.cl") };
+
+/// A cell in single precision.
+const SINGLE: Text = Text { entries: &["single.cl"], prelude: "single_prelude.cl", store: Some("single_store.cl") };
+
+/// The functions of a cell, one by one.
+#[cfg(any(test, feature = "test-util"))]
+const PARITY: Text = Text { entries: &["parity.cl"], prelude: "prelude.cl", store: Some("store.cl") };
+
+/// A build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Build {
+    Grid,
+    Cells(Way, Asked),
+    Single(Capacities),
+    /// With the numbers of half-spaces, vertices and neighbors that calls are made for.
+    #[cfg(any(test, feature = "test-util"))]
+    Parity(Capacities, u32),
+}
+
+/// Who computes a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Way {
+    /// One work-item, with so much room.
+    Alone(Capacities),
+    /// A group of so many work-items: `LANES` of `lanes_store.cl`.
+    Together(usize, Stage),
+}
+
+/// What cells that are computed together are built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Stage {
+    /// All of them; those are given up that need exact signs, or may meet the surface.
+    First,
+    /// Those that may meet the surface; those are given up that need exact signs.
+    Surface,
+    /// Those that need exact signs, or sites beyond the table of offsets.
+    Exact,
+    /// Those that need more room.
+    Wide,
+}
+
+/// How a stage is built.
+struct Shape {
+    /// Cells of a group: as many as fit into 48 KiB, so that they go through the same instructions at about the same time, which are more
+    /// than the nearest cache holds (of 2 million cells, 5 instead of 4 save 1 %, 2 cost 8 %; one NVIDIA H200); but no more than let
+    /// registers be used up.
+    cells: u32,
+    /// More registers for each work-item, and fewer cells are computed at a time (measured; an option of NVIDIA's alone).
+    registers: Option<u32>,
+    exact: bool,
+    surface: bool,
+    room: bool,
+}
+
+impl Stage {
+    const fn shape(self) -> Shape {
+        match self {
+            Self::First => Shape { cells: 5, registers: Some(96), exact: false, surface: false, room: false },
+            Self::Surface => Shape { cells: 4, registers: Some(168), exact: false, surface: true, room: false },
+            Self::Exact => Shape { cells: 4, registers: Some(128), exact: true, surface: true, room: false },
+            Self::Wide => Shape { cells: 1, registers: None, exact: true, surface: true, room: true },
+        }
+    }
+}
+
+impl Way {
+    /// Work-items of a group, at most, and those that compute one cell.
+    pub(crate) const fn group(self) -> (usize, usize) {
+        match self {
+            // They share nothing; a multiple of what any GPU runs in step.
+            Self::Alone(_) => (64, 1),
+            Self::Together(lanes, stage) => (lanes * stage.shape().cells as usize, lanes),
+        }
+    }
+}
+
+/// What cells are computed for, and no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Asked {
+    facets: bool,
+    facet_second: bool,
+    integral: bool,
+    /// Whether there is a domain, and whether weights differ, where cells are shared: those kernels are faster if they know that there is
+    /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
+    domain: bool,
+    weights: bool,
+}
+
+impl Asked {
+    pub(crate) fn of(params: &Params, way: Way) -> Self {
+        let is_shared = matches!(way, Way::Together(..));
+        Self {
+            facets: params.flags & FACETS != 0,
+            facet_second: params.flags & FACET_SECOND_MOMENTS != 0,
+            integral: params.flags & INTEGRAL != 0,
+            domain: is_shared && params.has_domain != 0,
+            weights: is_shared && params.equal_weights == 0,
+        }
+    }
+}
+
+/// What the text of the kernels asks for.
+#[derive(Clone, Copy, Debug)]
+enum Flag {
+    /// Room of a cell.
+    Planes(u32),
+    Vertices(u32),
+    Lanes(u32),
+    CellsOfGroup(u32),
+    Facets(bool),
+    FacetSecond(bool),
+    Integral(bool),
+    Domain(bool),
+    Weights(bool),
+    Exact(bool),
+    Surface(bool),
+    Room(bool),
+    #[cfg(any(test, feature = "test-util"))]
+    Neighbors(u32),
+}
+
+impl Flag {
+    /// Its name in the text, and its value.
+    fn in_c(self) -> (&'static str, String) {
+        let set = |name, is_set| (name, u32::from(is_set).to_string());
+        match self {
+            Self::Planes(count) => ("CAP_P", count.to_string()),
+            Self::Vertices(count) => ("CAP_V", count.to_string()),
+            Self::Lanes(count) => ("LANES", format!("{count}u")),
+            Self::CellsOfGroup(count) => ("CELLS", count.to_string()),
+            Self::Facets(is_set) => set("WITH_FACETS", is_set),
+            Self::FacetSecond(is_set) => set("WITH_FACET_SECOND", is_set),
+            Self::Integral(is_set) => set("WITH_INTEGRAL", is_set),
+            Self::Domain(is_set) => set("WITH_DOMAIN", is_set),
+            Self::Weights(is_set) => set("WITH_WEIGHTS", is_set),
+            Self::Exact(is_set) => set("WITH_EXACT", is_set),
+            Self::Surface(is_set) => set("WITH_SURFACE", is_set),
+            Self::Room(is_set) => set("WITH_ROOM", is_set),
+            #[cfg(any(test, feature = "test-util"))]
+            Self::Neighbors(count) => ("NEIGHBORS", count.to_string()),
+        }
+    }
+}
+
+impl Build {
+    pub(crate) const fn text(&self) -> Text {
+        match self {
+            Self::Grid => GRID,
+            Self::Cells(Way::Alone(_), _) => ALONE,
+            Self::Cells(Way::Together(..), _) => TOGETHER,
+            Self::Single(_) => SINGLE,
+            #[cfg(any(test, feature = "test-util"))]
+            Self::Parity(..) => PARITY,
+        }
+    }
+
+    fn flags(&self) -> Vec<Flag> {
+        let room_of = |room: &Capacities| vec![Flag::Planes(room.planes), Flag::Vertices(room.vertices)];
+        match self {
+            Self::Grid => Vec::new(),
+            Self::Cells(way, Asked { facets, facet_second, integral, domain, weights }) => {
+                let mut flags = match *way {
+                    Way::Alone(room) => room_of(&room),
+                    Way::Together(lanes, stage) => {
+                        let Shape { cells, exact, surface, room, .. } = stage.shape();
+                        vec![
+                            Flag::Lanes(lanes as u32),
+                            Flag::CellsOfGroup(cells),
+                            Flag::Domain(*domain),
+                            Flag::Weights(*weights),
+                            Flag::Exact(exact),
+                            // The facets of a cell that the surface cuts are not computed together.
+                            Flag::Surface(surface && *domain && !facets),
+                            Flag::Room(room),
+                        ]
+                    }
+                };
+                flags.extend([Flag::Facets(*facets), Flag::FacetSecond(*facet_second), Flag::Integral(*integral)]);
+                flags
+            }
+            Self::Single(room) => room_of(room),
+            #[cfg(any(test, feature = "test-util"))]
+            Self::Parity(room, neighbors) => {
+                let all = [Flag::Facets(true), Flag::FacetSecond(true), Flag::Integral(true)];
+                [room_of(room), all.to_vec(), vec![Flag::Neighbors(*neighbors)]].concat()
+            }
+        }
+    }
+
+    /// The compiler's options.
+    pub(crate) fn options(&self) -> String {
+        let registers = match self {
+            Self::Cells(Way::Together(2.., stage), _) => stage.shape().registers,
+            _ => None,
+        };
+        let defined = self.flags().into_iter().map(Flag::in_c).map(|(name, value)| format!("-D {name}={value}"));
+        let registers = registers.map(|count| format!("-cl-nv-maxrregcount={count}"));
+        defined.chain(registers).collect::<Vec<_>>().join(" ")
+    }
+
+    /// One of each text and stage.
+    #[cfg(test)]
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let asked = Asked { facets: true, facet_second: true, integral: true, domain: true, weights: true };
+        let room = Capacities { planes: 64, vertices: 128 };
+        let stages = [Stage::First, Stage::Surface, Stage::Exact, Stage::Wide];
+        let together = stages.map(|stage| Self::Cells(Way::Together(32, stage), asked));
+        let others = [Self::Grid, Self::Cells(Way::Alone(room), asked), Self::Single(room), Self::Parity(room, 10)];
+        others.into_iter().chain(together)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_flag_is_asked_for_by_the_text() {
+        for build in Build::all() {
+            let whole = build.text().whole().unwrap();
+            let words: Vec<&str> = whole.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+            for (name, _) in build.flags().into_iter().map(Flag::in_c) {
+                assert!(words.contains(&name), "{name} of {build:?}");
+            }
+        }
+    }
+
+    /// A device without doubles must be able to build it.
+    #[test]
+    fn single_precision_has_no_doubles() {
+        let source = SINGLE.whole().unwrap();
+        let text: Vec<&str> = source.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
+        let text = text.join("\n");
+        assert!(!text.contains("double") && !text.contains("fp64"));
+        // A literal with a point or an exponent is double unless it stands in `REAL(…)`, which makes it single.
+        for (at, _) in text.match_indices('.') {
+            let before = &text[..at];
+            let digits = before.trim_end_matches(|c: char| c.is_ascii_digit());
+            if digits.len() < before.len() && !digits.ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+                assert!(
+                    digits.trim_end_matches('-').ends_with("REAL("),
+                    "{}",
+                    &text[digits.len().saturating_sub(60)..at + 10]
+                );
+            }
+        }
+    }
+}

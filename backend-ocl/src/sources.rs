@@ -1,0 +1,133 @@
+//! The text of the kernels: files, and how they import each other.
+//!
+//! A line `#import "name.cl"` stands for that file where it is first imported, and for nothing from then on. `#import <prelude>` and
+//! `#import <store>` stand for the files that a [`Text`] chooses: what `real` is, and where a cell lives.
+
+use laguerre_core::{Error, ErrorKind, Result};
+
+macro_rules! files {
+    ($($name:literal)*) => { &[$(($name, include_str!(concat!("kernels/", $name)))),*] };
+}
+
+const FILES: &[(&str, &str)] = files![
+    "blocks.cl" "bounds.cl" "cell.cl" "cell_types.cl" "clearance.cl" "evaluate.cl" "further.cl" "grid.cl" "interface.cl" "lanes.cl"
+    "lanes_cap.cl" "lanes_clip.cl" "lanes_evaluate.cl" "lanes_exact.cl" "lanes_far.cl" "lanes_integrate.cl" "lanes_near.cl"
+    "lanes_reach.cl" "lanes_store.cl" "lanes_sums.cl" "lanes_surface.cl" "marks.cl" "output.cl" "params.cl"
+    "prelude.cl" "pyramid.cl" "reach.cl" "search.cl" "single.cl" "single_interface.cl" "single_prelude.cl"
+    "single_store.cl" "store.cl" "surface_table.cl" "ties.cl" "world.cl"
+];
+
+/// Those of tests alone.
+#[cfg(any(test, feature = "test-util"))]
+const TEST_FILES: &[(&str, &str)] = files!["parity.cl" "parity_state.cl"];
+#[cfg(not(any(test, feature = "test-util")))]
+const TEST_FILES: &[(&str, &str)] = &[];
+
+/// The text of a program.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Text {
+    /// The files that have its kernels.
+    pub(crate) entries: &'static [&'static str],
+    pub(crate) prelude: &'static str,
+    /// None where no cell is computed.
+    pub(crate) store: Option<&'static str>,
+}
+
+impl Text {
+    /// The whole of it.
+    pub(crate) fn whole(&self) -> Result<String> {
+        self.whole_with(&[])
+    }
+
+    /// The same, with other texts for some files.
+    pub(crate) fn whole_with(&self, others: &[(&str, &str)]) -> Result<String> {
+        let mut reader = Reader { text: self, others, begun: Vec::new(), open: Vec::new(), whole: String::new() };
+        let read = self.entries.iter().try_for_each(|name| reader.read(name));
+        read.map_err(|what| Error::new(ErrorKind::Device, format!("the OpenCL kernels are incomplete: {what}")))?;
+        Ok(reader.whole)
+    }
+}
+
+struct Reader<'a> {
+    text: &'a Text,
+    others: &'a [(&'a str, &'a str)],
+    begun: Vec<&'a str>,
+    /// Files that import one another, the last of which is read.
+    open: Vec<&'a str>,
+    whole: String,
+}
+
+impl<'a> Reader<'a> {
+    fn read(&mut self, name: &'a str) -> std::result::Result<(), String> {
+        if self.open.contains(&name) {
+            return Err(format!("{name} imports itself through {}", self.open.join(", ")));
+        }
+        if self.begun.contains(&name) {
+            return Ok(());
+        }
+        let mut files = self.others.iter().chain(FILES).chain(TEST_FILES);
+        let Some((_, text)) = files.find(|(file, _)| *file == name) else { return Err(format!("there is no {name}")) };
+        self.begun.push(name);
+        self.open.push(name);
+        for line in text.split_inclusive('\n') {
+            match line.strip_prefix("#import ") {
+                None => self.whole.push_str(line),
+                Some(import) => {
+                    let import =
+                        self.chosen(import.trim_end()).ok_or_else(|| format!("{name} has `{}`", line.trim_end()))?;
+                    self.read(import)?;
+                }
+            }
+        }
+        self.open.pop();
+        Ok(())
+    }
+
+    /// The file that an import stands for.
+    fn chosen(&self, import: &'a str) -> Option<&'a str> {
+        match import {
+            "<prelude>" => Some(self.text.prelude),
+            "<store>" => self.text.store,
+            _ => import.strip_prefix('"')?.strip_suffix('"'),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builds::Build;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_file_is_in_a_build_and_none_imports_itself() {
+        let mut used = BTreeSet::new();
+        let texts: Vec<Text> = Build::all().map(|build| build.text()).collect();
+        for text in &texts {
+            let mut reader = Reader { text, others: &[], begun: Vec::new(), open: Vec::new(), whole: String::new() };
+            text.entries.iter().for_each(|name| reader.read(name).unwrap());
+            assert!(!reader.whole.contains("#import"));
+            used.extend(reader.begun);
+        }
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/kernels");
+        let there = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+        assert_eq!(used.into_iter().map(str::to_owned).collect::<BTreeSet<_>>(), there.collect());
+    }
+
+    #[test]
+    fn an_import_that_leads_nowhere_or_back_is_an_error() {
+        let text = Text { entries: &["a.cl"], prelude: "p.cl", store: None };
+        let whole = |others: &[(&str, &str)]| text.whole_with(others).map_err(|error| error.to_string());
+        let files =
+            [("a.cl", "#import \"b.cl\"\n#import <prelude>\na\n"), ("b.cl", "#import <prelude>\nb\n"), ("p.cl", "p\n")];
+        assert_eq!(whole(&files).unwrap(), "p\nb\na\n");
+        for (b, what) in [
+            ("#import \"a.cl\"\n", "a.cl imports itself through a.cl, b.cl"),
+            ("#import \"c.cl\"\n", "there is no c.cl"),
+            ("#import <store>\n", "b.cl has `#import <store>`"),
+        ] {
+            let error = whole(&[files[0], ("b.cl", b), files[2]]).unwrap_err();
+            assert!(error.contains(what), "{error}");
+        }
+    }
+}

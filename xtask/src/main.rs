@@ -17,7 +17,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
                    LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
   check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; generated text as it
                    should be
-  codegen          the OpenCL C of core/src/cell/; with --check only says whether it is up to date
+  codegen          the OpenCL C of core/src/cell/ and of backend-ocl/src/interface/; with --check only says whether it is up to date
   fixtures         makes the CGAL fixtures anew (needs g++ and libcgal-dev) and fails if any changed; with --worst holds the
                    backends to those that are there and prints the largest errors
   paper [OPTION…]  the paper's experiments, into BENCHMARKS.md (minutes; options are those of `laguerre paper --help`, as --sites N,

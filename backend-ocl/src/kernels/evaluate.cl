@@ -5,8 +5,8 @@
 
 // Computes `count` cells: those of `list` from `first` on, or without a list every `stride`th site from `first` on; every `apart`th work-item
 // computes one, since few cells take less time where they do not wait for each other. Each cell that ends is written where the caller has its
-// site: `outcome`, `sums`, and where facets are asked for, `rows`: where
-// their records begin, and how many they are. The others are appended to a list.
+// site: `outcome`, `sums`, and where facets are asked for, `rows`: where their records begin, and how many they are. The others are
+// appended to a list.
 __kernel void cells(CELLS_ARGUMENTS) {
     const uint own = (uint)get_global_id(0) / apart;
     if ((own >= count) || (((uint)get_global_id(0) % apart) != 0u)) {

@@ -1,5 +1,5 @@
 // Which sites can cut a cell, where weights differ: as `security_reach` of `cell.cl` has it, but less what weights have in common that
-// moves all cells alike (`Block` of `params.cl`). In single precision, rounded to the safe side.
+// moves all cells alike (`Block` of `interface.cl`). In single precision, rounded to the safe side.
 
 #import "cell.cl"
 

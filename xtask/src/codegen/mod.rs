@@ -1,4 +1,4 @@
-//! From the Rust text of the algorithm to OpenCL C (design: one source for the GPU too).
+//! From Rust text to OpenCL C: the algorithm (design: one source for the GPU too), and what the host and the kernels share.
 //!
 //! The text of `core/src/cell/` keeps to a dialect that maps to C statement by statement; `translate` does just that mapping,
 //! and refuses, with file and line, what the dialect does not have.

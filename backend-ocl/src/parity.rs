@@ -42,7 +42,7 @@ impl Parity {
         let chosen = choose(choice, Precision::F64)?;
         let found = chosen.first().ok_or_else(|| Error::new(ErrorKind::Unavailable, "no device was chosen"))?;
         let (context, queue) = platform::open(found)?;
-        let room = Capacities { planes: PLANES as u32, vertices: VERTICES as u32 };
+        let room = Capacities { planes: PLANES, vertices: VERTICES };
         let build = Build::Parity(room, NEIGHBORS as u32);
         let text = build.text().whole_with(&[("cell.cl", functions)])?;
         let program = compile_text(&context, found.id.0, &text, &build.options())?;

@@ -3,11 +3,6 @@
 #import "reach.cl"
 #import "lanes_clip.cl"
 
-// Below this the squares of single precision could underflow.
-#define ROUGH_SQUARE 1e-30f
-
-INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
-
 // An upper bound of the distance of the farthest vertex from a place in the frame of the site (`farthest_vertex`, in single precision).
 INLINE float farthest_from(Store *s, float3 place) {
     float most = 0.0f;

@@ -29,6 +29,9 @@ INLINE uint sampled_site(__global const Params *params, __global const uint *vox
 #define VOXEL_SLACK 1e-4f
 #define VOXEL_ROUNDING 1e-6f
 
+// Below this the squares of single precision could underflow.
+#define ROUGH_SQUARE 1e-30f
+
 // What single precision rounds off in a few operations.
 #define ROUGH_SAFE 1.000002f
 

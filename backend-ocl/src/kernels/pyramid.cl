@@ -34,8 +34,6 @@ typedef struct {
     uint stack[40];
 } Search;
 
-INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
-
 // What is carried from cut to cut.
 INLINE void measure(Store *s, Search *search) {
     search->farthest = farthest_vertex(s);

@@ -6,6 +6,8 @@
 #define REACH_SAFE 1.00001f
 #define PLANE_SAFE 0.99999f
 
+INLINE real square_of(V3 d) { return ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z); }
+
 // A lower bound of the distance from x − g/2 of the bisector of a site x and another at x + d whose weight is larger by `dw`: it cuts no cell whose
 // vertices are all nearer. (From the bisector 2u·d = |d|² − dw, and u = u' − g/2.)
 INLINE float bisector_distance(V3 d, real dw, V3 slope) {

@@ -269,9 +269,6 @@ INLINE uint store_mark_conflicts(Store *s, uint k) {
     return (any_conflict ? SEEN_CONFLICT : 0u) | (any_uncertain ? SEEN_UNCERTAIN : 0u) | (any_keep ? SEEN_KEEP : 0u);
 }
 
-// Below this the squares of single precision could underflow.
-#define ROUGH_SQUARE 1e-30f
-
 // In single precision: its roundings are less than the radius allows for.
 INLINE V3 store_farthest(Store *s) {
     float square = 0.0f;

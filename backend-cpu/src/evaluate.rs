@@ -1,19 +1,21 @@
 //! The backend: passes over chunks of sites in grid order.
 
-use crate::clusters::Clusters;
 use crate::store::CpuStore;
 use laguerre_core::assemble::{Assembler, CellRecord, Facets};
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
-use laguerre_core::search::{Nearest, Search};
+use laguerre_core::search::Search;
 use laguerre_core::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Cells that one task computes: enough to hide the scheduling, few enough to share the work evenly.
 const CHUNK: usize = 256;
+
+/// Cells that are computed before their results are put together: enough that the threads' waiting for each other at its end does not count.
+const WAVE: usize = 512 * CHUNK;
 
 /// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
@@ -41,7 +43,7 @@ struct ChunkResult {
 /// One thread's storage.
 struct Worker<'a> {
     store: CpuStore<'a>,
-    search: Search,
+    search: Search<'a>,
 }
 
 impl Cpu {
@@ -75,28 +77,28 @@ impl Backend for Cpu {
 fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
     let prepared = diagram.prepare()?;
     let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
-    let clusters = clusters_of(&prepared);
-    let clusters = clusters.as_ref().map(|found| found as &dyn Nearest);
     let mut assembler = Assembler::new(diagram, &prepared.container, request);
     let mut exact_cells = 0;
     let all = (0..prepared.sites.len() as u32).collect();
     let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
-        let results = run_chunks(room, cells, &prepared, clusters, integrand.as_ref(), request);
         let mut outcome: PassOutcome = PassOutcome::default();
-        for result in results {
-            if let Some(site) = result.undecided {
-                return Err(undecided(&prepared, site));
+        // Wave by wave: what a cell leaves behind takes several times the room of its results.
+        for wave in cells.chunks(WAVE) {
+            for result in run_chunks(room, wave, &prepared, integrand.as_ref(), request) {
+                if let Some(site) = result.undecided {
+                    return Err(undecided(&prepared, site));
+                }
+                let mut begin = 0;
+                for (i, cell) in result.cells.iter().enumerate() {
+                    let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
+                    assembler.add(cell, result.facets.row(begin, end));
+                    begin = end;
+                }
+                outcome.failed.extend(result.failed);
+                outcome.neighbors = outcome.neighbors.max(result.visited);
+                outcome.triangles = outcome.triangles.max(result.triangles);
+                exact_cells += result.exact_cells;
             }
-            let mut begin = 0;
-            for (i, cell) in result.cells.iter().enumerate() {
-                let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
-                assembler.add(cell, result.facets.row(begin, end));
-                begin = end;
-            }
-            outcome.failed.extend(result.failed);
-            outcome.neighbors = outcome.neighbors.max(result.visited);
-            outcome.triangles = outcome.triangles.max(result.triangles);
-            exact_cells += result.exact_cells;
         }
         Ok(outcome)
     })?;
@@ -105,10 +107,6 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
     output.passes = passes;
     output.check_integrals()?;
     Ok(output)
-}
-
-fn clusters_of(prepared: &Prepared) -> Option<Clusters> {
-    if prepared.sites.has_clusters() { Clusters::new(prepared.sites.sites()) } else { None }
 }
 
 /// Cannot happen while the signs are exact; said instead of a panic.
@@ -122,20 +120,19 @@ fn run_chunks(
     room: Capacities,
     cells: &[u32],
     prepared: &Prepared,
-    clusters: Option<&dyn Nearest>,
     integrand: Option<&FramedIntegrand>,
     request: &Request,
 ) -> Vec<ChunkResult> {
     let new_worker = || Worker {
         store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
-        search: Search::default(),
+        search: Search::new(prepared),
     };
     cells
         .par_chunks(CHUNK)
         .map_init(new_worker, |worker, chunk| {
             let mut result = ChunkResult::default();
             for &site in chunk {
-                run_cell(worker, site, prepared, clusters, request, &mut result);
+                run_cell(worker, site, prepared, request, &mut result);
             }
             request.progress.advance(result.cells.len());
             result
@@ -143,18 +140,11 @@ fn run_chunks(
         .collect()
 }
 
-fn run_cell(
-    worker: &mut Worker<'_>,
-    site: u32,
-    prepared: &Prepared,
-    clusters: Option<&dyn Nearest>,
-    request: &Request,
-    result: &mut ChunkResult,
-) {
-    let [x, y, z, _] = prepared.sites.sites()[site as usize];
+fn run_cell(worker: &mut Worker<'_>, site: u32, prepared: &Prepared, request: &Request, result: &mut ChunkResult) {
+    let [x, y, z, _] = prepared.sites.site(site);
     let store = &mut worker.store;
     store.turn_to(v3(x, y, z));
-    let outcome = worker.search.complete(store, prepared, clusters, site, request.epsilon);
+    let outcome = worker.search.complete(store, site, request.epsilon);
     let mut sums = CellSums::default();
     let flags = cell::flags_of(request);
     let status = match outcome.status {

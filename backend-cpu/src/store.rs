@@ -59,6 +59,8 @@ pub(crate) struct CpuStore<'a> {
     conflict: Vec<u64>,
     /// A bit for each vertex: not decided by floating point.
     uncertain: Vec<u64>,
+    /// A bit for each vertex: known to be cut off by no site.
+    settled: Vec<u64>,
     domain: Option<&'a DomainGrid>,
     integrand: Option<&'a FramedIntegrand>,
     site: V3,
@@ -85,6 +87,7 @@ impl<'a> CpuStore<'a> {
             saved: Vertices::with_room(v),
             conflict: vec![0; words],
             uncertain: vec![0; words],
+            settled: vec![0; words],
             domain,
             integrand: None,
             site: v3(0.0, 0.0, 0.0),
@@ -186,6 +189,16 @@ impl CellStore for CpuStore<'_> {
         self.vertices.y[v] = position.y;
         self.vertices.z[v] = position.z;
         self.vertices.radius[v] = radius;
+        self.settled[v / 64] &= !(1 << (v % 64));
+    }
+    #[inline(always)]
+    fn settled(&self, v: u32) -> bool {
+        self.settled[v as usize / 64] >> (v % 64) & 1 != 0
+    }
+    #[inline(always)]
+    fn set_settled(&mut self, v: u32, settled: bool) {
+        let word = &mut self.settled[v as usize / 64];
+        *word = (*word & !(1 << (v % 64))) | u64::from(settled) << (v % 64);
     }
     #[inline(always)]
     fn mark(&self, v: u32) -> u32 {
@@ -315,23 +328,24 @@ impl CellStore for CpuStore<'_> {
     }
 
     #[inline(always)]
-    fn farthest(&self) -> V3 {
+    fn farthest_from(&self, center: V3) -> V3 {
         let vertices = &self.vertices;
         let (mut square, mut radius) = (f64x4::splat(0.0), f64x4::splat(0.0));
+        let (cx, cy, cz) = (f64x4::splat(center.x), f64x4::splat(center.y), f64x4::splat(center.z));
         let whole = vertices.count / LANES;
         let xs = &vertices.x.as_chunks::<LANES>().0[..whole];
         let ys = &vertices.y.as_chunks::<LANES>().0[..whole];
         let zs = &vertices.z.as_chunks::<LANES>().0[..whole];
         let radii = &vertices.radius.as_chunks::<LANES>().0[..whole];
         for c in 0..whole {
-            let (x, y, z) = (f64x4::from(xs[c]), f64x4::from(ys[c]), f64x4::from(zs[c]));
+            let (x, y, z) = (f64x4::from(xs[c]) - cx, f64x4::from(ys[c]) - cy, f64x4::from(zs[c]) - cz);
             square = square.fast_max(((x * x) + (y * y)) + (z * z));
             radius = radius.fast_max(f64x4::from(radii[c]));
         }
         let largest = |lanes: f64x4| lanes.to_array().into_iter().fold(0.0, Real::max);
         let (mut square, mut radius) = (largest(square), largest(radius));
         for v in whole * LANES..vertices.count {
-            let (x, y, z) = (vertices.x[v], vertices.y[v], vertices.z[v]);
+            let (x, y, z) = (vertices.x[v] - center.x, vertices.y[v] - center.y, vertices.z[v] - center.z);
             square = square.max(((x * x) + (y * y)) + (z * z));
             radius = radius.max(vertices.radius[v]);
         }
@@ -373,6 +387,8 @@ mod tests {
                 assert_eq!(fast.next_conflict(v, count), plain.next_conflict(v, count));
             }
             assert_eq!(fast.farthest(), plain.farthest());
+            let center = v3(0.1, -0.7, 0.4);
+            assert_eq!(fast.farthest_from(center), plain.farthest_from(center));
         }
         assert!(fast.vertices() > 200);
     }

@@ -1,8 +1,11 @@
-//! The search paths that ordinary inputs do not take, against the naive oracle: crowded voxels, heavy sites, cells of many facets.
+//! The search paths that ordinary inputs do not take, against the naive oracle and a k-d tree: clusters, heavy sites, weights that curve, cells of
+//! many facets.
 
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use laguerre_core::oracle::Naive;
 use laguerre_core::{Backend, CellStatus, Output, PowerDiagram, Request};
 use laguerre_cpu::Cpu;
+use std::num::NonZero;
 
 /// A low-discrepancy point in the unit cube.
 fn point(i: usize) -> [f64; 3] {
@@ -66,4 +69,70 @@ fn a_cell_of_many_facets_outgrows_the_first_pass() {
     assert!(output.passes.len() > 3, "{:?}", output.passes);
     let facets = output.facets.unwrap();
     assert_eq!(facets.offsets[n + 1] - facets.offsets[n], n);
+}
+
+/// Weights that make cells lie far from their sites, or hide most of them; sites in a plane, whose cells reach across the box.
+#[test]
+fn weights_that_curve_and_sites_in_a_plane() {
+    let positions: Vec<[f64; 3]> = (0..1200).map(point).collect();
+    let flat: Vec<[f64; 3]> = positions.iter().map(|&[x, y, _]| [x, y, 0.5]).collect();
+    let square = |&[x, y, z]: &[f64; 3]| x * x + y * y + z * z;
+    for places in [&positions, &flat] {
+        assert_same(&in_unit_box(places, &[]));
+        for curvature in [0.9, 0.5, -2.0] {
+            let weights: Vec<f64> = places.iter().map(|p| curvature * square(p)).collect();
+            assert_same(&in_unit_box(places, &weights));
+        }
+        let slanted: Vec<f64> = places.iter().map(|&[x, y, z]| 0.6 * x - 0.3 * y + 0.2 * z * y).collect();
+        assert_same(&in_unit_box(places, &slanted));
+    }
+}
+
+/// A hollow: each cell reaches to its middle, where sites from all over cut it.
+#[test]
+fn sites_near_a_sphere() {
+    let on_sphere = |p: [f64; 3]| {
+        let way = p.map(|x| x - 0.5);
+        let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+        way.map(|x| 0.5 + 0.4 * (1.0 + 1e-3 * length) * x / length)
+    };
+    assert_same(&in_unit_box(&(1..=700).map(|i| on_sphere(point(i))).collect::<Vec<_>>(), &[]));
+}
+
+/// At the barycenter of a facet its two sites have less power than all others, says a k-d tree over the sites lifted to four dimensions: at
+/// height √(W − w), `W` the largest weight, the squared distance is the power distance plus `W`.
+#[test]
+fn no_site_is_nearer_to_a_facet_than_its_own() {
+    let cluster = |center: f64, size: f64| (0..4000).map(move |i| point(i).map(|x| center + size * (x - 0.5)));
+    let positions: Vec<[f64; 3]> = cluster(0.5, 1.0).chain(cluster(0.3, 1e-3)).collect();
+    let curved = |&[x, y, z]: &[f64; 3]| 0.7 * x * x + 0.2 * y - z * z;
+    for weights in [vec![0.0; positions.len()], positions.iter().map(curved).collect()] {
+        let largest = weights.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
+        let lifted: Vec<[f64; 4]> =
+            positions.iter().zip(&weights).map(|(&[x, y, z], w)| [x, y, z, (largest - w).sqrt()]).collect();
+        let tree: ImmutableKdTree<f64, 4> = ImmutableKdTree::new_from_slice(&lifted).unwrap();
+        let request = Request::moments().with_facets();
+        let output = Cpu::new(Some(2)).unwrap().evaluate(&in_unit_box(&positions, &weights), &request).unwrap();
+        let facets = output.facets.unwrap();
+        let mut looked = 0;
+        for i in (0..positions.len()).step_by(7) {
+            let row = facets.offsets[i]..facets.offsets[i + 1];
+            // Of slivers the barycenter has few digits.
+            let largest = row.clone().fold(0.0_f64, |area, f| area.max(facets.area[f]));
+            for f in row.filter(|&f| facets.area[f] > 1e-6 * largest) {
+                let [x, y, z] = facets.barycenter[f];
+                let power = |j: usize| {
+                    let [a, b, c] = positions[j];
+                    (x - a).powi(2) + (y - b).powi(2) + (z - c).powi(2) - weights[j]
+                };
+                let one = NonZero::new(1).unwrap();
+                let least = tree.query(&[x, y, z, 0.0]).nearest_n::<SquaredEuclidean<f64>>(one).execute();
+                let found = least[0].item as usize;
+                // A site that was left out would be nearer by some 1e-7, the square of the cluster's spacing.
+                assert!(power(i) - power(found) <= 1e-11, "site {found} is nearer to a facet of {i}");
+                looked += 1;
+            }
+        }
+        assert!(looked > 5000, "{looked}");
+    }
 }

@@ -72,7 +72,7 @@ impl Backend for Ocl {
         })?;
         let mut count = sorted.iter().flatten().copied().max();
         if sorted.contains(&None) {
-            let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
+            let prepared = diagram.prepare_grid(SITES_PER_VOXEL)?;
             count = on_all(&mut devices, name, &|_, device| device.take(&prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());

@@ -24,9 +24,10 @@ pub(crate) fn compute(
     prepared.sites.order().iter().zip(0..).for_each(|(&site, sorted)| sorted_of[site as usize] = sorted);
     let cells: Result<Vec<_>> = sites
         .par_iter()
-        .map_init(Search::default, |search, &i| {
-            compute_cell(search, &prepared, request, integrand.as_ref(), sorted_of[i as usize])
-        })
+        .map_init(
+            || Search::new(&prepared),
+            |search, &i| compute_cell(search, &prepared, request, integrand.as_ref(), sorted_of[i as usize]),
+        )
         .collect();
     for (cell, facets) in cells? {
         assembler.add(&cell, facets.all());
@@ -36,16 +37,16 @@ pub(crate) fn compute(
 }
 
 fn compute_cell(
-    search: &mut Search,
+    search: &mut Search<'_>,
     prepared: &Prepared,
     request: &Request,
     integrand: Option<&FramedIntegrand>,
     site: u32,
 ) -> Result<(CellRecord, Facets)> {
     let order = prepared.sites.order();
-    let [x, y, z, _] = prepared.sites.sites()[site as usize];
+    let [x, y, z, _] = prepared.sites.site(site);
     let mut store = PlainStore::new([x, y, z], prepared.domain_grid()).with_integrand(integrand);
-    let outcome = search.complete(&mut store, prepared, None, site, request.epsilon);
+    let outcome = search.complete(&mut store, site, request.epsilon);
     let mut sums = CellSums::default();
     let flags = cell::flags_of(request);
     let status = match outcome.status {

@@ -9,7 +9,7 @@ use crate::interface::kernels::{
 use crate::params::{self, Shared};
 use crate::program::GridKernels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
-use laguerre_core::site_grid::Voxels;
+use laguerre_core::site_grid::{SiteGrid, Voxels};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -304,7 +304,7 @@ impl Sites {
         context: &Context,
         queue: &CommandQueue,
         kernels: &GridKernels,
-        prepared: &Prepared,
+        prepared: &Prepared<SiteGrid>,
         shared: &mut Shared,
     ) -> Result<usize> {
         let grid = &prepared.sites;

@@ -4,7 +4,7 @@ use crate::buffer::Room;
 use crate::interface::data::{Cluster, Params, Range};
 use laguerre_core::diagram::{FramedContainer, Prepared};
 use laguerre_core::integrand::FramedIntegrand;
-use laguerre_core::site_grid::Voxels;
+use laguerre_core::site_grid::{SiteGrid, Voxels};
 use laguerre_core::{Request, Result};
 use laguerre_core::{cell, frame};
 use opencl3::command_queue::CommandQueue;
@@ -96,7 +96,7 @@ impl Shared {
 }
 
 /// The trees of the crowded voxels.
-pub(crate) fn clusters(prepared: &Prepared) -> Vec<Cluster> {
+pub(crate) fn clusters(prepared: &Prepared<SiteGrid>) -> Vec<Cluster> {
     let nodes = prepared.sites.clusters().iter();
     nodes
         .map(|node| Cluster {

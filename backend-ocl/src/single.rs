@@ -19,6 +19,7 @@ use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
+use laguerre_core::site_grid::SiteGrid;
 use laguerre_core::{
     Backend, BackendInfo, CellStatus, DeviceChoice, Error, Output, PassReport, PowerDiagram, Precision, Request, Result,
 };
@@ -119,7 +120,7 @@ impl Backend for Single {
             let message = "--precision f32 gives volumes and barycenters only: give --precision f64 for facets, second moments and integrals";
             return Err(Error::input(message));
         }
-        let prepared = diagram.prepare_with(SITES_PER_VOXEL)?;
+        let prepared = diagram.prepare_grid(SITES_PER_VOXEL)?;
         let scene = Scene::new(&prepared);
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let shares = shares(prepared.sites.len(), devices.len());
@@ -181,7 +182,7 @@ impl Device {
     /// Computes the cells of a range of the sorted sites.
     fn compute(
         &mut self,
-        prepared: &Prepared,
+        prepared: &Prepared<SiteGrid>,
         scene: &Scene,
         request: &Request,
         share: Range<usize>,
@@ -215,7 +216,7 @@ impl Device {
     }
 
     /// Brings the sites, and the domain if it is another one, to the device.
-    fn load(&mut self, prepared: &Prepared, scene: &Scene) -> Result<()> {
+    fn load(&mut self, prepared: &Prepared<SiteGrid>, scene: &Scene) -> Result<()> {
         let Self { context, queue, memory, .. } = self;
         memory.params.fill(context, queue, &[scene.params])?;
         memory.sites.fill(context, queue, &scene.sites)?;

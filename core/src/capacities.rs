@@ -31,7 +31,8 @@ pub struct CellCounts {
 
 /// The counts of some sorted sites of a diagram, in their order, on the calling thread's pool. `K` is that of the search on the host.
 pub fn count_cells(prepared: &Prepared, request: &Request, sites: &[u32]) -> Vec<CellCounts> {
-    sites.par_iter().map_init(Search::default, |search, &site| count_cell(search, prepared, request, site)).collect()
+    let new_search = || Search::new(prepared);
+    sites.par_iter().map_init(new_search, |search, &site| count_cell(search, prepared, request, site)).collect()
 }
 
 /// For each count the least number that the given share (0 to 1) of the cells is content with; zeros where there is no cell.
@@ -51,10 +52,10 @@ pub fn sufficient(counts: &[CellCounts], share: f64) -> CellCounts {
 }
 
 /// What the cell of sorted site `site` needs.
-fn count_cell(search: &mut Search, prepared: &Prepared, request: &Request, site: u32) -> CellCounts {
-    let [x, y, z, _] = prepared.sites.sites()[site as usize];
+fn count_cell(search: &mut Search<'_>, prepared: &Prepared, request: &Request, site: u32) -> CellCounts {
+    let [x, y, z, _] = prepared.sites.site(site);
     let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
-    let outcome = search.complete(&mut store, prepared, None, site, request.epsilon);
+    let outcome = search.complete(&mut store, site, request.epsilon);
     let mut planes = store.most_planes().max(BOX_PLANES);
     if outcome.status == cell::COMPLETE {
         cell::integrate_cell(&mut store, cell::flags_of(request), 0, &mut CellSums::default());
@@ -85,9 +86,9 @@ mod tests {
 
     /// The status of a cell that has so much room.
     fn status_within(prepared: &Prepared, request: &Request, site: u32, planes: u32, vertices: u32) -> u32 {
-        let [x, y, z, _] = prepared.sites.sites()[site as usize];
+        let [x, y, z, _] = prepared.sites.site(site);
         let mut store = PlainStore::new([x, y, z], prepared.domain_grid()).with_room(planes, vertices);
-        let outcome = Search::default().complete(&mut store, prepared, None, site, None);
+        let outcome = Search::new(prepared).complete(&mut store, site, None);
         match outcome.status {
             cell::COMPLETE => cell::integrate_cell(&mut store, cell::flags_of(request), 0, &mut CellSums::default()),
             other => other,

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
-use crate::site_grid::{SITES_PER_VOXEL, SiteGrid};
+use crate::site_grid::SiteGrid;
+use crate::site_tree::SiteTree;
 use crate::{Domain, Error, Result, memory};
 
 /// Largest coordinate magnitude that is accepted (its fifth power, a second moment, is still a number), and the inverse of the smallest extent of a container.
@@ -160,25 +161,29 @@ impl PowerDiagram {
         Ok(Container::Box(lo, hi))
     }
 
-    /// Everything moved into the internal frame, sites sorted into a grid. Called by backends, once an evaluation.
+    /// Everything moved into the internal frame, with the tree over the sites. Called by backends, once an evaluation.
     ///
     /// # Errors
     /// `Input` where a site or weight is out of range of the container ([`FARTHEST_SITE`], [`LARGEST_WEIGHT_SPREAD`]),
     /// or where there is none.
     pub fn prepare(&self) -> Result<Prepared> {
-        self.prepare_with(SITES_PER_VOXEL)
+        self.prepare_with(SiteTree::new)
     }
 
-    /// The same, with about `sites_per_voxel` sites in a voxel of the grid.
+    /// The same with sites sorted into a grid, with about `sites_per_voxel` sites in a voxel.
     ///
     /// # Errors
     /// As [`PowerDiagram::prepare`].
-    pub fn prepare_with(&self, sites_per_voxel: f64) -> Result<Prepared> {
+    pub fn prepare_grid(&self, sites_per_voxel: f64) -> Result<Prepared<SiteGrid>> {
+        self.prepare_with(|positions, weights| SiteGrid::with_density(positions, weights, sites_per_voxel))
+    }
+
+    fn prepare_with<T>(&self, sort: impl Fn(&[[f64; 3]], &[f64]) -> T) -> Result<Prepared<T>> {
         let container = self.framed_container()?;
         self.check_range(&container)?;
         let positions: Vec<[f64; 3]> = self.positions.iter().map(|&p| container.frame.enter(p)).collect();
         let weights: Vec<f64> = self.weights.iter().map(|&w| container.frame.enter_weight(w)).collect();
-        let sites = SiteGrid::with_density(&positions, &weights, sites_per_voxel);
+        let sites = sort(&positions, &weights);
         Ok(Prepared { container, sites })
     }
 
@@ -309,14 +314,14 @@ impl FramedContainer {
 
 /// A diagram in the internal frame, its sites sorted on the host.
 #[derive(Debug)]
-pub struct Prepared {
+pub struct Prepared<T = SiteTree> {
     /// The container of the cells.
     pub container: FramedContainer,
     /// The sites, sorted.
-    pub sites: SiteGrid,
+    pub sites: T,
 }
 
-impl Prepared {
+impl<T> Prepared<T> {
     /// The domain's grid, if the diagram is restricted to a domain.
     pub fn domain_grid(&self) -> Option<&DomainGrid> {
         self.container.domain_grid()

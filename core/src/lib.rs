@@ -28,6 +28,7 @@ pub mod search;
 #[cfg(any(test, feature = "test-util"))]
 pub mod shapes;
 pub mod site_grid;
+pub mod site_tree;
 pub mod summation;
 
 pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo, Precision};

@@ -30,7 +30,7 @@ impl Backend for Naive {
         let mut assembler = Assembler::new(diagram, &prepared.container, request);
         let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
         let flags = cell::flags_of(request);
-        let sites = prepared.sites.sites();
+        let sites: Vec<[f64; 4]> = prepared.sites.sites().collect();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
             let site = prepared.sites.order()[i];
             if self.only.as_ref().is_some_and(|only| !only.contains(&site)) {

@@ -1,73 +1,58 @@
-//! The search for the sites that cut a cell: the block of voxels around it, then the pyramid from its root, nearest first.
+//! The search for the sites that cut a cell, over the one tree ([`SiteTree`](crate::site_tree::SiteTree)).
+//!
+//! 1. **Near** ([`group`]). The eight sites of a leaf look about together: leaves come nearest first, chunk by chunk, and with each chunk a bound
+//!    of all sites that are not listed yet. A cell takes the sites of a chunk nearest first, until the bound proves that no other can cut it.
+//! 2. **Far** ([`far`]). A cell that reaches beyond what is worth listing is completed vertex by vertex: which site has the least power there?
+//!
+//! # What is proved, and from where
+//! Weights that are affine in the site's place only move all cells, by minus half their slope `g`. So a cell is measured from `y = p_i − g/2`, and
+//! weights are compared less the slope: with `ω_ij = w_j − w_i − g·(p_j − p_i)` and `D = |p_j − p_i|` the difference of powers at `y` is
+//! `h_j(y) − h_i(y) = D² − ω_ij`, and it changes by at most `2D` a length. Site `j` cannot cut what is within `r` of `y` if
+//! `D² − ω_ij ≥ 2rD`; as `2rD ≤ λD² + r²/λ` for any `λ`, it suffices that `(1 − λ)D² − ω_ij ≥ r²/λ`, which is a sum over axes and so has a
+//! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
 
-use crate::cell::{self, CellStore, EMPTY, Real, V3, bisector, box_cannot_cut, farthest_vertex, security_reach, v3};
+#![allow(clippy::needless_range_loop, reason = "loops over eight lanes of several arrays at once")]
+
+mod far;
+mod group;
+
+use crate::cell::{self, CellStore, EMPTY, Real, UNIT_ROUNDOFF, V3, bisector, v3};
 use crate::diagram::Prepared;
+use crate::site_tree::{Leaf, SiteTree, WIDTH};
+use far::Descent;
+use group::Group;
 
-/// A block of 3×3×3 voxels with more sites than this is searched by the tree instead.
-const CROWDED_BLOCK: usize = 256;
+/// Sites that a cell visits before it is completed by its vertices.
+const MOST_NEAR: u32 = 200;
 
-/// Sites in a node from which on the sharp test costs less than what it saves.
-const WORTH_SHARP_TEST: usize = 8;
+/// Chunks that a group lists at most.
+const MOST_CHUNKS: usize = 12;
 
-/// Voxels around a site's own, along each axis, up to which rows of voxels are searched instead of the pyramid.
-const ROWS: Real = 4.0;
+/// How many times as far (as a square) as what is listed a cell may reach for the next chunk to be worth while; the chunks before the bound is
+/// large enough to tell.
+const WORTH_A_CHUNK: Real = 24.0;
+const SURE_CHUNKS: usize = 2;
 
 /// Candidates between two looks at whether the cell already lies outside the domain.
 const BETWEEN_LOOKS: usize = 8;
 
-/// Voxels from a site to its cell's farthest vertex beyond which what is outside the domain is cut off.
-const CAP_FROM: Real = 1.5;
+/// Distances to the twentieth nearest site beyond which what of a cell is outside the domain is cut off.
+const CAP_FROM: Real = 1.4;
 
-/// The same from which on the cell is cut by a sample of all sites before; and its size.
-const SAMPLE_FROM: Real = 4.0;
-const SAMPLE: usize = 512;
+/// Relative room for the roundings of a test of reach: at most ten operations each.
+const SAFE: Real = 1.0 + 16.0 * UNIT_ROUNDOFF;
 
-/// Finds near sites where they are crowded and a uniform grid is blind.
-pub trait Nearest: Sync {
-    /// Fills `indices` with some sites of least power distance from `point`, as sorted indices, nearest first.
-    fn nearest(&self, point: [f64; 3], indices: &mut Vec<u32>);
-}
-
-/// A candidate as one number to sort by: its squared distance, rounded to `f32`, then its sorted index.
+/// A candidate as one number to sort by: the upper bits of what [`Reaches`] says of it, then its sorted index.
 type Candidate = u64;
 
-/// A box of sites still to be searched.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    /// A lower bound of the sites' power distance from the cell's site.
-    power: Real,
-    kind: NodeKind,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum NodeKind {
-    Level(u32, [u32; 3]),
-    Cluster(u32),
-}
-
-/// The buffers of one thread's searches.
-#[derive(Debug, Default)]
-pub struct Search {
-    candidates: Vec<Candidate>,
-    nearest: Vec<u32>,
-    nodes: Vec<Node>,
-    children: Vec<Node>,
-}
-
-/// One cell's search.
-struct CellSearch<'a, S> {
-    store: &'a mut S,
+/// Searches of one thread, and their buffers.
+#[derive(Debug)]
+pub struct Search<'a> {
     prepared: &'a Prepared,
-    site: u32,
-    position: [f64; 3],
-    weight: Real,
-    /// Upper bound of the distance to the farthest vertex.
-    farthest: Real,
-    /// `Some(1 + ε)`: stop at the paper's enlarged security radius, uncertified.
-    enlarged: Option<Real>,
-    outcome: Outcome,
-    /// Whether sites from all over have cut it.
-    is_sampled: bool,
+    group: Group<'a>,
+    descent: Descent,
+    reaches: Vec<Reaches>,
+    candidates: Vec<Candidate>,
 }
 
 /// How a search ended.
@@ -77,268 +62,263 @@ pub struct Outcome {
     pub status: u32,
     /// Whether `epsilon` left out sites that might cut the cell.
     pub uncertified: bool,
-    /// Sites visited.
+    /// Sites visited, and those of them that cut the cell.
     pub visited: u32,
+    cuts: u32,
 }
 
-impl Search {
-    /// Cuts the cell of sorted site `site` until no other site can cut it.
-    ///
-    /// `clusters` helps where sites are crowded; without it the trees inside the voxels do.
-    pub fn complete<S: CellStore>(
-        &mut self,
-        store: &mut S,
-        prepared: &Prepared,
-        clusters: Option<&dyn Nearest>,
-        site: u32,
-        epsilon: Option<Real>,
-    ) -> Outcome {
-        let [x, y, z, weight] = prepared.sites.sites()[site as usize];
+/// One cell on its way.
+struct Cell<'a, S> {
+    store: &'a mut S,
+    site: u32,
+    position: [f64; 3],
+    weight: Real,
+    /// The slope of the weights at the site, where weights differ.
+    slope: Option<V3>,
+    /// From the site to `y`, and how far rounding moves what is less it.
+    center: V3,
+    center_rounding: Real,
+    /// An upper bound of the distance from `y` to the farthest vertex.
+    farthest: Real,
+    /// The same, doubled and squared, with room for rounding; and its upper bits.
+    reach_square: Real,
+    last_in_order: u32,
+    /// `Some(1 + ε)`: sites beyond the paper's enlarged security radius are left out, uncertified.
+    enlarged: Option<Real>,
+    /// The square of the radius about `y` within which the candidates that were not visited cannot cut the cell.
+    left_square: Real,
+    outcome: Outcome,
+}
+
+impl<'a> Search<'a> {
+    /// Over the sites of a diagram.
+    pub fn new(prepared: &'a Prepared) -> Self {
+        Self {
+            prepared,
+            group: Group::new(&prepared.sites),
+            descent: Descent::default(),
+            reaches: Vec::new(),
+            candidates: Vec::new(),
+        }
+    }
+
+    /// Cuts the cell of sorted site `site` until no other site can cut it. What it does depends on the sites alone, not on the cells before.
+    pub fn complete<S: CellStore>(&mut self, store: &mut S, site: u32, epsilon: Option<Real>) -> Outcome {
+        let prepared = self.prepared;
+        let [x, y, z, weight] = prepared.sites.site(site);
         let relative = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
         let status = cell::begin(store, relative(prepared.container.lo), relative(prepared.container.hi));
-        let outcome = Outcome { status, uncertified: false, visited: 0 };
+        let outcome = Outcome { status, uncertified: false, visited: 0, cuts: 0 };
         if status != cell::COMPLETE {
             return outcome;
         }
-        let farthest = farthest_vertex(store);
-        let enlarged = epsilon.map(|e| 1.0 + e);
+        self.group.turn_to(site as usize);
         let position = [x, y, z];
-        let is_sampled = false;
-        let mut search =
-            CellSearch { store, prepared, site, position, weight, farthest, enlarged, outcome, is_sampled };
-        let block = self.gather_block(&search, clusters);
-        // Cells outside the domain need not be complete to be known empty.
-        for some in self.candidates.chunks(BETWEEN_LOOKS) {
-            for &candidate in some {
-                if !search.visit(candidate as u32) {
-                    return search.outcome;
-                }
-            }
-            if cell::lies_outside(search.store) != 0 {
-                search.outcome.status = EMPTY;
-                return search.outcome;
-            }
+        let slope = prepared.sites.has_weights().then(|| self.group.slope_at(position));
+        let center = slope.map_or(V3::default(), |g| v3(-0.5 * g.x, -0.5 * g.y, -0.5 * g.z));
+        let enlarged = epsilon.map(|e| 1.0 + e);
+        let mut cell = Cell {
+            store,
+            site,
+            position,
+            weight,
+            slope,
+            center,
+            center_rounding: 8.0 * UNIT_ROUNDOFF * norm(center),
+            farthest: 0.0,
+            reach_square: 0.0,
+            last_in_order: 0,
+            enlarged,
+            left_square: Real::INFINITY,
+            outcome,
+        };
+        cell.measure();
+        if let Some(proven_square) = self.near(&mut cell) {
+            self.far(&mut cell, proven_square, site);
         }
-        let width = prepared.sites.voxel_width();
-        let is_far = prepared.domain_grid().is_some() && search.farthest >= CAP_FROM * width;
-        if !is_far || search.cap(width) {
-            self.visit_rest(&mut search, block);
-        }
-        search.outcome
+        cell.outcome
     }
 
-    /// Fills the candidates, nearest first, with the sites of the voxels around the cell's own, or with the nearest sites where those
-    /// are crowded. Returns the block of voxels that need not be visited again.
-    fn gather_block<S: CellStore>(
-        &mut self,
-        search: &CellSearch<'_, S>,
-        clusters: Option<&dyn Nearest>,
-    ) -> Option<[[u32; 3]; 2]> {
-        let grid = &search.prepared.sites;
-        let dims = grid.levels()[0].dims;
-        let center = grid.voxel_of(search.position);
-        let lo = center.map(|i| i.saturating_sub(1));
-        let hi: [u32; 3] = std::array::from_fn(|k| (center[k] + 1).min(dims[k] - 1));
-        let mut rows = [const { 0..0 }; 9];
-        let mut count = 0;
-        for (row, slot) in (lo[2]..=hi[2]).flat_map(|k| (lo[1]..=hi[1]).map(move |j| (j, k))).zip(&mut rows) {
-            let (j, k) = row;
-            *slot = grid.sites_of_voxels(grid.voxel_index([lo[0], j, k]), grid.voxel_index([hi[0], j, k]));
-            count += slot.len();
-        }
-        self.candidates.clear();
-        self.nearest.clear();
-        if let Some(clusters) = clusters.filter(|_| count > CROWDED_BLOCK) {
-            clusters.nearest(search.position, &mut self.nearest);
-            self.candidates.extend(self.nearest.iter().filter(|&&j| j != search.site).map(|&j| u64::from(j)));
-            self.nearest.sort_unstable();
-            return None;
-        }
-        for row in rows {
-            for j in row {
-                if j != search.site as usize {
-                    self.candidates.push(search.candidate(j as u32));
+    /// Visits the sites of the group's chunks until none beyond them can cut the cell. Where that is not worth while, the square of the radius
+    /// about the cell's centre within which they cannot.
+    fn near<S: CellStore>(&mut self, cell: &mut Cell<'_, S>) -> Option<Real> {
+        let mut proven_square = 0.0;
+        for chunk in 0..MOST_CHUNKS {
+            if !self.group.has_chunk(chunk) || !self.visit_chunk(cell, chunk) {
+                return None;
+            }
+            if self.prepared.domain_grid().is_some() {
+                if cell::lies_outside(cell.store) != 0 {
+                    cell.outcome.status = EMPTY;
+                    return None;
+                }
+                if chunk == 0 && !cell.cap(self.group.near().max(0.0).sqrt()) {
+                    return None;
                 }
             }
+            let needed = (cell.farthest * cell.farthest) * SAFE;
+            proven_square = self.group.proven_square(chunk, cell.position, cell.weight).min(cell.left_square);
+            if needed <= proven_square {
+                return None;
+            }
+            if cell.outcome.visited > MOST_NEAR || (chunk >= SURE_CHUNKS && needed > WORTH_A_CHUNK * proven_square) {
+                break;
+            }
         }
-        self.candidates.sort_unstable();
-        Some([lo, hi])
+        Some(proven_square)
     }
 
-    /// Visits every site that may cut the cell, but for the voxels of `block`.
-    fn visit_rest<S: CellStore>(&mut self, search: &mut CellSearch<'_, S>, block: Option<[[u32; 3]; 2]>) {
-        let grid = &search.prepared.sites;
-        let reach = security_reach(search.farthest, grid.largest_weight() - search.weight);
-        match block {
-            Some(block) if search.enlarged.is_none() && reach < ROWS * grid.voxel_width() => search.visit_rows(block),
-            _ => self.descend(search, block),
+    /// Visits the sites of a chunk that may cut the cell, nearest bisector first; `false` ends the search.
+    fn visit_chunk<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, chunk: usize) -> bool {
+        let tree = &self.prepared.sites;
+        let leaves = self.group.leaves(chunk);
+        self.reaches.clear();
+        let (position, weight) = (cell.position, cell.weight);
+        self.reaches.extend(leaves.iter().map(|&leaf| Reaches::new(tree.leaf(leaf), position, weight, cell.slope)));
+        let mut above = Real::NEG_INFINITY;
+        if chunk == 0 {
+            // The nearest some first: the others are fewer once these have cut the cell.
+            let near = self.group.near();
+            gather(leaves, &self.reaches, above, near.min(cell.reach_square), &mut self.candidates);
+            if !visit_all(tree, cell, &mut self.candidates, true) {
+                return false;
+            }
+            above = near;
         }
-    }
-
-    /// Visits every node that may hold a site that cuts the cell, nearest first, but for the voxels of `block`.
-    fn descend<S: CellStore>(&mut self, search: &mut CellSearch<'_, S>, block: Option<[[u32; 3]; 2]>) {
-        let grid = &search.prepared.sites;
-        self.nodes.clear();
-        let root = NodeKind::Level(grid.levels().len() as u32 - 1, [0; 3]);
-        self.nodes.push(Node { power: 0.0, kind: root });
-        while let Some(node) = self.nodes.pop() {
-            let (range, children) = match node.kind {
-                NodeKind::Level(level, index) => {
-                    if level > 0 {
-                        if search.can_skip_level(level as usize, index, true) {
-                            continue;
-                        }
-                        self.push_children(search, level as usize - 1, index);
-                        continue;
-                    }
-                    let inside = |[lo, hi]: [[u32; 3]; 2]| (0..3).all(|k| lo[k] <= index[k] && index[k] <= hi[k]);
-                    if block.is_some_and(inside) {
-                        continue;
-                    }
-                    let voxel = grid.voxel_index(index);
-                    let range = grid.sites_of_voxels(voxel, voxel);
-                    if search.can_skip_level(0, index, range.len() >= WORTH_SHARP_TEST) {
-                        continue;
-                    }
-                    (range, grid.cluster_root(voxel))
-                }
-                NodeKind::Cluster(index) => {
-                    let cluster = &grid.clusters()[index as usize];
-                    if search.can_skip(cluster.lo, cluster.hi, cluster.largest_weight, true) {
-                        continue;
-                    }
-                    let range = cluster.begin as usize..cluster.end as usize;
-                    (range, Some(cluster.children).filter(|&first| first != 0))
-                }
-            };
-            if let Some(first) = children {
-                let is_root = matches!(node.kind, NodeKind::Level(..));
-                let pair = if is_root { first..first + 1 } else { first..first + 2 };
-                self.children.clear();
-                self.children.extend(pair.map(|index| {
-                    let cluster = &grid.clusters()[index as usize];
-                    let power = search.least_power(cluster.lo, cluster.hi, cluster.largest_weight);
-                    Node { power, kind: NodeKind::Cluster(index) }
-                }));
-                self.push_nearest_last();
-                continue;
-            }
-            for site in range {
-                let site = site as u32;
-                // A plane must not come twice: its own vertices would all lie on it.
-                if site == search.site || self.nearest.binary_search(&site).is_ok() {
-                    continue;
-                }
-                if !search.visit(site) {
-                    return;
-                }
-            }
-        }
-    }
-
-    fn push_children<S: CellStore>(&mut self, search: &CellSearch<'_, S>, level: usize, parent: [u32; 3]) {
-        let dims = search.prepared.sites.levels()[level].dims;
-        self.children.clear();
-        for child in 0..8_u32 {
-            let index = [parent[0] * 2 + (child & 1), parent[1] * 2 + (child >> 1 & 1), parent[2] * 2 + (child >> 2)];
-            if (0..3).any(|k| index[k] >= dims[k]) {
-                continue;
-            }
-            let largest = search.largest_weight(level, index);
-            if largest == Real::NEG_INFINITY {
-                continue;
-            }
-            let (lo, hi) = search.prepared.sites.node_box(level, index);
-            let power = search.least_power(lo, hi, largest);
-            self.children.push(Node { power, kind: NodeKind::Level(level as u32, index) });
-        }
-        self.push_nearest_last();
-    }
-
-    /// Moves the children to the stack such that the nearest is popped first.
-    fn push_nearest_last(&mut self) {
-        self.children.sort_unstable_by(|a, b| b.power.total_cmp(&a.power));
-        self.nodes.append(&mut self.children);
+        gather(leaves, &self.reaches, above, cell.reach_square, &mut self.candidates);
+        visit_all(tree, cell, &mut self.candidates, false)
     }
 }
 
-impl<S: CellStore> CellSearch<'_, S> {
-    #[inline(always)]
-    fn difference(&self, site: u32) -> (V3, Real) {
-        let [x, y, z, w] = self.prepared.sites.sites()[site as usize];
-        let [px, py, pz] = self.position;
-        (v3(x - px, y - py, z - pz), w)
-    }
+/// What of a leaf's sites may cut a cell.
+#[derive(Clone, Copy, Debug)]
+struct Reaches {
+    /// For each site `j` `4ρ²`, at least, with the sign of `ρ`, the distance of its bisector from the cell's centre: `(h_j − h_i)²/D²`, which with
+    /// equal weights is `D²`. It cannot cut the cell if that is at least `4r²`. For the cell's own site 0, or not a number.
+    of: [Real; WIDTH],
+    /// The least of them.
+    least: Real,
+}
 
+impl Reaches {
     #[inline(always)]
-    fn candidate(&self, site: u32) -> Candidate {
-        let (d, _) = self.difference(site);
-        // The bits of a positive number are in its order.
-        u64::from((square(d) as f32).to_bits()) << 32 | u64::from(site)
-    }
-
-    /// Visits the sites of the voxels that the ball of the security radius meets, row by row, but for those of `block`.
-    fn visit_rows(&mut self, [lo, hi]: [[u32; 3]; 2]) {
-        let grid = &self.prepared.sites;
-        let [x, y, z] = self.position;
-        let extra = grid.largest_weight() - self.weight;
-        let reach = security_reach(self.farthest, extra);
-        for k in grid.voxels_within(2, z, reach) {
-            for j in grid.voxels_within(1, y, reach) {
-                let (dy, dz) = (grid.distance_to_voxel(1, j, y), grid.distance_to_voxel(2, k, z));
-                let reach = security_reach(self.farthest, extra);
-                let left = reach * reach - (dy * dy + dz * dz);
-                if left <= 0.0 {
-                    continue;
+    fn new(leaf: &Leaf, position: [f64; 3], weight: Real, slope: Option<V3>) -> Self {
+        let [xs, ys, zs] = &leaf.at;
+        let [px, py, pz] = position;
+        let mut of = [0.0; WIDTH];
+        match slope {
+            None => {
+                for k in 0..WIDTH {
+                    let (x, y, z) = (xs[k] - px, ys[k] - py, zs[k] - pz);
+                    of[k] = ((x * x) + (y * y)) + (z * z);
                 }
-                let across = grid.voxels_within(0, x, left.sqrt());
-                let (first, last) = (*across.start(), *across.end());
-                let in_block = (lo[1]..=hi[1]).contains(&j) && (lo[2]..=hi[2]).contains(&k);
-                let ranges =
-                    if in_block { [(first, lo[0]), (hi[0] + 1, last + 1)] } else { [(first, last + 1), (0, 0)] };
-                for (begin, end) in ranges {
-                    if begin >= end {
-                        continue;
-                    }
-                    let row = grid.sites_of_voxels(grid.voxel_index([begin, j, k]), grid.voxel_index([end - 1, j, k]));
-                    for site in row {
-                        if !self.visit(site as u32) {
-                            return;
-                        }
-                    }
+            }
+            Some(g) => {
+                for k in 0..WIDTH {
+                    let (x, y, z) = (xs[k] - px, ys[k] - py, zs[k] - pz);
+                    let more = leaf.weight[k] - weight;
+                    let square = ((x * x) + (y * y)) + (z * z);
+                    let (gx, gy, gz) = (g.x * x, g.y * y, g.z * z);
+                    let size = square + (more.abs() + ((gx.abs() + gy.abs()) + gz.abs()));
+                    let power = ((square - more) + ((gx + gy) + gz)) - (16.0 * UNIT_ROUNDOFF) * size;
+                    of[k] = (power * power.abs()) / square;
                 }
             }
         }
-    }
-
-    /// Cuts off what of the cell is far outside the domain; `false` ends the search. (Apart from what all cells need, which would else be
-    /// a tenth slower.)
-    #[cold]
-    #[inline(never)]
-    fn cap(&mut self, width: Real) -> bool {
-        if !self.cap_once(CAP_FROM * width) {
-            return false;
+        let less = |a: Real, b: Real| if a < b { a } else { b };
+        let mut pairs = [Real::INFINITY; 2];
+        for pair in of.as_chunks::<2>().0 {
+            pairs = [less(pair[0], pairs[0]), less(pair[1], pairs[1])];
         }
-        if self.farthest < SAMPLE_FROM * width {
+        Self { of, least: less(pairs[0], pairs[1]) }
+    }
+}
+
+/// The sites that reach less than `below`, and at least `above`.
+#[inline(always)]
+fn gather(leaves: &[u32], reaches: &[Reaches], above: Real, below: Real, candidates: &mut Vec<Candidate>) {
+    candidates.clear();
+    candidates.resize(leaves.len() * WIDTH, 0);
+    let mut count = 0;
+    for (&leaf, row) in leaves.iter().zip(reaches) {
+        // Most leaves are out of reach as a whole.
+        if row.least >= below {
+            continue;
+        }
+        for (k, &reach) in row.of.iter().enumerate() {
+            candidates[count] =
+                Candidate::from(in_order(reach)) << 32 | Candidate::from(leaf * WIDTH as u32 + k as u32);
+            // Without a branch.
+            count += usize::from(reach >= above && reach < below);
+        }
+    }
+    candidates.truncate(count);
+}
+
+/// Visits candidates, nearest first; `false` ends the search.
+fn visit_all<S: CellStore>(
+    tree: &SiteTree,
+    cell: &mut Cell<'_, S>,
+    candidates: &mut [Candidate],
+    looks_outside: bool,
+) -> bool {
+    candidates.sort_unstable();
+    for some in candidates.chunks(BETWEEN_LOOKS) {
+        if cell.outcome.visited > MOST_NEAR {
+            // What is left reaches at least as near as its first.
+            cell.left_square = cell.left_square.min(0.25 * from_order((some[0] >> 32) as u32));
             return true;
         }
-        // It still reaches to other parts of the domain, which keep it from being cut off: some sites there make it end half-way.
-        self.is_sampled = true;
-        let sites = self.prepared.sites.len();
-        let sample = (0..SAMPLE.min(sites)).map(|i| (i * sites / SAMPLE.min(sites)) as u32);
-        for site in sample {
-            if site != self.site && !self.visit(site) {
+        for &candidate in some {
+            if (candidate >> 32) as u32 > cell.last_in_order {
+                // So are those that come after it.
+                return true;
+            }
+            let site = candidate as u32;
+            if site != cell.site && !cell.visit(tree.site(site), site) {
                 return false;
             }
         }
-        self.cap_once(CAP_FROM * width)
+        // Cells outside the domain need not be complete to be known empty.
+        if looks_outside && cell::lies_outside(cell.store) != 0 {
+            cell.outcome.status = EMPTY;
+            return false;
+        }
+    }
+    true
+}
+
+impl<S: CellStore> Cell<'_, S> {
+    /// Measures the cell anew.
+    #[inline(always)]
+    fn measure(&mut self) {
+        let V3 { x: square, y: radius, .. } = self.store.farthest_from(self.center);
+        // The radius bounds each component, √3 < 2; a vertex less the centre is rounded.
+        self.farthest = ((square.sqrt() + 2.0 * radius) + self.center_rounding) * SAFE;
+        self.reach_square = (4.0 * (self.farthest * self.farthest)) * SAFE;
+        self.last_in_order = in_order(self.reach_square);
     }
 
-    fn cap_once(&mut self, radius: Real) -> bool {
-        match cell::cap_outside(self.store, radius) {
+    /// The way to a site, and what it weighs more than the cell's.
+    #[inline(always)]
+    fn difference(&self, [x, y, z, w]: [f64; 4]) -> (V3, Real) {
+        let [px, py, pz] = self.position;
+        (v3(x - px, y - py, z - pz), w - self.weight)
+    }
+
+    /// Cuts the cell by the bisector with a site; `false` ends the search.
+    #[inline(always)]
+    fn visit(&mut self, site: [f64; 4], index: u32) -> bool {
+        let (d, more) = self.difference(site);
+        if self.is_left_out(d) {
+            return true;
+        }
+        self.outcome.visited += 1;
+        match cell::clip(self.store, bisector(d, -more), index) {
             cell::UNTOUCHED => true,
             cell::CUT => {
-                self.farthest = farthest_vertex(self.store);
+                self.outcome.cuts += 1;
+                self.measure();
                 true
             }
             status => {
@@ -348,92 +328,63 @@ impl<S: CellStore> CellSearch<'_, S> {
         }
     }
 
-    /// Cuts the cell by the bisector with `site` unless it is out of reach; `false` ends the search.
+    /// Whether `epsilon` leaves out the site at `d` from the cell's.
     #[inline(always)]
-    fn visit(&mut self, site: u32) -> bool {
-        let (d, w) = self.difference(site);
-        if self.out_of_reach(square(d), w) {
-            return true;
+    fn is_left_out(&mut self, d: V3) -> bool {
+        let Some(enlarged) = self.enlarged else { return false };
+        let reach = enlarged * (2.0 * cell::farthest_vertex(self.store));
+        if square(d) < reach * reach {
+            return false;
         }
-        // A plane must not come twice: its own vertices would all lie on it.
-        if self.is_sampled && self.has_cut(site) {
-            return true;
-        }
-        self.outcome.visited += 1;
-        let status = cell::clip(self.store, bisector(d, self.weight - w), site);
-        match status {
+        self.outcome.uncertified = true;
+        true
+    }
+
+    /// Cuts off what of the cell is far outside the domain, `scale` being the distance between sites, times some; `false` ends the search.
+    #[inline(always)]
+    fn cap(&mut self, scale: Real) -> bool {
+        let radius = CAP_FROM * scale + norm(self.center);
+        self.farthest < radius || self.cap_outside(radius)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn cap_outside(&mut self, radius: Real) -> bool {
+        match cell::cap_outside(self.store, radius) {
             cell::UNTOUCHED => true,
             cell::CUT => {
-                self.farthest = farthest_vertex(self.store);
+                self.measure();
                 true
             }
-            _ => {
+            status => {
                 self.outcome.status = status;
                 false
             }
         }
-    }
-
-    #[cold]
-    fn has_cut(&self, site: u32) -> bool {
-        (0..self.store.planes()).any(|f| self.store.tag(f) == site)
-    }
-
-    /// Whether sites of weight at most `largest`, at squared distance at least `square`, can be left out: by the quick test, or because
-    /// `epsilon` says so.
-    #[inline(always)]
-    fn out_of_reach(&mut self, square: Real, largest: Real) -> bool {
-        let reach = security_reach(self.farthest, largest - self.weight);
-        if square >= reach * reach {
-            return true;
-        }
-        if let Some(enlarged) = self.enlarged {
-            let reach = enlarged * security_reach(self.farthest, 0.0);
-            if square >= reach * reach {
-                self.outcome.uncertified = true;
-                return true;
-            }
-        }
-        false
-    }
-
-    fn largest_weight(&self, level: usize, [i, j, k]: [u32; 3]) -> Real {
-        let level = &self.prepared.sites.levels()[level];
-        let [nx, ny, _] = level.dims;
-        level.largest_weight[(k as usize * ny as usize + j as usize) * nx as usize + i as usize]
-    }
-
-    fn can_skip_level(&mut self, level: usize, index: [u32; 3], sharp: bool) -> bool {
-        let (lo, hi) = self.prepared.sites.node_box(level, index);
-        self.can_skip(lo, hi, self.largest_weight(level, index), sharp)
-    }
-
-    /// Whether no site in the box can cut the cell: the quick test, then the sharp one.
-    fn can_skip(&mut self, lo: [f64; 3], hi: [f64; 3], largest: Real, sharp: bool) -> bool {
-        if largest == Real::NEG_INFINITY {
-            return true;
-        }
-        if self.out_of_reach(self.square_distance(lo, hi), largest) {
-            return true;
-        }
-        let [x, y, z] = self.position;
-        let relative = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
-        sharp && box_cannot_cut(self.store, relative(lo), relative(hi), largest - self.weight) != 0
-    }
-
-    /// A lower bound of the power distance from the cell's site to any site in the box.
-    fn least_power(&self, lo: [f64; 3], hi: [f64; 3], largest: Real) -> Real {
-        self.square_distance(lo, hi) - largest
-    }
-
-    /// Squared distance from the cell's site to the box.
-    fn square_distance(&self, lo: [f64; 3], hi: [f64; 3]) -> Real {
-        let gap = |k: usize| (lo[k] - self.position[k]).max(self.position[k] - hi[k]).max(0.0);
-        ((gap(0) * gap(0)) + (gap(1) * gap(1))) + (gap(2) * gap(2))
     }
 }
 
 #[inline(always)]
 fn square(d: V3) -> Real {
     ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z)
+}
+
+#[inline(always)]
+fn norm(d: V3) -> Real {
+    square(d).sqrt()
+}
+
+/// The upper bits of a number, in the order of numbers.
+#[inline(always)]
+fn in_order(x: Real) -> u32 {
+    let bits = (x.to_bits() >> 32) as u32;
+    // All of a negative number's bits turn, of others the sign alone.
+    bits ^ (((bits as i32 >> 31) as u32) | 1 << 31)
+}
+
+/// The least number of these upper bits.
+#[inline(always)]
+fn from_order(bits: u32) -> Real {
+    let bits = bits ^ ((!(bits as i32) >> 31) as u32 | 1 << 31);
+    Real::from_bits(u64::from(bits) << 32)
 }

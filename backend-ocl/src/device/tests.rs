@@ -28,7 +28,7 @@ fn no_pair_of_sites_breaks_the_bounds_of_a_block() {
         let container = diagram.framed_container().unwrap();
         device.load(&diagram, &container, &Request::moments(), None).unwrap();
         assert_eq!(device.sort(&diagram, &container).unwrap(), Some(positions.len()));
-        let grid = diagram.prepare_with(SITES_PER_VOXEL).unwrap().sites;
+        let grid = diagram.prepare_grid(SITES_PER_VOXEL).unwrap().sites;
         let [nx, ny, nz] = grid.levels()[1].dims;
         let mut blocks: Vec<Block> = Vec::new();
         device.sites.blocks.read(&device.queue, (nx * ny * nz) as usize, &mut blocks).unwrap();

@@ -8,6 +8,12 @@ pub(crate) const SHELL_RADIUS: u32 = 6;
 pub(crate) const SHELLS: u32 = 2197;
 pub(crate) const INNER_SHELLS: u32 = 27;
 
+/// Sites in a node of the pyramid from which on the sharp test costs less than what it saves.
+pub(crate) const WORTH_SHARP_TEST: u32 = 8;
+
+/// Sites from all over that a cell is cut by where it reaches to other parts of the domain.
+pub(crate) const SAMPLE: u32 = 512;
+
 /// Levels of the pyramid at most.
 pub(crate) const MOST_LEVELS: usize = 32;
 

@@ -7,13 +7,6 @@
 // A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.
 #define CROWDED ((uint)(64))
 
-// core/src/search.rs
-
-// Sites in a node from which on the sharp test costs less than what it saves.
-#define WORTH_SHARP_TEST ((uint)(8))
-
-#define SAMPLE ((uint)(512))
-
 // core/src/assemble.rs
 
 // One facet of a finished cell, in the frame of its site. Devices write the same.
@@ -37,6 +30,12 @@ typedef struct {
 #define SHELLS ((uint)(2197))
 
 #define INNER_SHELLS ((uint)(27))
+
+// Sites in a node of the pyramid from which on the sharp test costs less than what it saves.
+#define WORTH_SHARP_TEST ((uint)(8))
+
+// Sites from all over that a cell is cut by where it reaches to other parts of the domain.
+#define SAMPLE ((uint)(512))
 
 // Levels of the pyramid at most.
 #define MOST_LEVELS ((uint)(32))

@@ -2,6 +2,7 @@
 
 use crate::interface::single::Params;
 use laguerre_core::diagram::Prepared;
+use laguerre_core::site_grid::SiteGrid;
 use std::iter;
 
 /// Width of a voxel in the unit, at least: normals are about as large, and from 2⁻⁸ (`EXPANSION_SMALLEST`) to 2¹⁹ (`LARGEST_NORMAL`)
@@ -32,7 +33,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    pub(super) fn new(prepared: &Prepared) -> Self {
+    pub(super) fn new(prepared: &Prepared<SiteGrid>) -> Self {
         let (grid, container) = (&prepared.sites, &prepared.container);
         let voxels = grid.voxels();
         let extent = (0..3).map(|k| container.hi[k] - container.lo[k]).fold(0.0, f64::max);

@@ -36,6 +36,7 @@ struct PlainVertex {
     position: V3,
     radius: Real,
     mark: u32,
+    settled: bool,
 }
 
 impl<'a> PlainStore<'a> {
@@ -152,6 +153,13 @@ impl CellStore for PlainStore<'_> {
         let slot = self.vertex_slot(v);
         slot.position = position;
         slot.radius = radius;
+        slot.settled = false;
+    }
+    fn settled(&self, v: u32) -> bool {
+        self.vertices[v as usize].settled
+    }
+    fn set_settled(&mut self, v: u32, settled: bool) {
+        self.vertex_slot(v).settled = settled;
     }
     fn mark(&self, v: u32) -> u32 {
         self.vertices[v as usize].mark

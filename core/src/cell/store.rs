@@ -6,7 +6,7 @@ use super::facet::{FacetSecond, FacetSum};
 use super::plane::Plane;
 use super::quadrature::{Node, polynomial};
 use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, norm_1, v3};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, norm_1, sub, v3};
 use super::vertex::Triplet;
 use crate::domain_grid::DomainGrid;
 use crate::exact;
@@ -88,7 +88,12 @@ pub trait CellStore {
     fn move_vertex(&mut self, from: u32, to: u32) {
         self.set_triplet(to, self.triplet(from));
         self.set_position(to, self.position(from), self.radius(from));
+        self.set_settled(to, self.settled(from));
     }
+    /// Whether it is known that no site cuts vertex `v` off. For searches on the host: `set_position` makes it `false`.
+    fn settled(&self, v: u32) -> bool;
+    /// Sets whether that is known.
+    fn set_settled(&mut self, v: u32, settled: bool);
     /// Mark of vertex `v`, one of the `MARK_` constants.
     fn mark(&self, v: u32) -> u32;
     /// Sets the mark of vertex `v`.
@@ -155,15 +160,20 @@ pub trait CellStore {
         seen
     }
 
-    /// The largest squared distance of a vertex from the site, and the largest error radius, as x and y. The other door for
-    /// SIMD: a maximum does not depend on the order.
+    /// The largest squared distance of a vertex from the site, and the largest error radius, as x and y.
     #[inline(always)]
     fn farthest(&self) -> V3 {
+        self.farthest_from(V3::default())
+    }
+
+    /// The same from `center`. The other door for SIMD: a maximum does not depend on the order.
+    #[inline(always)]
+    fn farthest_from(&self, center: V3) -> V3 {
         let mut square: Real = 0.0;
         let mut radius: Real = 0.0;
         for v in 0..self.vertices() {
-            let position = self.position(v);
-            square = square.max(dot(position, position));
+            let way = sub(self.position(v), center);
+            square = square.max(dot(way, way));
             radius = radius.max(self.radius(v));
         }
         V3 { x: square, y: radius, z: 0.0 }

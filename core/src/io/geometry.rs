@@ -25,10 +25,9 @@ pub fn cell_meshes(diagram: &PowerDiagram, output: &Output, wanted: impl Fn(usiz
         return Err(Error::input("this output is not that of this diagram"));
     }
     let prepared = diagram.prepare()?;
-    let sites = prepared.sites.sites();
     let mut sorted_of = vec![None; diagram.positions().len()];
-    for (sorted, &i) in prepared.sites.order().iter().enumerate() {
-        sorted_of[i as usize] = Some(sites[sorted]);
+    for (site, &i) in prepared.sites.sites().zip(prepared.sites.order()) {
+        sorted_of[i as usize] = Some(site);
     }
     let mut meshes = Vec::new();
     for (i, site) in sorted_of.iter().enumerate() {

@@ -5,7 +5,7 @@
 //! `s` small enough all of those are inside, and each in its own cell; `s = 1` is the Voronoi diagram of the sites themselves.
 
 use laguerre_core::diagram::Container;
-use laguerre_core::site_grid::SiteGrid;
+use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{Backend, Domain, Error, Output, PowerDiagram, Request, Result};
 
 use super::sparse::center;
@@ -16,7 +16,7 @@ use crate::vectors::{distance2, for_each};
 const SMALLEST_SHARE: f64 = 1.0 / (1_u64 << 24) as f64;
 
 /// Checks that no two sites coincide: of those, all cells but one are empty whatever the weights.
-pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteGrid) -> Result<()> {
+pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteTree) -> Result<()> {
     let Some(&i) = sorted.coincident().iter().min() else { return Ok(()) };
     let p = positions[i as usize];
     // The nearest, not the equal one: positions that differ by less than a rounding of the domain's coordinates coincide too.

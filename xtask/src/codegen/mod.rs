@@ -43,11 +43,7 @@ const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
 const INTERFACES: [Interface; 2] = [
     Interface {
         modules: &["data", "kernels", "parity"],
-        borrowed: &[
-            ("core/src/site_grid.rs", &["CROWDED"]),
-            ("core/src/search.rs", &["WORTH_SHARP_TEST", "SAMPLE"]),
-            ("core/src/assemble.rs", &["FacetRecord"]),
-        ],
+        borrowed: &[("core/src/site_grid.rs", &["CROWDED"]), ("core/src/assemble.rs", &["FacetRecord"])],
         target: "backend-ocl/src/kernels/interface.cl",
     },
     Interface { modules: &["single"], borrowed: &[], target: "backend-ocl/src/kernels/single_interface.cl" },

@@ -1,0 +1,333 @@
+//! One implicit tree over the sites, whatever their spread: sites along a Hilbert curve, a leaf is eight consecutive sites, a node eight
+//! consecutive nodes. By rank, not by place: no pointer, no empty voxel, no crowded one, as deep as log₈ of the number of sites.
+
+#![allow(clippy::needless_range_loop, reason = "loops over eight lanes, and over rows of matrices")]
+
+mod bound;
+mod hilbert;
+
+use bound::{fit_weights, thinnest_slab};
+use hilbert::curve_order;
+use rayon::prelude::*;
+
+/// Sites in a leaf, and nodes in a block.
+pub const WIDTH: usize = 8;
+
+/// Coordinate of the boxes of nodes that are not there: farther than any site, and its square is finite.
+pub(crate) const NOWHERE: f64 = 1e150;
+
+/// Eight sibling nodes: the tight boxes of their sites.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Boxes {
+    /// Minimum corners, axis by axis.
+    pub lo: [[f64; WIDTH]; 3],
+    /// Maximum corners, axis by axis.
+    pub hi: [[f64; WIDTH]; 3],
+}
+
+/// An upper bound of the weights of each of eight sibling nodes, less [`SiteTree::base_weight`]:
+/// `w_j − base ≤ c + g·(p_j − m) + Σ_k q_k (p_j − m)_k²`, `m` the middle of the box. `c` has room for all roundings of evaluating it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct WeightBounds {
+    /// Constant.
+    pub c: [f64; WIDTH],
+    /// Slope, axis by axis.
+    pub g: [[f64; WIDTH]; 3],
+    /// Curvature, axis by axis.
+    pub q: [[f64; WIDTH]; 3],
+}
+
+/// A slab that holds the sites of each of eight sibling nodes, across their thinnest direction: it tells sites that lie along a surface from
+/// a sphere that touches the surface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Slabs {
+    /// Unit normals, axis by axis; zero where the box says as much.
+    pub normal: [[f64; WIDTH]; 3],
+    /// Least `normal·p`, rounded down.
+    pub lo: [f64; WIDTH],
+    /// Largest `normal·p`, rounded up.
+    pub hi: [f64; WIDTH],
+    /// Largest weight, less the base.
+    pub largest_weight: [f64; WIDTH],
+}
+
+/// Eight consecutive sites, coordinate by coordinate.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Leaf {
+    /// Coordinates, axis by axis; farther than any site where no site is.
+    pub at: [[f64; WIDTH]; 3],
+    /// Weights.
+    pub weight: [f64; WIDTH],
+}
+
+/// Sites in the internal frame, in the order of the curve, with the tree over them.
+///
+/// Of sites at one position only the one with the largest weight (on a tie the lowest index) is in the tree; the cells of the
+/// others are empty and they cannot cut any cell. The order depends on the positions alone, not on the caller's order.
+#[derive(Debug)]
+pub struct SiteTree {
+    leaves: Vec<Leaf>,
+    order: Vec<u32>,
+    coincident: Vec<u32>,
+    /// Blocks of all levels, those of the leaves first, the root's last.
+    boxes: Vec<Boxes>,
+    slabs: Vec<Slabs>,
+    /// Empty where all weights are equal.
+    weights: Vec<WeightBounds>,
+    /// Where the blocks of each level begin in `boxes`; one more at the end.
+    levels: Vec<usize>,
+    base_weight: f64,
+    largest_weight: f64,
+}
+
+impl SiteTree {
+    /// Over `positions` (at least one, in the frame) with `weights` (one for each, or none).
+    pub fn new(positions: &[[f64; 3]], weights: &[f64]) -> Self {
+        let weight = |i: u32| weights.get(i as usize).copied().unwrap_or(0.0);
+        let mut order = curve_order(positions, &weight);
+        let mut coincident = Vec::new();
+        let mut last = None;
+        order.retain(|&i| {
+            let [x, y, z] = positions[i as usize];
+            let is_first = last != Some([x, y, z]);
+            last = Some([x, y, z]);
+            if !is_first {
+                coincident.push(i);
+            }
+            is_first
+        });
+        let site = |&i: &u32| {
+            let [x, y, z] = positions[i as usize];
+            [x, y, z, weight(i)]
+        };
+        let sites: Vec<[f64; 4]> = order.par_iter().map(site).collect();
+        let fold = |start: f64, pick: fn(f64, f64) -> f64| sites.iter().fold(start, |w, site| pick(w, site[3]));
+        let (base_weight, largest_weight) = (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max));
+        let mut tree = Self {
+            leaves: sites.par_chunks(WIDTH).map(Leaf::of).collect(),
+            order,
+            coincident,
+            boxes: Vec::new(),
+            slabs: Vec::new(),
+            weights: Vec::new(),
+            levels: vec![0],
+            base_weight,
+            largest_weight,
+        };
+        tree.build(&sites);
+        tree
+    }
+
+    /// Number of sites in the tree: all but the coincident ones.
+    pub fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Never: a diagram has at least one site.
+    pub fn is_empty(&self) -> bool {
+        self.order.is_empty()
+    }
+
+    /// Site `i` in the order of the curve: x, y, z, weight.
+    #[inline(always)]
+    pub fn site(&self, i: u32) -> [f64; 4] {
+        let (Leaf { at: [x, y, z], weight }, k) = (&self.leaves[i as usize / WIDTH], i as usize % WIDTH);
+        [x[k], y[k], z[k], weight[k]]
+    }
+
+    /// All sites in that order.
+    pub fn sites(&self) -> impl ExactSizeIterator<Item = [f64; 4]> + '_ {
+        (0..self.len() as u32).map(|i| self.site(i))
+    }
+
+    /// The caller's index of each sorted site.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The caller's indices of the sites that a coincident one empties.
+    pub fn coincident(&self) -> &[u32] {
+        &self.coincident
+    }
+
+    /// The smallest weight: what the bounds of weights are relative to.
+    pub fn base_weight(&self) -> f64 {
+        self.base_weight
+    }
+
+    /// The largest weight.
+    pub fn largest_weight(&self) -> f64 {
+        self.largest_weight
+    }
+
+    /// Whether weights differ.
+    pub fn has_weights(&self) -> bool {
+        !self.weights.is_empty()
+    }
+
+    /// The root's block.
+    pub fn root(&self) -> usize {
+        self.boxes.len() - 1
+    }
+
+    /// The node that holds leaf `leaf` and its siblings, as its block and its number there; the leaf itself where it is in the root's block.
+    pub fn around(&self, leaf: usize) -> (usize, usize) {
+        if self.levels.len() == 2 {
+            return (leaf / WIDTH, leaf % WIDTH);
+        }
+        let parent = leaf / WIDTH;
+        (self.levels[1] + parent / WIDTH, parent % WIDTH)
+    }
+
+    /// The boxes of the nodes of a block.
+    pub fn boxes(&self, block: usize) -> &Boxes {
+        &self.boxes[block]
+    }
+
+    /// The slabs of the nodes of a block.
+    pub fn slabs(&self, block: usize) -> &Slabs {
+        &self.slabs[block]
+    }
+
+    /// The bounds of the weights of the nodes of a block, where weights differ.
+    pub fn weights(&self, block: usize) -> &WeightBounds {
+        &self.weights[block]
+    }
+
+    /// Whether the nodes of a block are leaves.
+    pub fn is_leaf(&self, block: usize) -> bool {
+        block < self.levels[1]
+    }
+
+    /// The block of the children of node `k` of a block that has no leaves.
+    pub fn child(&self, block: usize, k: usize) -> usize {
+        let level = self.levels.partition_point(|&begin| begin <= block) - 1;
+        self.levels[level - 1] + (block - self.levels[level]) * WIDTH + k
+    }
+
+    /// Leaf `leaf`: the sites from `8 leaf` on.
+    #[inline(always)]
+    pub fn leaf(&self, leaf: u32) -> &Leaf {
+        &self.leaves[leaf as usize]
+    }
+
+    /// The boxes, slabs and bounds, level by level.
+    fn build(&mut self, sites: &[[f64; 4]]) {
+        let has_weights = self.base_weight < self.largest_weight;
+        let mut span = WIDTH;
+        loop {
+            let nodes = self.len().div_ceil(span);
+            let blocks = nodes.div_ceil(WIDTH);
+            let of_node = |block: usize, k: usize| {
+                let begin = ((block * WIDTH + k) * span).min(self.len());
+                &sites[begin..(begin + span).min(sites.len())]
+            };
+            let built: Vec<(Boxes, Slabs, Option<WeightBounds>)> = (0..blocks)
+                .into_par_iter()
+                .map(|block| {
+                    let boxes = Boxes::of(|k| of_node(block, k));
+                    let slabs = Slabs::of(|k| of_node(block, k), self.base_weight);
+                    let weights =
+                        has_weights.then(|| WeightBounds::of(|k| of_node(block, k), &boxes, self.base_weight));
+                    (boxes, slabs, weights)
+                })
+                .collect();
+            for (boxes, slabs, weights) in built {
+                self.boxes.push(boxes);
+                self.slabs.push(slabs);
+                self.weights.extend(weights);
+            }
+            self.levels.push(self.boxes.len());
+            if blocks == 1 {
+                return;
+            }
+            span *= WIDTH;
+        }
+    }
+}
+
+impl Leaf {
+    fn of(sites: &[[f64; 4]]) -> Self {
+        let mut leaf = Self { at: [[NOWHERE; WIDTH]; 3], weight: [0.0; WIDTH] };
+        for (k, site) in sites.iter().enumerate() {
+            for axis in 0..3 {
+                leaf.at[axis][k] = site[axis];
+            }
+            leaf.weight[k] = site[3];
+        }
+        leaf
+    }
+}
+
+impl Boxes {
+    fn of<'a>(sites: impl Fn(usize) -> &'a [[f64; 4]]) -> Self {
+        let mut boxes = Self { lo: [[NOWHERE; WIDTH]; 3], hi: [[NOWHERE; WIDTH]; 3] };
+        for k in 0..WIDTH {
+            let sites = sites(k);
+            if sites.is_empty() {
+                continue;
+            }
+            for axis in 0..3 {
+                boxes.lo[axis][k] = sites.iter().fold(f64::INFINITY, |lo, site| lo.min(site[axis]));
+                boxes.hi[axis][k] = sites.iter().fold(f64::NEG_INFINITY, |hi, site| hi.max(site[axis]));
+            }
+        }
+        boxes
+    }
+
+    /// The middle of box `k`.
+    pub fn middle(&self, k: usize) -> [f64; 3] {
+        std::array::from_fn(|axis| 0.5 * (self.lo[axis][k] + self.hi[axis][k]))
+    }
+}
+
+impl Slabs {
+    fn of<'a>(sites: impl Fn(usize) -> &'a [[f64; 4]], base: f64) -> Self {
+        let mut slabs = Self {
+            normal: [[0.0; WIDTH]; 3],
+            lo: [0.0; WIDTH],
+            hi: [0.0; WIDTH],
+            largest_weight: [f64::NEG_INFINITY; WIDTH],
+        };
+        for k in 0..WIDTH {
+            let sites = sites(k);
+            if sites.is_empty() {
+                continue;
+            }
+            let (normal, lo, hi) = thinnest_slab(sites);
+            for axis in 0..3 {
+                slabs.normal[axis][k] = normal[axis];
+            }
+            (slabs.lo[k], slabs.hi[k]) = (lo, hi);
+            slabs.largest_weight[k] = sites.iter().fold(f64::NEG_INFINITY, |w, site| w.max(site[3] - base));
+        }
+        slabs
+    }
+}
+
+impl WeightBounds {
+    fn of<'a>(sites: impl Fn(usize) -> &'a [[f64; 4]], boxes: &Boxes, base: f64) -> Self {
+        // Where no node is, no weight is.
+        let mut bounds = Self { c: [-NOWHERE; WIDTH], g: [[0.0; WIDTH]; 3], q: [[0.0; WIDTH]; 3] };
+        for k in 0..WIDTH {
+            let sites = sites(k);
+            if sites.is_empty() {
+                continue;
+            }
+            let halves = std::array::from_fn(|axis| 0.5 * (boxes.hi[axis][k] - boxes.lo[axis][k]));
+            let (c, g, q) = fit_weights(sites, boxes.middle(k), halves, base);
+            bounds.c[k] = c;
+            for axis in 0..3 {
+                (bounds.g[axis][k], bounds.q[axis][k]) = (g[axis], q[axis]);
+            }
+        }
+        bounds
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,8 @@
-//! The search for the sites that cut a cell, over the one tree ([`SiteTree`](crate::site_tree::SiteTree)).
+//! The search for the sites that cut a cell, over the one tree ([`SiteTree`]).
 //!
-//! 1. **Near** ([`group`]). The eight sites of a leaf look about together: leaves come nearest first, chunk by chunk, and with each chunk a bound
+//! 1. **Near** (`group.rs`). The eight sites of a leaf look about together: leaves come nearest first, chunk by chunk, and with each chunk a bound
 //!    of all sites that are not listed yet. A cell takes the sites of a chunk nearest first, until the bound proves that no other can cut it.
-//! 2. **Far** ([`far`]). A cell that reaches beyond what is worth listing is completed vertex by vertex: which site has the least power there?
+//! 2. **Far** (`far.rs`). A cell that reaches beyond what is worth listing is completed vertex by vertex: which site has the least power there?
 //!
 //! # What is proved, and from where
 //! Weights that are affine in the site's place only move all cells, by minus half their slope `g`. So a cell is measured from `y = p_i − g/2`, and

@@ -1,10 +1,14 @@
 //! The command line.
 
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
+use clap::builder::PossibleValue;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use laguerre::DeviceChoice;
 use laguerre::diagram::LARGEST_COORDINATE;
+
+use crate::uneven::{self, Uneven};
 
 /// Restricted power diagrams: the cells of weighted sites, cut by a domain, and integrals over them.
 ///
@@ -131,13 +135,15 @@ Examples:
   laguerre verify cells.csv sites.xyz --domain bunny.obj --facets facets.csv
   laguerre verify theirs.npy sites.npy --box 0,0,0,1,1,1 --tolerance 1e-6 --cells 1000";
 
-/// Sites to compute with: they fill the box of the domain.
+/// Sites to compute with: they fill the box of the domain, or are one of the uneven inputs of `bench --uneven`.
+///
+/// Uneven inputs are in the unit cube, or stretched to --box; those with weights have them in the fourth column.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = SAMPLE_EXAMPLES)]
 pub(crate) struct SampleArgs {
     /// How the sites are spread
     #[arg(value_name = "DIST")]
-    pub(crate) distribution: Distribution,
+    pub(crate) distribution: Spread,
 
     /// Number of sites (lattice, perturbed and mirrored come as near as they can)
     #[arg(value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31))]
@@ -163,7 +169,32 @@ const SAMPLE_EXAMPLES: &str = "\
 Examples:
   laguerre sample white 100000 --domain bunny.obj -o sites.xyz
   laguerre sample blue 10000 --domain bunny.obj --inside --seed 7 -o sites.npy
-  laguerre sample lattice 64000 --box 0,0,0,1,1,1 -o lattice.xyz";
+  laguerre sample lattice 64000 --box 0,0,0,1,1,1 -o lattice.xyz
+  laguerre sample plummer 100000 -o halo.npy";
+
+/// What `sample` knows: sites that fill a box, and uneven inputs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Spread {
+    Filling(Distribution),
+    Uneven(&'static Uneven),
+}
+
+impl ValueEnum for Spread {
+    fn value_variants<'a>() -> &'a [Self] {
+        static ALL: LazyLock<Vec<Spread>> = LazyLock::new(|| {
+            let filling = Distribution::value_variants().iter().copied().map(Spread::Filling);
+            filling.chain(uneven::INPUTS.iter().map(Spread::Uneven)).collect()
+        });
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Self::Filling(distribution) => distribution.to_possible_value(),
+            Self::Uneven(input) => Some(PossibleValue::new(input.name).help(input.about)),
+        }
+    }
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
 pub(crate) enum Distribution {
@@ -227,6 +258,8 @@ Examples:
 ///
 /// Each input is made in memory as `sample` makes it. One evaluation to warm up, then some whose median and spread are shown: the whole
 /// call, from arrays in memory to results in memory, and of that what a device computed. Volumes and barycenters, no facets.
+///
+/// With --uneven: what a site of each uneven input takes over one of white noise, in one run, as a table in Markdown.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = BENCH_EXAMPLES)]
 pub(crate) struct BenchArgs {
@@ -242,6 +275,16 @@ pub(crate) struct BenchArgs {
     /// What cuts the cells: box, the domains bunny, trefoil, torus, double-torus, sphere, cavity, or mesh files
     #[arg(long, value_name = "NAME|MESH,…", value_delimiter = ',', default_values = ["box", "bunny"])]
     pub(crate) domains: Vec<String>,
+
+    /// Uneven inputs in the unit cube, as `sample` knows them, instead: all unless named (--uneven=plummer,line). The time of a site
+    /// over white noise's is that of the fastest calls, and in bold where it is beyond the limit that is set for the input
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', num_args = 0.., require_equals = true,
+          value_parser = uneven::named, conflicts_with_all = ["distributions", "domains"])]
+    pub(crate) uneven: Option<Vec<&'static Uneven>>,
+
+    /// Hold 500 cells of each uneven input to the naive oracle, which all sites cut (slow), and exit with 4 if any is wrong
+    #[arg(long, requires = "uneven")]
+    pub(crate) check: bool,
 
     /// Backends; those that are there unless given
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -268,7 +311,8 @@ const BENCH_EXAMPLES: &str = "\
 Examples:
   laguerre bench
   laguerre bench --backends ocl --device 0 --sites 1000000,10000000 --distributions white --repetitions 5
-  laguerre bench --domains part.stl --json";
+  laguerre bench --domains part.stl --json
+  laguerre bench --uneven --sites 100000 --backends cpu";
 
 /// What computes, where more than one may be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

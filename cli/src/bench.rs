@@ -1,5 +1,7 @@
 //! `laguerre bench`: backend × distribution × number of sites × domain, on this machine.
 
+mod uneven;
+
 use laguerre::{Backend, Domain, Error, ErrorKind, PowerDiagram, Precision, Request, Result, Selection};
 use serde::Serialize;
 
@@ -17,7 +19,7 @@ const SEED: u64 = 1;
 
 /// The object of `--json`.
 #[derive(Serialize)]
-struct Table {
+struct Table<Row> {
     /// The processor, in its own words.
     machine: String,
     threads: usize,
@@ -36,6 +38,9 @@ struct Row {
 }
 
 pub(crate) fn run(args: &BenchArgs) -> Result<Outcome> {
+    if let Some(chosen) = &args.uneven {
+        return uneven::run(args, chosen);
+    }
     let containers = args.domains.iter().map(|name| Ok((name, container(name)?))).collect::<Result<Vec<_>>>()?;
     let backends = backends(args)?;
     let (machine, threads) = machine();

@@ -25,6 +25,7 @@ mod solver;
 mod timing;
 mod transport;
 mod tune;
+mod uneven;
 mod verify;
 
 use std::process::ExitCode;

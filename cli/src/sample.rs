@@ -6,12 +6,13 @@ use laguerre::{Backend, Domain, Error, PowerDiagram, Result, memory};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::args::{Corners, Distribution, SampleArgs};
+use crate::args::{Corners, Distribution, SampleArgs, Spread};
 use crate::container::Container;
 use crate::evaluate::open_default;
 use crate::inside::InsideTest;
 use crate::outcome::{Outcome, note};
 use crate::solver::WithBar;
+use crate::uneven::{Cloud, Uneven};
 
 /// Blue noise: the volumes vary by less than this.
 const BLUE_SPREAD: f64 = 0.1;
@@ -24,6 +25,10 @@ const MOST_TRIES: f64 = 1e10;
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
     io::check_output(&args.output, SITES_ENDINGS)?;
+    let distribution = match args.distribution {
+        Spread::Filling(distribution) => distribution,
+        Spread::Uneven(input) => return uneven(args, input),
+    };
     let container = Container::read(&args.container)?;
     let corners = match &container {
         Container::Domain(domain) => {
@@ -35,7 +40,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
     };
     let domain = container.domain().filter(|_| args.inside);
     let mut sampler = Sampler::new(corners, domain, args.seed);
-    let positions = sampler.sample(args.distribution, args.count)?;
+    let positions = sampler.sample(distribution, args.count)?;
     if positions.is_empty() {
         return Err(Error::input("none of the sites is inside the domain: ask for more of them"));
     }
@@ -44,6 +49,34 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
     }
     io::write_sites(&args.output, &positions, &[])?;
     Ok(Outcome::Done)
+}
+
+/// Writes an uneven input, which is one of the unit cube, or as it is in a box.
+fn uneven(args: &SampleArgs, input: &Uneven) -> Result<Outcome> {
+    if args.container.domain.is_some() {
+        return Err(Error::input(format!(
+            "--domain: the sites of {} are in the unit cube, or in a --box; leave --domain out",
+            input.name
+        )));
+    }
+    let mut cloud = input.sites(args.count, args.seed)?;
+    if let Some(corners) = &args.container.r#box {
+        stretch(&mut cloud, corners);
+    }
+    io::write_sites(&args.output, &cloud.positions, &cloud.weights)?;
+    Ok(Outcome::Done)
+}
+
+/// Takes sites from the unit cube to a box, and their weights with the square of the mean distance of sites.
+fn stretch(cloud: &mut Cloud, corners: &Corners) {
+    let extent: [f64; 3] = std::array::from_fn(|k| corners.hi[k] - corners.lo[k]);
+    let square = extent.iter().map(|e| e.cbrt()).product::<f64>().powi(2);
+    for p in &mut cloud.positions {
+        *p = std::array::from_fn(|k| (corners.lo[k] + p[k] * extent[k]).min(corners.hi[k]));
+    }
+    for w in &mut cloud.weights {
+        *w *= square;
+    }
 }
 
 /// Where sites are wanted, and the random numbers to put them there.
@@ -183,11 +216,15 @@ impl<'a> Sampler<'a> {
         share.clamp(f64::MIN_POSITIVE, 1.0)
     }
 
-    /// Uniform in [0, 1): 53 random bits.
     fn unit(&mut self) -> f64 {
-        const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
-        (self.random.next_u64() >> 11) as f64 * ULP
+        unit(&mut self.random)
     }
+}
+
+/// Uniform in [0, 1): 53 random bits.
+pub(crate) fn unit(random: &mut ChaCha8Rng) -> f64 {
+    const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
+    (random.next_u64() >> 11) as f64 * ULP
 }
 
 /// All voxels of a grid as (k, j, i), the last index fastest.
@@ -256,6 +293,17 @@ mod tests {
         let plain = Sampler::new(BOX, None, 1).lattice(1000, 0.0).unwrap();
         assert_eq!(jittered.len(), plain.len());
         assert!(jittered.iter().zip(&plain).all(|(a, b)| a != b && (0..3).all(|k| (a[k] - b[k]).abs() < 0.05)));
+    }
+
+    #[test]
+    fn uneven_inputs_stretch_to_a_box() {
+        let white = Cloud { positions: vec![[0.0; 3], [0.25, 0.5, 1.0]], weights: vec![0.0, 0.5] };
+        let mut cloud = white.clone();
+        stretch(&mut cloud, &Corners { lo: [0.0; 3], hi: [1.0; 3] });
+        assert_eq!(cloud, white);
+        stretch(&mut cloud, &Corners { lo: [-1.0, 10.0, 0.0], hi: [1.0, 12.0, 2.0] });
+        assert_eq!(cloud.positions, [[-1.0, 10.0, 0.0], [-0.5, 11.0, 2.0]]);
+        assert!((cloud.weights[1] - 2.0).abs() < 1e-14, "{:?}", cloud.weights);
     }
 
     #[test]

@@ -81,12 +81,84 @@ fn bench_has_a_row_for_each_combination() {
 }
 
 #[test]
+fn bench_holds_uneven_inputs_to_white_noise_and_to_the_oracle() {
+    let folder = inputs();
+    let args = ["bench", "--uneven=levy,lognormal,outlier", "--check", "--backends", "cpu", "--sites", "300,700"];
+    let args = [&args[..], &["--repetitions", "2", "--threads", "2"]].concat();
+    let report = json(&runs(folder.path(), &[&args[..], &["--json"]].concat()));
+    assert_eq!(report["threads"], 2);
+    let rows = report["rows"].as_array().unwrap();
+    let names: Vec<&str> = rows.iter().map(|row| row["input"].as_str().unwrap()).collect();
+    assert_eq!(names, ["white", "levy", "lognormal", "outlier"].repeat(2));
+    for (row, count) in rows.iter().zip([300, 300, 300, 300, 700, 700, 700, 700]) {
+        assert_eq!((&row["sites"], &row["uncertified"]), (&count.into(), &0.into()), "{row}");
+        assert_eq!((&row["oracle"]["checked"], &row["oracle"]["wrong"]), (&count.min(500).into(), &0.into()), "{row}");
+        let white = rows.iter().find(|white| white["sites"] == row["sites"]).unwrap();
+        let seconds = |row: &Value| row["seconds_per_site"].as_f64().unwrap();
+        let over = row["over_white"].as_f64().unwrap() * seconds(white) / seconds(row);
+        assert!((over - 1.0).abs() < 1e-12, "{row}");
+        assert_eq!(row["limit"], if row["input"] == "white" { Value::Null } else { 3.0.into() });
+    }
+    // The same for people, in Markdown.
+    let text = runs(folder.path(), &args);
+    let rows: Vec<&str> = text.lines().filter(|line| line.starts_with('|')).collect();
+    assert_eq!(rows.len(), 2 + 8, "{text}");
+    assert!(rows.iter().all(|row| row.matches('|').count() == 10), "{text}");
+    assert!(rows[2..].iter().all(|row| row.contains(" equal ")), "{text}");
+}
+
+/// All of them, and white noise once for each number of sites: the sphere's is bounded.
+#[test]
+fn bench_has_a_row_for_each_uneven_input() {
+    let folder = inputs();
+    let args = ["bench", "--uneven", "--sites", "50", "--backends", "cpu", "--repetitions", "1", "--json"];
+    let report = json(&runs(folder.path(), &args));
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 1 + 20);
+    assert!(rows.iter().all(|row| row["oracle"].is_null() && row["uncertified"] == 0), "{report}");
+    assert_eq!((&rows[20]["input"], &rows[20]["limit"]), (&"sphere".into(), &Value::Null));
+}
+
+#[test]
+fn uneven_inputs_are_sampled_with_their_weights() {
+    let folder = inputs();
+    let sample = |args: &[&str]| {
+        runs(folder.path(), &[&["sample"], args, &["-o", "a.xyz"]].concat());
+        fs::read_to_string(folder.path().join("a.xyz")).unwrap()
+    };
+    let columns = |text: &str| -> Vec<usize> { text.lines().map(|line| line.split(' ').count()).collect() };
+    assert_eq!(columns(&sample(&["plummer", "100"])), [3; 100]);
+    assert_eq!(columns(&sample(&["heavy", "100"])), [4; 100]);
+    assert_eq!(sample(&["nfw", "9", "--seed", "2"]), sample(&["nfw", "9", "--seed", "2", "--box", UNIT_BOX]));
+    assert_ne!(sample(&["nfw", "9", "--seed", "2"]), sample(&["nfw", "9"]));
+    // The far corner of the box, and a weight that is four times what it is in the unit cube.
+    assert!(sample(&["outlier", "9", "--box", "2,2,2,4,4,4"]).starts_with("4.0 4.0 4.0\n"));
+    let heavy = sample(&["heavy", "9", "--box", "2,2,2,4,4,4"]);
+    let weight: f64 = heavy.lines().next().unwrap().split(' ').next_back().unwrap().parse().unwrap();
+    assert!((weight - 0.36).abs() < 1e-15, "{heavy}");
+    fs::remove_file(folder.path().join("a.xyz")).unwrap();
+    for more in [&[][..], &["--inside"]] {
+        let args = ["sample", "heavy", "9", "--domain", "cube.off", "-o", "a.xyz"];
+        let line = fails(folder.path(), 2, &[&args[..], more].concat());
+        assert_eq!(line, "--domain: the sites of heavy are in the unit cube, or in a --box; leave --domain out");
+    }
+    assert!(fails(folder.path(), 2, &["sample", "uneven", "9", "-o", "a.xyz"]).contains("plummer, clusters, nfw"));
+}
+
+#[test]
 fn bench_says_what_it_does_not_know() {
     let folder = inputs();
     let line = fails(folder.path(), 2, &["bench", "--domains", "box,hare"]);
     assert!(line.contains("--domains hare: not one of box, bunny, trefoil"), "{line}");
     assert!(fails(folder.path(), 2, &["bench", "--domains", "none.off"]).contains("none.off: cannot open"));
     assert!(fails(folder.path(), 2, &["bench", "--sites", "0"]).contains('0'));
+    assert!(fails(folder.path(), 2, &["bench", "--uneven=flat"]).contains("not one of plummer, clusters, nfw"));
+    assert!(fails(folder.path(), 2, &["bench", "--check"]).contains("--uneven"));
+    for other in [["--distributions", "white"], ["--domains", "box"]] {
+        assert!(
+            fails(folder.path(), 2, &[&["bench", "--uneven"][..], &other].concat()).contains("cannot be used with")
+        );
+    }
     let args = ["bench", "--backends", "ocl", "--sites", "100"];
     let mut command = Command::new(PROGRAM);
     command.current_dir(folder.path()).args(args).env("OCL_ICD_VENDORS", "/nowhere");

@@ -108,30 +108,12 @@ impl<'a> Search<'a> {
         let [x, y, z, weight] = prepared.sites.site(site);
         let relative = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
         let status = cell::begin(store, relative(prepared.container.lo), relative(prepared.container.hi));
-        let outcome = Outcome { status, uncertified: false, visited: 0, cuts: 0 };
         if status != cell::COMPLETE {
-            return outcome;
+            return Outcome { status, uncertified: false, visited: 0, cuts: 0 };
         }
         self.group.turn_to(site as usize);
-        let position = [x, y, z];
-        let slope = prepared.sites.has_weights().then(|| self.group.slope_at(position));
-        let center = slope.map_or(V3::default(), |g| v3(-0.5 * g.x, -0.5 * g.y, -0.5 * g.z));
-        let enlarged = epsilon.map(|e| 1.0 + e);
-        let mut cell = Cell {
-            store,
-            site,
-            position,
-            weight,
-            slope,
-            center,
-            center_rounding: 8.0 * UNIT_ROUNDOFF * norm(center),
-            farthest: 0.0,
-            reach_square: 0.0,
-            last_in_order: 0,
-            enlarged,
-            left_square: Real::INFINITY,
-            outcome,
-        };
+        let slope = prepared.sites.has_weights().then(|| self.group.slope_at([x, y, z]));
+        let mut cell = Cell::new(store, site, [x, y, z, weight], slope, epsilon);
         cell.measure();
         if let Some(proven_square) = self.near(&mut cell) {
             self.far(&mut cell, proven_square, site);
@@ -288,7 +270,27 @@ fn visit_all<S: CellStore>(
     true
 }
 
-impl<S: CellStore> Cell<'_, S> {
+impl<'a, S: CellStore> Cell<'a, S> {
+    /// The cell of sorted site `site`, which stands at `x, y, z` with a weight; `slope` is that of the weights there, where they differ.
+    fn new(store: &'a mut S, site: u32, [x, y, z, weight]: [f64; 4], slope: Option<V3>, epsilon: Option<Real>) -> Self {
+        let center = slope.map_or(V3::default(), |g| v3(-0.5 * g.x, -0.5 * g.y, -0.5 * g.z));
+        Self {
+            store,
+            site,
+            position: [x, y, z],
+            weight,
+            slope,
+            center,
+            center_rounding: 8.0 * UNIT_ROUNDOFF * norm(center),
+            farthest: 0.0,
+            reach_square: 0.0,
+            last_in_order: 0,
+            enlarged: epsilon.map(|e| 1.0 + e),
+            left_square: Real::INFINITY,
+            outcome: Outcome { status: cell::COMPLETE, uncertified: false, visited: 0, cuts: 0 },
+        }
+    }
+
     /// Measures the cell anew.
     #[inline(always)]
     fn measure(&mut self) {
@@ -388,3 +390,6 @@ fn from_order(bits: u32) -> Real {
     let bits = bits ^ ((!(bits as i32) >> 31) as u32 | 1 << 31);
     Real::from_bits(u64::from(bits) << 32)
 }
+
+#[cfg(test)]
+mod tests;

@@ -156,6 +156,12 @@ impl Descent {
         found
     }
 
+    /// The same at a place that is exact.
+    #[cfg(test)]
+    pub(super) fn least_at<S: CellStore>(&mut self, tree: &SiteTree, cell: &Cell<'_, S>, place: V3) -> Option<u32> {
+        self.least(tree, cell, Vertex { place, radius: 0.0 }, cell.site)
+    }
+
     /// Puts the nodes of a block among those to be opened, the nearest last.
     fn open<S: CellStore>(&mut self, tree: &SiteTree, cell: &Cell<'_, S>, v: V3, block: usize, limit: Real) {
         let powers = least_powers(tree, cell.position, cell.weight, v, block);

@@ -1,0 +1,112 @@
+use super::*;
+use crate::PowerDiagram;
+use crate::cell::PlainStore;
+
+/// Points that fill the unit cube with no pattern.
+fn point(i: usize) -> [f64; 3] {
+    [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3].map(|a| (0.5 + i as f64 * a).fract())
+}
+
+/// White sites, clusters, and sites in a plane, with weights that are equal, linear, curved, wavy, at random, or one heavy.
+fn diagrams() -> Vec<Prepared> {
+    let white: Vec<[f64; 3]> = (0..3000).map(point).collect();
+    let clusters =
+        white.iter().enumerate().map(|(i, p)| p.map(|x| 0.1 + (i % 3) as f64 * 0.3 + x * 0.01_f64.powi(i as i32 % 3)));
+    let flat: Vec<[f64; 3]> = white.iter().map(|&[x, y, z]| [x, y, 0.5 + 1e-9 * z]).collect();
+    let weights: [fn(&[f64; 3]) -> f64; 6] = [
+        |_| 0.0,
+        |p| 0.5 * p[0] - 0.2 * p[2],
+        |p| 0.9 * p[0] * p[0] + 0.5 * p[1] * p[1] - p[2] * p[2],
+        |p| 0.02 * (6.0 * p[0]).sin() * (5.0 * p[1]).cos(),
+        |p| 0.01 * (1e5 * p[1]).fract(),
+        |p| if p[0] < 1e-3 { 0.09 } else { 0.0 },
+    ];
+    let places = [white.clone(), clusters.collect(), flat];
+    let all = places.iter().flat_map(|places| {
+        weights.iter().map(|w| {
+            let weights: Vec<f64> = places.iter().map(w).collect();
+            PowerDiagram::new(places, &weights).unwrap().in_box([-0.1; 3], [1.1; 3]).unwrap().prepare().unwrap()
+        })
+    });
+    all.collect()
+}
+
+/// `h_j − h_i` at the centre of cell `i`, and the distance of the two sites.
+fn power_and_distance(group: &Group<'_>, own: [f64; 4], other: [f64; 4]) -> (f64, f64) {
+    let g = group.slope_at([own[0], own[1], own[2]]);
+    let d: [f64; 3] = std::array::from_fn(|k| other[k] - own[k]);
+    let square: f64 = d.iter().map(|x| x * x).sum();
+    let along = g.x * d[0] + g.y * d[1] + g.z * d[2];
+    (square - (other[3] - own[3]) + along, square.sqrt())
+}
+
+/// What is proved of a chunk: no site beyond it cuts within the radius. And it is no idle proof: some site beyond it cuts within three times that.
+#[test]
+fn no_site_beyond_a_chunk_cuts_within_the_proven_radius() {
+    for (n, prepared) in diagrams().iter().enumerate() {
+        let tree = &prepared.sites;
+        let mut group = Group::new(tree);
+        let (mut proofs, mut sharp) = (0, 0);
+        for site in (0..tree.len()).step_by(97) {
+            group.turn_to(site);
+            let own = tree.site(site as u32);
+            let mut listed = std::collections::HashSet::<u32>::new();
+            for chunk in 0..4 {
+                if !group.has_chunk(chunk) {
+                    break;
+                }
+                listed.extend(group.leaves(chunk));
+                let radius = group.proven_square(chunk, [own[0], own[1], own[2]], own[3]).max(0.0).sqrt();
+                let mut nearest = f64::INFINITY;
+                for j in 0..tree.len() as u32 {
+                    if !listed.contains(&(j / WIDTH as u32)) {
+                        let (power, distance) = power_and_distance(&group, own, tree.site(j));
+                        nearest = nearest.min(power / (2.0 * distance));
+                    }
+                }
+                if radius > 0.0 {
+                    assert!(nearest >= radius * (1.0 - 1e-9), "{n}: site {site}, chunk {chunk}: {nearest} < {radius}");
+                    proofs += 1;
+                    sharp += usize::from(nearest < 3.0 * radius);
+                }
+            }
+        }
+        assert!(proofs > 20 && sharp > 10, "{n}: {proofs} proofs, {sharp} of them sharp");
+    }
+}
+
+/// The site of least power at a vertex is found, or there is none of less than the cell's own.
+#[test]
+fn a_descent_finds_the_least_power() {
+    let (mut found, mut none) = (0, 0);
+    for (n, prepared) in diagrams().iter().enumerate() {
+        let tree = &prepared.sites;
+        let mut descent = Descent::default();
+        for site in (0..tree.len() as u32).step_by(37) {
+            let [x, y, z, weight] = tree.site(site);
+            let mut store = PlainStore::new([x, y, z], None);
+            let cell = Cell::new(&mut store, site, tree.site(site), None, None);
+            for scale in [1e-4, 1e-2, 0.3, 1.0] {
+                let way = point(site as usize + 77).map(|c| scale * (c - 0.5));
+                let at = [x + way[0], y + way[1], z + way[2]];
+                let power = |j: u32| {
+                    let [a, b, c, w] = tree.site(j);
+                    (at[0] - a).powi(2) + (at[1] - b).powi(2) + (at[2] - c).powi(2) - w
+                };
+                let least = (0..tree.len() as u32).map(power).fold(f64::INFINITY, f64::min);
+                let own = power(site);
+                match descent.least_at(tree, &cell, v3(way[0], way[1], way[2])) {
+                    Some(j) => {
+                        assert!(power(j) <= least + 1e-12 && least < own, "{n}: {site}: {} {least}", power(j));
+                        found += 1;
+                    }
+                    None => {
+                        assert!(own <= least + 1e-12, "{n}: {site}, {scale}: {own} {least} {weight}");
+                        none += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(found > 1000 && none > 500, "{found} {none}");
+}

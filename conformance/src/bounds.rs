@@ -164,7 +164,8 @@ impl<'a> Bounds<'a> {
         let cells = || (0..self.scene.len()).map(|i| self.cell_rounding(i));
         let is_needle = volume <= cells().fold(0.0, f64::max);
         let nothing = if is_needle && self.output.count(CellStatus::Empty) > 0 { volume } else { 0.0 };
-        bound_of_volumes(volume, self.scene.room.area(), reach) + nothing
+        let grid = self.scene.room.grid_volume(self.scene.len());
+        bound_of_volumes(volume, self.scene.room.area(), reach, grid) + nothing
     }
 
     /// By what angle the bisector of sites `i` and `j` is turned, and by what share of it their distance is off: coordinates

@@ -162,6 +162,14 @@ impl Room {
         }
     }
 
+    /// Volume of the grid that encloses a mesh (length³) for so many sites; of a box, which has none, 0.
+    pub fn grid_volume(&self, sites: usize) -> f64 {
+        match self {
+            Self::Box(..) => 0.0,
+            Self::Mesh(_, domain) => domain.grid_volume(sites),
+        }
+    }
+
     /// Its bounding box.
     pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
         match self {

@@ -154,6 +154,12 @@ impl Domain {
         &self.inner.frame
     }
 
+    /// Volume of the grid for so many sites (length³): all that cells have in it is integrated.
+    pub fn grid_volume(&self, sites: usize) -> f64 {
+        let grid = self.grid(sites);
+        grid.dims().iter().map(|&n| f64::from(n) * grid.voxel_width() * self.inner.frame.unit()).product()
+    }
+
     /// The grid over the domain for so many sites inside, in the coordinates of [`Domain::frame`]: about one voxel for each, and voxels
     /// of that size around it, so that few cells seem to meet the surface that do not. Built on the first call for the next power of two, and kept.
     pub fn grid(&self, sites: usize) -> &Arc<DomainGrid> {

@@ -52,11 +52,17 @@ pub const SUM: f64 = 1e-14;
 /// Roundings of the container's surface, as all cells have it in their sites' frames: 1 for each coordinate, 5 for the plane.
 pub const ROUNDINGS_OF_SURFACE: f64 = 8.0;
 
+/// Roundings of the tetrahedra that fill the grid of a domain, in units of its volume: within a domain all that the cells have in its grid is
+/// integrated, and what is outside subtracted. For a shape that is thin across its grid this is more than the surface's share.
+pub const ROUNDINGS_OF_GRID: f64 = 16.0;
+
 /// THE law of sums: how far the volumes of all cells may be from `volume`, the container's (length³). [`SUM`] of it, and the rounding of
 /// its surface of area `area` in the frames of sites of which the farthest is `reach` from the farthest corner of what is integrated: each
-/// cell has it displaced by up to [`ROUNDINGS_OF_SURFACE`] of that distance, and where the container is thin against that, it is this that counts.
-pub fn bound_of_volumes(volume: f64, area: f64, reach: f64) -> f64 {
-    SUM * volume.abs() + ROUNDINGS_OF_SURFACE * 0.5 * f64::EPSILON * area * reach
+/// cell has it displaced by up to [`ROUNDINGS_OF_SURFACE`] of that distance, and where the container is thin against that, it is this that counts;
+/// or that of its grid's volume `grid` ([`Domain::grid_volume`](crate::Domain::grid_volume), 0 of a box), which is independent of it.
+pub fn bound_of_volumes(volume: f64, area: f64, reach: f64, grid: f64) -> f64 {
+    let rounding = 0.5 * f64::EPSILON;
+    SUM * volume.abs() + rounding * f64::max(ROUNDINGS_OF_SURFACE * area * reach, ROUNDINGS_OF_GRID * grid)
 }
 
 #[cfg(test)]

@@ -121,7 +121,10 @@ impl<'a> Bounds<'a> {
 
     /// Of the sum of all volumes, relative to the container's: the law of sums, and the rounding of the file's numbers.
     pub(super) fn volume_sum(&self) -> f64 {
-        self.sum + self.stored + bound_of_volumes(0.0, self.surface, self.farthest_corner) / self.volume
+        self.sum + self.stored + {
+            let grid = self.diagram.domain().map_or(0.0, |domain| domain.grid_volume(self.cells.len()));
+            bound_of_volumes(0.0, self.surface, self.farthest_corner, grid) / self.volume
+        }
     }
 
     /// Of the barycenter of all cells together, relative to the diagonal.

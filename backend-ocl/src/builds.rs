@@ -97,6 +97,8 @@ pub(crate) struct Asked {
     /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
     domain: bool,
     weights: bool,
+    /// Whether sites are found by the tree over all of them.
+    tree: bool,
 }
 
 impl Asked {
@@ -108,6 +110,7 @@ impl Asked {
             integral: params.flags & INTEGRAL != 0,
             domain: is_shared && params.has_domain != 0,
             weights: is_shared && params.equal_weights == 0,
+            tree: params.has_tree != 0,
         }
     }
 }
@@ -125,6 +128,7 @@ enum Flag {
     Integral(bool),
     Domain(bool),
     Weights(bool),
+    Tree(bool),
     Exact(bool),
     Surface(bool),
     Room(bool),
@@ -146,6 +150,7 @@ impl Flag {
             Self::Integral(is_set) => set("WITH_INTEGRAL", is_set),
             Self::Domain(is_set) => set("WITH_DOMAIN", is_set),
             Self::Weights(is_set) => set("WITH_WEIGHTS", is_set),
+            Self::Tree(is_set) => set("WITH_TREE", is_set),
             Self::Exact(is_set) => set("WITH_EXACT", is_set),
             Self::Surface(is_set) => set("WITH_SURFACE", is_set),
             Self::Room(is_set) => set("WITH_ROOM", is_set),
@@ -171,7 +176,7 @@ impl Build {
         let room_of = |room: &Capacities| vec![Flag::Planes(room.planes), Flag::Vertices(room.vertices)];
         match self {
             Self::Grid => Vec::new(),
-            Self::Cells(way, Asked { facets, facet_second, integral, domain, weights }) => {
+            Self::Cells(way, Asked { facets, facet_second, integral, domain, weights, tree }) => {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
@@ -188,7 +193,13 @@ impl Build {
                         ]
                     }
                 };
-                flags.extend([Flag::Facets(*facets), Flag::FacetSecond(*facet_second), Flag::Integral(*integral)]);
+                let asked = [
+                    Flag::Facets(*facets),
+                    Flag::FacetSecond(*facet_second),
+                    Flag::Integral(*integral),
+                    Flag::Tree(*tree),
+                ];
+                flags.extend(asked);
                 flags
             }
             Self::Single(room) => room_of(room),
@@ -214,7 +225,7 @@ impl Build {
     /// One of each text and stage.
     #[cfg(test)]
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        let asked = Asked { facets: true, facet_second: true, integral: true, domain: true, weights: true };
+        let asked = Asked { facets: true, facet_second: true, integral: true, domain: true, weights: true, tree: true };
         let room = Capacities { planes: 64, vertices: 128 };
         let stages = [Stage::First, Stage::Surface, Stage::Exact, Stage::Wide];
         let together = stages.map(|stage| Self::Cells(Way::Together(32, stage), asked));

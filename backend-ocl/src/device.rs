@@ -20,7 +20,6 @@ use laguerre_core::diagram::{FramedContainer, Prepared};
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
-use laguerre_core::site_grid::SiteGrid;
 use laguerre_core::{PassReport, PowerDiagram, Request, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -192,9 +191,9 @@ impl Device {
         Ok(sorted)
     }
 
-    /// Takes sites that the host sorted; returns how many have a cell.
-    pub(crate) fn take(&mut self, prepared: &Prepared<SiteGrid>) -> Result<usize> {
-        let Self { context, queue, grid_kernels, sites, shared, .. } = self;
-        sites.take(context, queue, grid_kernels, prepared, shared)
+    /// Takes the tree over the sites that the host made; returns how many have a cell.
+    pub(crate) fn take(&mut self, prepared: &Prepared) -> Result<usize> {
+        let Self { context, queue, sites, shared, .. } = self;
+        sites.take(context, queue, prepared, shared)
     }
 }

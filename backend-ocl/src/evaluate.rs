@@ -2,7 +2,6 @@
 
 use crate::device::Device;
 use crate::fallback;
-use crate::grid::SITES_PER_VOXEL;
 use crate::platform::choose;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::{
@@ -72,7 +71,7 @@ impl Backend for Ocl {
         })?;
         let mut count = sorted.iter().flatten().copied().max();
         if sorted.contains(&None) {
-            let prepared = diagram.prepare_grid(SITES_PER_VOXEL)?;
+            let prepared = diagram.prepare()?;
             count = on_all(&mut devices, name, &|_, device| device.take(&prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());

@@ -1,15 +1,16 @@
-//! The sites on the device: sorted there, or, where a voxel is crowded, on the host.
+//! The sites on the device: sorted there, or, where a voxel is crowded, by the host, with a tree over them.
 
 use crate::buffer::Room;
-use crate::interface::data::{BLOCK_LEVEL, Block, Cluster, GRID_GROUP, MOST_LEVELS, Range, SCAN_EACH};
+use crate::interface::data::{BLOCK_LEVEL, Block, GRID_GROUP, MOST_LEVELS, Range, SCAN_EACH};
 use crate::interface::kernels::{
     AddBlocks, BoundBlocks, CountSites, EnterSites, FitBlocks, GatherSites, MarkVoxels, PlaceSites, RaiseBounds,
     RaiseLevel, ScanBlocks, SortVoxels,
 };
-use crate::params::{self, Shared};
+use crate::params::Shared;
 use crate::program::GridKernels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
-use laguerre_core::site_grid::{SiteGrid, Voxels};
+use laguerre_core::site_grid::Voxels;
+use laguerre_core::site_tree::{Boxes, Slabs, WeightBounds};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -43,8 +44,10 @@ pub(crate) struct Sites {
     /// (`blocks.cl`).
     pub(crate) bounds: Room<[f64; 4]>,
     pub(crate) blocks: Room<Block>,
-    pub(crate) clusters: Room<Cluster>,
-    pub(crate) roots: Room<u32>,
+    /// The tree over the sites, where the host made one.
+    pub(crate) boxes: Room<Boxes>,
+    pub(crate) slabs: Room<Slabs>,
+    pub(crate) weight_bounds: Room<WeightBounds>,
     on_host: OnHost,
 }
 
@@ -73,8 +76,9 @@ impl Sites {
             weights: Room::new("the pyramid"),
             bounds: Room::new("the blocks of voxels"),
             blocks: Room::new("the blocks of voxels"),
-            clusters: Room::new("the trees of crowded voxels"),
-            roots: Room::new("the trees of crowded voxels"),
+            boxes: Room::new("the tree over the sites"),
+            slabs: Room::new("the tree over the sites"),
+            weight_bounds: Room::new("the tree over the sites"),
             on_host: OnHost { ranges: Vec::new(), number: Vec::new() },
         }
     }
@@ -123,7 +127,7 @@ impl Sites {
             diagram.check_range(container)?;
         }
         let coarse = Voxels::coarse(range.lo, range.hi, n);
-        shared.params.sort_into(&coarse, &range, false);
+        shared.params.sort_into(&coarse, &range);
         shared.send(context, queue)?;
         self.starts.fill_with(context, queue, 0, coarse.count())?;
         kernels.mark_voxels.run(
@@ -135,7 +139,7 @@ impl Sites {
         self.starts.read(queue, coarse.count(), &mut self.on_host.number)?;
         let filled = self.on_host.number.iter().filter(|&&mark| mark != 0).count();
         let voxels = coarse.over_part(range.lo, range.hi, n, filled, SITES_PER_VOXEL);
-        let nodes = shared.params.sort_into(&voxels, &range, false);
+        let nodes = shared.params.sort_into(&voxels, &range);
         shared.send(context, queue)?;
         let boxes = voxels.count();
         let box_count = boxes as u32;
@@ -148,8 +152,9 @@ impl Sites {
         self.offsets.fill_with(context, queue, 0, boxes + 1)?;
         self.sites.grow(context, n)?;
         self.order.grow(context, n)?;
-        self.clusters.grow(context, 1)?;
-        self.roots.grow(context, 1)?;
+        self.boxes.grow(context, 1)?;
+        self.slabs.grow(context, 1)?;
+        self.weight_bounds.grow(context, 1)?;
         kernels.count_sites.run(
             queue,
             n,
@@ -236,7 +241,7 @@ impl Sites {
         levels: &[[u32; 3]],
         shared: &Shared,
     ) -> Result<()> {
-        if shared.params.equal_weights != 0 || shared.params.has_clusters != 0 {
+        if shared.params.equal_weights != 0 {
             self.bounds.grow(context, 1)?;
             return self.blocks.grow(context, 1);
         }
@@ -298,32 +303,25 @@ impl Sites {
         Ok(())
     }
 
-    /// Takes sites that the host sorted; returns how many have a cell.
+    /// Takes the tree over the sites that the host made; returns how many have a cell.
     pub(crate) fn take(
         &mut self,
         context: &Context,
         queue: &CommandQueue,
-        kernels: &GridKernels,
-        prepared: &Prepared<SiteGrid>,
+        prepared: &Prepared,
         shared: &mut Shared,
     ) -> Result<usize> {
-        let grid = &prepared.sites;
-        let mut range = Range::default();
-        for &[_, _, _, w] in grid.sites() {
-            range.smallest_weight = range.smallest_weight.min(w);
-            range.largest_weight = range.largest_weight.max(w);
-        }
-        shared.params.sort_into(grid.voxels(), &range, grid.has_clusters());
+        let tree = &prepared.sites;
+        shared.params.search_tree(tree);
         shared.send(context, queue)?;
-        self.sites.fill(context, queue, grid.sites())?;
-        self.order.fill(context, queue, grid.order())?;
-        self.offsets.fill(context, queue, grid.offsets())?;
-        let weights: Vec<f64> = grid.levels().iter().flat_map(|level| level.largest_weight.iter().copied()).collect();
-        self.weights.fill(context, queue, &weights)?;
-        self.bound_blocks(context, queue, kernels, &grid.voxels().levels(), shared)?;
-        self.clusters.fill(context, queue, &params::clusters(prepared))?;
-        self.roots.fill(context, queue, grid.roots())?;
-        Ok(grid.len())
+        self.sites.fill(context, queue, &tree.sites().collect::<Vec<_>>())?;
+        self.order.fill(context, queue, tree.order())?;
+        self.boxes.fill(context, queue, tree.all_boxes())?;
+        self.slabs.fill(context, queue, tree.all_slabs())?;
+        self.weight_bounds.fill(context, queue, tree.all_weights())?;
+        self.bounds.grow(context, 1)?;
+        self.blocks.grow(context, 1)?;
+        Ok(tree.len())
     }
 }
 

@@ -1,10 +1,11 @@
 //! What fills the structs of the interface.
 
 use crate::buffer::Room;
-use crate::interface::data::{Cluster, Params, Range};
-use laguerre_core::diagram::{FramedContainer, Prepared};
+use crate::interface::data::{Params, Range};
+use laguerre_core::diagram::FramedContainer;
 use laguerre_core::integrand::FramedIntegrand;
-use laguerre_core::site_grid::{SiteGrid, Voxels};
+use laguerre_core::site_grid::Voxels;
+use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{Request, Result};
 use laguerre_core::{cell, frame};
 use opencl3::command_queue::CommandQueue;
@@ -58,16 +59,34 @@ impl Params {
         params
     }
 
+    fn weigh(&mut self, range: &Range) {
+        self.smallest_weight = range.smallest_weight;
+        self.largest_weight = range.largest_weight;
+        self.equal_weights = u32::from(range.smallest_weight == range.largest_weight);
+    }
+
+    /// The tree over the sites.
+    pub(crate) fn search_tree(&mut self, tree: &SiteTree) {
+        self.smallest_weight = tree.base_weight();
+        self.largest_weight = tree.largest_weight();
+        self.equal_weights = u32::from(!tree.has_weights());
+        self.has_tree = 1;
+        self.tree_sites = tree.len() as u32;
+        self.tree_top = tree.top_level() as u32;
+        for level in 0..=tree.top_level() {
+            self.tree_begin[level] = tree.level_begin(level) as u32;
+        }
+    }
+
     /// The grid of the sites, and where each level of its pyramid begins; returns the nodes of all levels.
-    pub(crate) fn sort_into(&mut self, voxels: &Voxels, range: &Range, has_clusters: bool) -> usize {
+    pub(crate) fn sort_into(&mut self, voxels: &Voxels, range: &Range) -> usize {
         self.grid_lo = voxels.lo;
         self.grid_width = voxels.width;
         self.grid_per_width = 1.0 / voxels.width;
         self.grid_pad = voxels.pad;
         self.grid_dims = voxels.dims;
-        self.largest_weight = range.largest_weight;
-        self.equal_weights = u32::from(range.smallest_weight == range.largest_weight);
-        self.has_clusters = u32::from(has_clusters);
+        self.weigh(range);
+        self.has_tree = 0;
         let mut nodes = 0;
         for (level, dims) in voxels.levels().into_iter().enumerate() {
             self.level_begin[level] = nodes as u32;
@@ -93,20 +112,4 @@ impl Shared {
     pub(crate) fn send(&mut self, context: &Context, queue: &CommandQueue) -> Result<()> {
         self.room.fill(context, queue, &[self.params])
     }
-}
-
-/// The trees of the crowded voxels.
-pub(crate) fn clusters(prepared: &Prepared<SiteGrid>) -> Vec<Cluster> {
-    let nodes = prepared.sites.clusters().iter();
-    nodes
-        .map(|node| Cluster {
-            lo: node.lo,
-            hi: node.hi,
-            largest_weight: node.largest_weight,
-            begin: node.begin,
-            end: node.end,
-            children: node.children,
-            unused: 0,
-        })
-        .collect()
 }

@@ -1,15 +1,13 @@
 //! The sites, sorted so that neighbours in space are neighbours in memory, with a pyramid over their voxels.
 
-mod cluster;
 mod voxels;
 
-pub use cluster::ClusterNode;
 pub use voxels::Voxels;
 
 /// Sites per voxel that the resolution aims at, unless a backend asks for another (measured on the CPU: see BENCHMARKS.md).
 pub const SITES_PER_VOXEL: f64 = 4.0;
 
-/// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.
+/// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and the tree over all sites is searched instead.
 pub const CROWDED: usize = 64;
 
 /// One level of the pyramid: the largest weight of each node's sites, −∞ where there is none. A node of level `l` covers
@@ -34,8 +32,6 @@ pub struct SiteGrid {
     voxels: Voxels,
     offsets: Vec<u32>,
     levels: Vec<Level>,
-    clusters: Vec<ClusterNode>,
-    roots: Vec<u32>,
 }
 
 impl SiteGrid {
@@ -61,12 +57,9 @@ impl SiteGrid {
             voxels,
             offsets: Vec::new(),
             levels: Vec::new(),
-            clusters: Vec::new(),
-            roots: Vec::new(),
         };
         grid.sort(positions, weights);
         grid.build_levels();
-        grid.build_clusters();
         grid
     }
 
@@ -103,21 +96,6 @@ impl SiteGrid {
     /// The largest weight of all sites.
     pub fn largest_weight(&self) -> f64 {
         self.levels.last().map_or(f64::NEG_INFINITY, |top| top.largest_weight[0])
-    }
-
-    /// Whether some voxel is crowded.
-    pub fn has_clusters(&self) -> bool {
-        !self.clusters.is_empty()
-    }
-
-    /// The nodes of the trees inside crowded voxels.
-    pub fn clusters(&self) -> &[ClusterNode] {
-        &self.clusters
-    }
-
-    /// The root of a voxel's tree, where it is crowded.
-    pub fn cluster_root(&self, voxel: usize) -> Option<u32> {
-        self.roots.get(voxel).copied().filter(|&root| root != u32::MAX)
     }
 
     /// The voxel that holds position `x`, clamped into the grid.
@@ -158,24 +136,6 @@ impl SiteGrid {
     /// Where the sites of each voxel begin; one more at the end.
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
-    }
-
-    /// The root of each voxel's tree, `u32::MAX` where it has none; empty where no voxel is crowded.
-    pub fn roots(&self) -> &[u32] {
-        &self.roots
-    }
-
-    /// The range of voxels along axis `k` that hold every site whose coordinate is within `reach` of `x`.
-    pub fn voxels_within(&self, k: usize, x: f64, reach: f64) -> std::ops::RangeInclusive<u32> {
-        let index = |x: f64| (((x - self.voxels.lo[k]) / self.voxels.width) as u32).min(self.voxels.dims[k] - 1);
-        index(x - reach - self.voxels.pad[k])..=index(x + reach + self.voxels.pad[k])
-    }
-
-    /// How far `x` is from the slab of voxels `i` along axis `k`, at least.
-    pub fn distance_to_voxel(&self, k: usize, i: u32, x: f64) -> f64 {
-        let lo = self.voxels.lo[k] + f64::from(i) * self.voxels.width - self.voxels.pad[k];
-        let hi = self.voxels.lo[k] + f64::from(i + 1) * self.voxels.width + self.voxels.pad[k];
-        (lo - x).max(x - hi).max(0.0)
     }
 
     /// Counting sort by voxel; within a voxel by position, so that coincident sites stand together.

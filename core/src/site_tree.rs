@@ -174,6 +174,16 @@ impl SiteTree {
         self.boxes.len() - 1
     }
 
+    /// The level of the root's block, 0 that of the leaves.
+    pub fn top_level(&self) -> usize {
+        self.levels.len() - 2
+    }
+
+    /// Where the blocks of a level begin.
+    pub fn level_begin(&self, level: usize) -> usize {
+        self.levels[level]
+    }
+
     /// The node that holds leaf `leaf` and its siblings, as its block and its number there; the leaf itself where it is in the root's block.
     pub fn around(&self, leaf: usize) -> (usize, usize) {
         if self.levels.len() == 2 {
@@ -196,6 +206,21 @@ impl SiteTree {
     /// The bounds of the weights of the nodes of a block, where weights differ.
     pub fn weights(&self, block: usize) -> &WeightBounds {
         &self.weights[block]
+    }
+
+    /// The boxes of all blocks.
+    pub fn all_boxes(&self) -> &[Boxes] {
+        &self.boxes
+    }
+
+    /// The slabs of all blocks.
+    pub fn all_slabs(&self) -> &[Slabs] {
+        &self.slabs
+    }
+
+    /// The bounds of the weights of all blocks, where weights differ.
+    pub fn all_weights(&self) -> &[WeightBounds] {
+        &self.weights
     }
 
     /// Whether the nodes of a block are leaves.

@@ -81,10 +81,8 @@ impl Device {
         // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
         self.most_cells = sites.div_ceil(of);
         self.clear(request, sites, self.most_cells)?;
-        // Together no proof is cut short, no tree is searched, and what few ask for is not computed.
-        let whole = self.shared.params.has_clusters == 0
-            && request.epsilon.is_none()
-            && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
+        // Together no proof is cut short, and what few ask for is not computed.
+        let whole = request.epsilon.is_none() && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
         let together = self.together.filter(|_| whole);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
@@ -363,8 +361,9 @@ impl Device {
             weights: &sites.weights,
             bounds: &sites.bounds,
             blocks: &sites.blocks,
-            clusters: &sites.clusters,
-            roots: &sites.roots,
+            boxes: &sites.boxes,
+            slabs: &sites.slabs,
+            weight_bounds: &sites.weight_bounds,
             domain_vertices: &memory.domain_vertices,
             triangles: &memory.triangles,
             lowest_voxels: &memory.lowest_voxels,

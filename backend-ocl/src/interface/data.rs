@@ -17,6 +17,9 @@ pub(crate) const SAMPLE: u32 = 512;
 /// Levels of the pyramid at most.
 pub(crate) const MOST_LEVELS: usize = 32;
 
+/// Levels of the tree at most.
+pub(crate) const MOST_TREE_LEVELS: usize = 12;
+
 /// The level of the pyramid whose nodes are the blocks of `blocks.cl`, where there are so many.
 pub(crate) const BLOCK_LEVEL: u32 = 1;
 
@@ -46,6 +49,7 @@ pub(crate) struct Params {
     pub(crate) grid_per_width: f64,
     pub(crate) grid_pad: [f64; 3],
     pub(crate) largest_weight: f64,
+    pub(crate) smallest_weight: f64,
     /// Domain grid: minimum corner, width of the voxels and its inverse.
     pub(crate) domain_lo: [f64; 3],
     pub(crate) domain_width: f64,
@@ -65,7 +69,11 @@ pub(crate) struct Params {
     pub(crate) level_begin: [u32; MOST_LEVELS],
     pub(crate) domain_dims: [u32; 3],
     pub(crate) has_domain: u32,
-    pub(crate) has_clusters: u32,
+    /// The tree over the sites, if there is one (`SiteTree`): where the blocks of each level begin, the root's level, the number of sites.
+    pub(crate) tree_begin: [u32; MOST_TREE_LEVELS],
+    pub(crate) tree_top: u32,
+    pub(crate) tree_sites: u32,
+    pub(crate) has_tree: u32,
     /// What to compute: the flags of `integrate_cell`.
     pub(crate) flags: u32,
     /// 1: all weights are the same.
@@ -78,19 +86,6 @@ pub(crate) struct Params {
     /// Room for records of cells near the surface.
     pub(crate) near_room: u32,
     /// Zero.
-    pub(crate) unused: u32,
-}
-
-/// A node of the tree inside a crowded voxel (`ClusterNode`).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Cluster {
-    pub(crate) lo: [f64; 3],
-    pub(crate) hi: [f64; 3],
-    pub(crate) largest_weight: f64,
-    pub(crate) begin: u32,
-    pub(crate) end: u32,
-    pub(crate) children: u32,
     pub(crate) unused: u32,
 }
 

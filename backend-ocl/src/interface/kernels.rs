@@ -1,9 +1,10 @@
 //! The kernels in double precision, and their parameters. What they do is said where their text is.
 
-use super::data::{Block, Cluster, Counters, Params, Range};
+use super::data::{Block, Counters, Params, Range};
 use super::table::kernels;
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::FacetSecond;
+use laguerre_core::site_tree::{Boxes, Slabs, WeightBounds};
 
 kernels! {
     /// Sites and domain.
@@ -18,8 +19,10 @@ kernels! {
         /// What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
         input bounds: [f64; 4],
         input blocks: Block,
-        input clusters: Cluster,
-        input roots: u32,
+        /// The tree over the sites, block by block.
+        input boxes: Boxes,
+        input slabs: Slabs,
+        input weight_bounds: WeightBounds,
         input domain_vertices: [f64; 3],
         input triangles: [u32; 3],
         input lowest_voxels: [u32; 3],

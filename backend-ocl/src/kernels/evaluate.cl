@@ -1,6 +1,9 @@
 // The entry point where one work-item computes a cell.
 
 #import "search.cl"
+#if WITH_TREE
+#import "tree_alone.cl"
+#endif
 #import "output.cl"
 
 // Computes `count` cells: those of `list` from `first` on, or without a list every `stride`th site from `first` on; every `apart`th work-item
@@ -18,8 +21,16 @@ __kernel void cells(CELLS_ARGUMENTS) {
     store.world = WORLD_OF_ARGUMENTS;
     store.tried = 0;
     store.last_tried = 0;
+#if WITH_TREE
+    uint visited = 0;
+    uint status = complete_by_tree(&store, site, &visited);
+    const uint uncertified = store.uncertified;
+#else
     Search search;
     uint status = complete_cell(&store, &search, shells, site);
+    const uint visited = search.visited;
+    const uint uncertified = search.uncertified;
+#endif
     if (status == COMPLETE) {
         status = refine(&store);
     }
@@ -58,8 +69,8 @@ __kernel void cells(CELLS_ARGUMENTS) {
         }
     }
 #endif
-    if (search.visited > counters->visited) {
-        atomic_max(&counters->visited, search.visited);
+    if (visited > counters->visited) {
+        atomic_max(&counters->visited, visited);
     }
     if (store.tried > counters->tried) {
         atomic_max(&counters->tried, store.tried);
@@ -76,7 +87,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         }
         return;
     }
-    outcome[i] = (status | ((store.exact != 0u) ? OUTCOME_EXACT : 0u)) | ((search.uncertified != 0u) ? OUTCOME_UNCERTIFIED : 0u);
+    outcome[i] = (status | ((store.exact != 0u) ? OUTCOME_EXACT : 0u)) | ((uncertified != 0u) ? OUTCOME_UNCERTIFIED : 0u);
     if (status != COMPLETE) {
         return;
     }

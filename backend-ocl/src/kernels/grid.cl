@@ -71,7 +71,7 @@ __kernel void mark_voxels(MARK_VOXELS_ARGUMENTS) {
 }
 
 // Counts the sites of each voxel, and gives each site its number among them (in no order: `sort_voxels` makes one).
-// `crowded` becomes 1 where a voxel has more than CROWDED: those the host sorts into trees.
+// `crowded` becomes 1 where a voxel has more than CROWDED: then the host makes a tree.
 __kernel void count_sites(COUNT_SITES_ARGUMENTS) {
     const uint i = get_global_id(0);
     if (i >= count) {

@@ -4,8 +4,45 @@
 
 // core/src/site_grid.rs
 
-// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and it gets a tree of its own.
+// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and the tree over all sites is searched instead.
 #define CROWDED ((uint)(64))
+
+// core/src/site_tree.rs
+
+// Sites in a leaf, and nodes in a block.
+#define WIDTH ((uint)(8))
+
+// Eight sibling nodes: the tight boxes of their sites.
+typedef struct {
+    // Minimum corners, axis by axis.
+    real lo[3][WIDTH];
+    // Maximum corners, axis by axis.
+    real hi[3][WIDTH];
+} Boxes;
+
+// An upper bound of the weights of each of eight sibling nodes, less [`SiteTree::base_weight`]:
+// `w_j − base ≤ c + g·(p_j − m) + Σ_k q_k (p_j − m)_k²`, `m` the middle of the box. `c` has room for all roundings of evaluating it.
+typedef struct {
+    // Constant.
+    real c[WIDTH];
+    // Slope, axis by axis.
+    real g[3][WIDTH];
+    // Curvature, axis by axis.
+    real q[3][WIDTH];
+} WeightBounds;
+
+// A slab that holds the sites of each of eight sibling nodes, across their thinnest direction: it tells sites that lie along a surface from
+// a sphere that touches the surface.
+typedef struct {
+    // Unit normals, axis by axis; zero where the box says as much.
+    real normal[3][WIDTH];
+    // Least `normal·p`, rounded down.
+    real lo[WIDTH];
+    // Largest `normal·p`, rounded up.
+    real hi[WIDTH];
+    // Largest weight, less the base.
+    real largest_weight[WIDTH];
+} Slabs;
 
 // core/src/assemble.rs
 
@@ -40,6 +77,9 @@ typedef struct {
 // Levels of the pyramid at most.
 #define MOST_LEVELS ((uint)(32))
 
+// Levels of the tree at most.
+#define MOST_TREE_LEVELS ((uint)(12))
+
 // The level of the pyramid whose nodes are the blocks of `blocks.cl`, where there are so many.
 #define BLOCK_LEVEL ((uint)(1))
 
@@ -71,6 +111,7 @@ typedef struct {
     real grid_per_width;
     real grid_pad[3];
     real largest_weight;
+    real smallest_weight;
     // Domain grid: minimum corner, width of the voxels and its inverse.
     real domain_lo[3];
     real domain_width;
@@ -90,7 +131,11 @@ typedef struct {
     uint level_begin[MOST_LEVELS];
     uint domain_dims[3];
     uint has_domain;
-    uint has_clusters;
+    // The tree over the sites, if there is one (`SiteTree`): where the blocks of each level begin, the root's level, the number of sites.
+    uint tree_begin[MOST_TREE_LEVELS];
+    uint tree_top;
+    uint tree_sites;
+    uint has_tree;
     // What to compute: the flags of `integrate_cell`.
     uint flags;
     // 1: all weights are the same.
@@ -105,17 +150,6 @@ typedef struct {
     // Zero.
     uint unused;
 } Params;
-
-// A node of the tree inside a crowded voxel (`ClusterNode`).
-typedef struct {
-    real lo[3];
-    real hi[3];
-    real largest_weight;
-    uint begin;
-    uint end;
-    uint children;
-    uint unused;
-} Cluster;
 
 // Range of the sites of one group, or of all.
 typedef struct {
@@ -168,8 +202,10 @@ typedef struct {
     // What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
     __global const real4 *bounds;
     __global const Block *blocks;
-    __global const Cluster *clusters;
-    __global const uint *roots;
+    // The tree over the sites, block by block.
+    __global const Boxes *boxes;
+    __global const Slabs *slabs;
+    __global const WeightBounds *weight_bounds;
     __global const real *domain_vertices;
     __global const uint *triangles;
     __global const uint *lowest_voxels;
@@ -187,8 +223,9 @@ typedef struct {
     .weights = weights, \
     .bounds = bounds, \
     .blocks = blocks, \
-    .clusters = clusters, \
-    .roots = roots, \
+    .boxes = boxes, \
+    .slabs = slabs, \
+    .weight_bounds = weight_bounds, \
     .domain_vertices = domain_vertices, \
     .triangles = triangles, \
     .lowest_voxels = lowest_voxels, \
@@ -205,8 +242,9 @@ typedef struct {
     __global const real *weights, \
     __global const real4 *bounds, \
     __global const Block *blocks, \
-    __global const Cluster *clusters, \
-    __global const uint *roots, \
+    __global const Boxes *boxes, \
+    __global const Slabs *slabs, \
+    __global const WeightBounds *weight_bounds, \
     __global const real *domain_vertices, \
     __global const uint *triangles, \
     __global const uint *lowest_voxels, \
@@ -223,8 +261,9 @@ typedef struct {
     __global const real *weights, \
     __global const real4 *bounds, \
     __global const Block *blocks, \
-    __global const Cluster *clusters, \
-    __global const uint *roots, \
+    __global const Boxes *boxes, \
+    __global const Slabs *slabs, \
+    __global const WeightBounds *weight_bounds, \
     __global const real *domain_vertices, \
     __global const uint *triangles, \
     __global const uint *lowest_voxels, \
@@ -372,9 +411,11 @@ typedef struct {
     uint count
 
 // Sizes as on the host: a compiler that pads does not build this.
+typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];
+typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];
+typedef char size_of_Slabs[(sizeof(Slabs) == 384) ? 1 : -1];
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
-typedef char size_of_Params[(sizeof(Params) == 432) ? 1 : -1];
-typedef char size_of_Cluster[(sizeof(Cluster) == 72) ? 1 : -1];
+typedef char size_of_Params[(sizeof(Params) == 496) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
 typedef char size_of_Block[(sizeof(Block) == 48) ? 1 : -1];
 typedef char size_of_Counters[(sizeof(Counters) == 32) ? 1 : -1];

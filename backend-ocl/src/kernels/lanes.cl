@@ -44,6 +44,7 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
 }
 #endif
 
+#if !WITH_TREE
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
 INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, Reach reach, uint *entry) {
@@ -217,3 +218,4 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     *extent = reach.extent;
     return (is_proved != 0u) ? COMPLETE : ((WITH_EXACT != 0) ? LEFT : OPEN);
 }
+#endif

@@ -3,6 +3,9 @@
 // the records of cells that are given to it WITH_SURFACE.
 
 #import "lanes.cl"
+#if WITH_TREE
+#import "lanes_tree.cl"
+#endif
 #import "lanes_near.cl"
 #import "lanes_integrate.cl"
 #import "output.cl"
@@ -30,6 +33,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->cell = cell;
     s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
+    s->own = site;
     s->lane = (uint)get_local_id(0) % LANES;
 #if WITH_DOMAIN && !TAKES_NEAR
     const int2 about = abouts[site];
@@ -53,11 +57,15 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if TAKES_NEAR
     take_cell(s, record);
 #else
-#if WITH_WEIGHTS
+#if WITH_WEIGHTS && !WITH_TREE
     s->about = about_site(s);
 #endif
     if (status == COMPLETE) {
+#if WITH_TREE
+        status = complete_by_tree(s, &visited, &extent);
+#else
         status = complete_together(s, shells, site, &visited, &extent);
+#endif
     }
 #endif
     CellSums part = (CellSums){ 0 };

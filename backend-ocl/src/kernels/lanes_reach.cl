@@ -21,6 +21,9 @@ INLINE float farthest_from(Store *s, float3 place) {
 }
 INLINE float farthest_of(Store *s) { return farthest_from(s, (float3)(0.0f, 0.0f, 0.0f)); }
 
+#if WITH_TREE
+INLINE float extent_of(float farthest) { return farthest; }
+#else
 #if WITH_WEIGHTS
 INLINE About about_site(Store *s) {
     const V3 p = s->site;
@@ -137,3 +140,4 @@ INLINE uint cut_by_nearest(Store *s, const uint *site, uint *key, uint is_sample
         }
     }
 }
+#endif

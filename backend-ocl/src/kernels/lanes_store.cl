@@ -6,6 +6,7 @@
 // functions are given a copy. (Without that, half of all instructions were about memory.)
 
 #import "params.cl"
+#import "tree_types.cl"
 #import "ties.cl"
 
 // Built with -D LANES: 32, a warp of NVIDIA's, which talks through its registers; or 1, with which any device can run it and find the same
@@ -17,7 +18,7 @@
 
 // Whether sites beyond the table of offsets are searched: few cells reach so far, and without a domain and weights hardly any (there a lattice, of
 // which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
-#define SEARCHES_FAR (WITH_EXACT && ((WITH_DOMAIN || WITH_WEIGHTS) || WITH_ROOM))
+#define SEARCHES_FAR ((WITH_EXACT && !WITH_TREE) && ((WITH_DOMAIN || WITH_WEIGHTS) || WITH_ROOM))
 
 // Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more. What needs still more is left to the kernel
 // that computes a cell with one work-item. (Of each directed edge the vertex is kept in a byte.)
@@ -73,6 +74,12 @@ typedef struct {
     // The half-spaces of a truncated cone.
     Plane cone[4];
 #endif
+#if WITH_TREE
+    // Of the search (`tree_search.cl`).
+    uint open[MOST_OPEN];
+    uint leaf[MOST_LEAVES];
+    uint candidate[MOST_CANDIDATES];
+#endif
     // Box of the vertices: minimum corner, maximum corner, largest error radius.
     real corner[7];
 #if WITH_DOMAIN
@@ -84,7 +91,7 @@ typedef struct {
 #endif
 } Cell;
 
-#if WITH_WEIGHTS
+#if WITH_WEIGHTS && !WITH_TREE
 // What is known about a site's block (`Block`), as its cell has use for it.
 typedef struct {
     // The slope g, and −g/2.
@@ -105,9 +112,11 @@ typedef struct {
     __local Cell *cell;
     V3 site;
     real weight;
-#if WITH_WEIGHTS
+#if WITH_WEIGHTS && !WITH_TREE
     About about;
 #endif
+    // The sorted index of the site.
+    uint own;
     uint lane;
     uint planes;
     uint vertices;
@@ -206,7 +215,9 @@ INLINE Plane store_plane(Store *s, uint f) { return s->cell->plane[f]; }
 INLINE void store_set_plane(Store *s, uint f, Plane plane) { s->cell->plane[f] = plane; }
 INLINE uint store_tag(Store *s, uint f) { return s->cell->source[f]; }
 INLINE void store_set_tag(Store *s, uint f, uint tag) { s->cell->source[f] = tag; }
-INLINE Triplet unpacked(uint t) { return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = t >> 20 }; }
+INLINE Triplet unpacked(uint t) { return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = (t >> 20) & 1023u }; }
+// Beside a triplet, that its vertex is settled (`tree_search.cl`).
+#define SETTLED (1u << 30)
 INLINE uint packed(Triplet t) { return t.a | (t.b << 10) | (t.c << 20); }
 INLINE Triplet store_triplet(Store *s, uint v) { return unpacked(s->cell->triplet[place_of(s, v)]); }
 INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->cell->triplet[place_of(s, v)] = packed(t); }

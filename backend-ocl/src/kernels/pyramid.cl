@@ -1,12 +1,11 @@
 // What one work-item knows while it searches the sites that cut its cell, and the part of the search that goes through the pyramid from its
-// root, and the trees of crowded voxels.
+// root.
 
 #import "reach.cl"
 
 // Where the search of the pyramid stands.
 #define IN_PYRAMID 1u
-#define IN_TREE 2u
-#define AT_END 3u
+#define AT_END 2u
 
 typedef struct {
     uint site;
@@ -29,9 +28,6 @@ typedef struct {
     uint center[3];
     uint level;
     uint node[3];
-    // Nodes of a tree still to be searched: at most its depth.
-    uint depth;
-    uint stack[40];
 } Search;
 
 // What is carried from cut to cut.
@@ -174,56 +170,13 @@ OUTLINE void step_in_pyramid(Store *s, Search *search) {
     const uint voxel = node_index(s, 0, i, j, k);
     const uint begin = s->world.voxels[voxel];
     const uint end = s->world.voxels[voxel + 1u];
-    const uint is_crowded = (s->world.params->has_clusters != 0) && ((end - begin) > CROWDED);
     const uint in_shells = (distance_1(i, search->center[0]) <= SHELL_RADIUS)
         && (distance_1(j, search->center[1]) <= SHELL_RADIUS) && (distance_1(k, search->center[2]) <= SHELL_RADIUS);
-    if ((is_crowded || !in_shells) && !can_skip_node(s, search, 0, i, j, k, (end - begin) >= WORTH_SHARP_TEST)) {
-        if (is_crowded) {
-            search->stack[0] = s->world.roots[voxel];
-            search->depth = 1;
-        } else {
-            search->next = begin;
-            search->end = end;
-        }
+    if (!in_shells && !can_skip_node(s, search, 0, i, j, k, (end - begin) >= WORTH_SHARP_TEST)) {
+        search->next = begin;
+        search->end = end;
     }
     leave_node(s, search);
-    if (search->depth > 0u) {
-        // The pyramid goes on where `level` and `node` say, once the tree is done.
-        search->where = (search->where == AT_END) ? (IN_TREE | 4u) : IN_TREE;
-    }
-}
-
-// One step through the tree of a crowded voxel.
-OUTLINE void step_in_tree(Store *s, Search *search) {
-    if (search->depth == 0u) {
-        search->where = (search->where & 4u) ? AT_END : IN_PYRAMID;
-        return;
-    }
-    search->depth--;
-    const Cluster node = s->world.clusters[search->stack[search->depth]];
-    const V3 lo = (V3){ .x = node.lo[0], .y = node.lo[1], .z = node.lo[2] };
-    const V3 hi = (V3){ .x = node.hi[0], .y = node.hi[1], .z = node.hi[2] };
-    if (can_skip(s, search, lo, hi, node.largest_weight, 1)) {
-        return;
-    }
-    if (node.children == 0u) {
-        search->next = node.begin;
-        search->end = node.end;
-        return;
-    }
-    // The nearer child is taken first: the one whose box is at the smaller power distance.
-    const V3 p = search->position;
-    real power[2];
-    for (uint c = 0; c < 2u; c++) {
-        const Cluster child = s->world.clusters[node.children + c];
-        const V3 gap = (V3){ .x = gap_to(p.x, child.lo[0], child.hi[0]), .y = gap_to(p.y, child.lo[1], child.hi[1]),
-                             .z = gap_to(p.z, child.lo[2], child.hi[2]) };
-        power[c] = square_of(gap) - child.largest_weight;
-    }
-    const uint near = (power[1] < power[0]) ? 1u : 0u;
-    search->stack[search->depth] = node.children + (1u - near);
-    search->stack[search->depth + 1u] = node.children + near;
-    search->depth += 2u;
 }
 
 // The next site of the pyramid that may cut the cell; 0 where there is none.
@@ -240,12 +193,9 @@ OUTLINE uint next_in_pyramid(Store *s, Search *search, uint *found) {
                 return 1;
             }
         }
-        if (search->where == IN_PYRAMID) {
-            step_in_pyramid(s, search);
-        } else if (search->where == AT_END) {
+        if (search->where == AT_END) {
             return 0;
-        } else {
-            step_in_tree(s, search);
         }
+        step_in_pyramid(s, search);
     }
 }

@@ -1,6 +1,5 @@
 // The search for the sites that cut a cell. First the voxels around the cell's own, in the order of a table of offsets sorted by distance
-// (`search_shells`); then, where those do not prove the cell complete, the pyramid from its root, and the trees of crowded voxels
-// (`search_rest`).
+// (`search_shells`); then, where those do not prove the cell complete, the pyramid from its root (`search_rest`).
 //
 // Each work-item looks for its own next candidate, and then all of a group clip together: looking must cost little. So what it needs
 // is kept in registers, and distances to voxels are in single precision and units of a voxel.
@@ -83,7 +82,6 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
     const V3 p = search->position;
     const uint own = search->site;
     const uint equal = params->equal_weights;
-    const uint crowded = (params->has_clusters != 0) ? CROWDED : 0xFFFFFFFFu;
     const uint nx = params->grid_dims[0];
     const uint ny = params->grid_dims[1];
     const uint nz = params->grid_dims[2];
@@ -163,10 +161,7 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
             const uint voxel = i + (nx * (j + (ny * k)));
             next = voxels[voxel];
             end = voxels[voxel + 1u];
-            if ((end - next) > crowded) {
-                rest = 1;
-                next = end;
-            } else if (!equal && can_skip_node(s, search, 0, i, j, k, 0)) {
+            if (!equal && can_skip_node(s, search, 0, i, j, k, 0)) {
                 next = end;
             }
         }
@@ -183,7 +178,7 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
     }
 }
 
-// Goes through the pyramid, but for the voxels of the table of offsets that are not crowded.
+// Goes through the pyramid, but for the voxels of the table of offsets.
 OUTLINE uint search_rest(Store *s, Search *search) {
     uint site;
     while (next_in_pyramid(s, search, &site)) {
@@ -211,7 +206,6 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->where = IN_PYRAMID;
     search->next = 0;
     search->end = 0;
-    search->depth = 0;
     search->level = params->top_level;
     for (uint axis = 0; axis < 3u; axis++) {
         search->node[axis] = 0;
@@ -220,7 +214,7 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
     search->center[1] = voxel_along(params, 1, own.y);
     search->center[2] = voxel_along(params, 2, own.z);
     search->about = (Block){ .slope = { REAL(0.0), REAL(0.0), REAL(0.0) }, .excess = params->largest_weight, .growth = REAL(0.0), .proved = INFINITY };
-    if ((params->equal_weights == 0u) && (params->has_clusters == 0u)) {
+    if (params->equal_weights == 0u) {
         search->about = block_about(params, s->world.blocks, own.x, own.y, own.z);
     }
     search->slope = v3(search->about.slope[0], search->about.slope[1], search->about.slope[2]);

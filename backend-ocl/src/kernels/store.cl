@@ -1,6 +1,7 @@
 // Where a cell lives that one work-item computes: in its private memory, which GPUs interleave between work-items.
 
 #import "params.cl"
+#import "tree_types.cl"
 #import "ties.cl"
 
 #define WORDS ((CAP_V + 31) / 32)
@@ -27,6 +28,14 @@ typedef struct {
     uint vertices;
     uint saved;
     uint exact;
+#if WITH_TREE
+    // Of the search (`tree_search.cl`): the sorted index of the site, and whether sites were left out that might cut the cell.
+    uint own;
+    uint uncertified;
+    uint open[MOST_OPEN];
+    uint leaf[MOST_LEAVES];
+    uint candidate[MOST_CANDIDATES];
+#endif
     uint is_fine;
     // The half-space that was set last, and its index.
     uint last_index;
@@ -115,8 +124,10 @@ INLINE void store_set_link(Store *s, uint f, uint link) { s->link[f] = (ushort)l
 
 INLINE Triplet store_triplet(Store *s, uint v) {
     const uint t = s->triplet[v];
-    return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = t >> 20 };
+    return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = (t >> 20) & 1023u };
 }
+// Beside a triplet, that its vertex is settled (`tree_search.cl`).
+#define SETTLED (1u << 30)
 INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = t.a | (t.b << 10) | (t.c << 20); }
 
 // What single precision adds to an error radius, in units of the largest coordinate: 1 rounding of the position; of the plane's

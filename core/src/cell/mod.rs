@@ -33,12 +33,17 @@ mod near;
 #[cfg(feature = "test-util")]
 pub mod parity;
 mod plain;
+#[cfg(test)]
+mod plain_search;
 mod plane;
 mod quadrature;
 mod restrict;
+pub mod search;
+pub mod search_store;
 mod security;
 mod status;
 mod store;
+mod tree;
 mod vector;
 mod vertex;
 mod wide;
@@ -50,6 +55,8 @@ pub use integrate::{
     CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
 };
 pub use plain::PlainStore;
+#[cfg(test)]
+use plain_search::PlainSearch;
 pub use plane::{Plane, bisector};
 pub use quadrature::Node;
 pub use restrict::{integrate_cell, lies_outside};

@@ -4,7 +4,7 @@ use super::store::CellStore;
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, norm_1, norm_max, v3};
 
 /// Relative room for the roundings of the tests below: at most ten operations each.
-const SAFE: Real = 1.0 + (16.0 * UNIT_ROUNDOFF);
+pub(super) const SAFE: Real = 1.0 + (16.0 * UNIT_ROUNDOFF);
 
 /// An upper bound of the distance from the site to the farthest vertex.
 #[inline(always)]

@@ -61,25 +61,3 @@ fn of_coincident_sites_the_heaviest_then_the_first_remains() {
     coincident.sort_unstable();
     assert_eq!(coincident, [0, 3, 4]);
 }
-
-#[test]
-fn crowded_voxels_are_covered_by_leaves() {
-    let mut positions: Vec<[f64; 3]> = scattered(2000).iter().map(|p| p.map(|x| x * 1e-6)).collect();
-    positions.push([1.0; 3]);
-    let grid = SiteGrid::new(&positions, &[]);
-    let root = grid.cluster_root(0).expect("one voxel holds all but one site");
-    let mut stack = vec![root];
-    let mut covered = 0;
-    while let Some(index) = stack.pop() {
-        let node = &grid.clusters()[index as usize];
-        for site in &grid.sites()[node.begin as usize..node.end as usize] {
-            assert!((0..3).all(|k| node.lo[k] <= site[k] && site[k] <= node.hi[k]));
-        }
-        if node.children == 0 {
-            covered += node.end - node.begin;
-        } else {
-            stack.extend([node.children, node.children + 1]);
-        }
-    }
-    assert_eq!(covered, 2000);
-}

@@ -292,6 +292,7 @@ impl<'a> Emitter<'a> {
         Ok(match expr {
             Expr::Lit(literal) => match &literal.lit {
                 syn::Lit::Int(int) => int.to_string().replace('_', ""),
+                syn::Lit::Bool(truth) => u32::from(truth.value).to_string(),
                 syn::Lit::Float(float) => format!("REAL({})", float.to_string().replace('_', "")),
                 other => return self.unit.error(other.span(), "such literal"),
             },
@@ -436,7 +437,7 @@ impl<'a> Emitter<'a> {
                     Expr::Path(path) if path.path.get_ident().is_some() => path.path.segments[0].ident.to_string(),
                     length => return self.unit.error(length.span(), "such length of an array"),
                 };
-                Ok(format!("{} {name}[{length}]", self.type_name(&array.elem)?))
+                self.declare(&format!("{name}[{length}]"), &array.elem)
             }
             ty => Ok(format!("{} {name}", self.type_name(ty)?)),
         }

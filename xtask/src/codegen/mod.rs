@@ -32,10 +32,15 @@ const FILES: [&str; 16] = [
     "cap",
 ];
 
+/// The files of the search for the sites that cut a cell.
+const SEARCH_FILES: [&str; 3] = ["search_store", "tree", "search"];
+
 /// Generated files: constants and structs, which the store is made of; functions, which use it; and what holds the functions of a device
 /// against the host's, on both.
 const TYPES: &str = "backend-ocl/src/kernels/cell_types.cl";
 const FUNCTIONS: &str = "backend-ocl/src/kernels/cell.cl";
+const SEARCH_TYPES: &str = "backend-ocl/src/kernels/tree_types.cl";
+const SEARCH: &str = "backend-ocl/src/kernels/tree_search.cl";
 const PARITY: &str = "backend-ocl/src/kernels/parity.cl";
 const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
 
@@ -43,7 +48,11 @@ const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
 const INTERFACES: [Interface; 2] = [
     Interface {
         modules: &["data", "kernels", "parity"],
-        borrowed: &[("core/src/site_grid.rs", &["CROWDED"]), ("core/src/assemble.rs", &["FacetRecord"])],
+        borrowed: &[
+            ("core/src/site_grid.rs", &["CROWDED"]),
+            ("core/src/site_tree.rs", &["WIDTH", "Boxes", "WeightBounds", "Slabs"]),
+            ("core/src/assemble.rs", &["FacetRecord"]),
+        ],
         target: "backend-ocl/src/kernels/interface.cl",
     },
     Interface { modules: &["single"], borrowed: &[], target: "backend-ocl/src/kernels/single_interface.cl" },
@@ -83,13 +92,18 @@ pub(crate) fn run(check: bool) -> Result<(), String> {
 }
 
 fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
-    let units = FILES.map(|name| read(root, &format!("core/src/cell/{name}.rs")));
-    let units = units.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let units_of = |names: &[&str]| -> Result<Vec<source::Unit>, String> {
+        names.iter().map(|name| read(root, &format!("core/src/cell/{name}.rs"))).collect()
+    };
+    let units = units_of(&FILES)?;
     let [types, functions] = translate(&units)?;
+    let [search_types, search] = translate(&units_of(&SEARCH_FILES)?)?;
     let parity::Parity { kernels, table } = parity::parity(&units)?;
-    let files: [(_, &[&str], _); 4] = [
+    let files: [(_, &[&str], _); 6] = [
         (TYPES, &["<prelude>"], types),
         (FUNCTIONS, &["<store>", "\"world.cl\"", "\"further.cl\""], functions),
+        (SEARCH_TYPES, &["\"cell_types.cl\""], search_types),
+        (SEARCH, &["\"cell.cl\"", "\"tree_store.cl\""], search),
         (PARITY, &["\"parity_state.cl\""], kernels),
         (PARITY_TABLE, &[], table),
     ];

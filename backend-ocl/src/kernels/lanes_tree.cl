@@ -1,0 +1,99 @@
+// The search of the tree (`tree_search.cl`), where LANES work-items compute a cell together. Built with -D WITH_TREE.
+
+#import "lanes_cap.cl"
+#import "tree_store.cl"
+
+INLINE uint store_lanes(Store *s) { return LANES; }
+INLINE uint store_lane(Store *s) { return s->lane; }
+INLINE uint store_lanes_with(Store *s, uint bit) { return lanes_with(bit); }
+INLINE uint store_count_of(Store *s, uint lanes) { return popcount(lanes); }
+INLINE uint store_rank_in(Store *s, uint lanes) { return popcount(lanes & ((1u << s->lane) - 1u)); }
+INLINE uint store_first_of(Store *s, uint lanes) { return lowest_bit(lanes); }
+INLINE uint store_least_of_lanes(Store *s, uint x) { return ~lanes_most(~x); }
+INLINE uint store_lane_value(Store *s, uint x, uint from) { return lane_value(x, from); }
+INLINE real store_lane_real(Store *s, real x, uint from) {
+    const uint2 own = as_uint2(x);
+    return as_double((uint2)(lane_value(own.x, from), lane_value(own.y, from)));
+}
+INLINE void store_lanes_wait(Store *s) { lanes_wait(); }
+
+INLINE uint store_open_block(Store *s, uint i) { return s->cell->open[i]; }
+INLINE void store_set_open_block(Store *s, uint i, uint block) { s->cell->open[i] = block; }
+INLINE uint store_leaf(Store *s, uint i) { return s->cell->leaf[i]; }
+INLINE void store_set_leaf(Store *s, uint i, uint leaf) { s->cell->leaf[i] = leaf; }
+INLINE uint store_candidate(Store *s, uint i) { return s->cell->candidate[i]; }
+INLINE void store_set_candidate(Store *s, uint i, uint candidate) { s->cell->candidate[i] = candidate; }
+
+// (In single precision: what that rounds off the centre is far below the radius that is doubled.)
+INLINE V3 store_farthest_from(Store *s, V3 center) {
+    const real far = (real)farthest_from(s, (float3)((float)center.x, (float)center.y, (float)center.z));
+    return (V3){ .x = far * far, .y = norm_1(center) * REAL(1e-7), .z = REAL(0.0) };
+}
+
+INLINE uint store_settled(Store *s, uint v) { return s->cell->triplet[v] & SETTLED; }
+INLINE void store_set_settled(Store *s, uint v, uint settled) {
+    if (s->lane == 0u) {
+        const uint triplet = s->cell->triplet[v] & ~SETTLED;
+        s->cell->triplet[v] = (settled != 0u) ? (triplet | SETTLED) : triplet;
+    }
+}
+
+INLINE uint store_cut_by(Store *s, uint j) {
+    const uint status = cut_together(s, bisector_with(s, j), j);
+#if WITH_DOMAIN
+    if (((status == CUT) && (s->cell->outside > 0.0f)) && (extent_of(farthest_of(s)) <= s->cell->outside)) {
+        return EMPTY;
+    }
+#endif
+    return status;
+}
+INLINE uint store_has_cut(Store *s, uint j) { return has_cut(s, j); }
+// (Proofs that are cut short are for one work-item.)
+INLINE uint store_leaves_out(Store *s) { return 0u; }
+INLINE uint store_cut_outside(Store *s, real radius) {
+#if WITH_DOMAIN
+    const float far = farthest_of(s);
+    if (((real)far <= radius) || (extent_of(far) <= s->cell->clear)) {
+        return UNTOUCHED;
+    }
+#if WITH_EXACT
+    Store copy = *s;
+    const uint status = lanes_alike(cap_together(&copy, radius));
+    take_over(s, &copy);
+    return status;
+#else
+    return OPEN;
+#endif
+#else
+    return UNTOUCHED;
+#endif
+}
+
+#import "tree_search.cl"
+
+#if WITH_EXACT
+// (Few cells come to it: a function of its own, so that it does not take registers from all.)
+OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
+    Store store = taken_store(given);
+    const uint status = search_far(&store, vantage_of(&store), visited);
+    return give_back(given, &store, (status == UNCERTAIN) ? LEFT : status);
+}
+#endif
+
+// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
+INLINE uint complete_by_tree(Store *s, uint *visited, float *extent) {
+    uint status = search_near(s, vantage_of(s), visited);
+    if (status == UNTOUCHED) {
+#if WITH_EXACT
+        Store copy = *s;
+        uint more = *visited;
+        status = lanes_alike(complete_by_vertices(&copy, &more));
+        *visited = more;
+        take_over(s, &copy);
+#else
+        status = OPEN;
+#endif
+    }
+    *extent = extent_of(farthest_of(s));
+    return status;
+}

@@ -1,0 +1,95 @@
+// The search of the tree (`tree_search.cl`), where one work-item computes a cell. Built with -D WITH_TREE.
+
+// Whether weights differ is asked at run time.
+#define WITH_WEIGHTS 1
+
+#import "tree_store.cl"
+
+INLINE uint store_lanes(Store *s) { return 1u; }
+INLINE uint store_lane(Store *s) { return 0u; }
+INLINE uint store_lanes_with(Store *s, uint bit) { return (bit != 0u) ? 1u : 0u; }
+INLINE uint store_count_of(Store *s, uint lanes) { return lanes; }
+INLINE uint store_rank_in(Store *s, uint lanes) { return 0u; }
+INLINE uint store_first_of(Store *s, uint lanes) { return 0u; }
+INLINE uint store_least_of_lanes(Store *s, uint x) { return x; }
+INLINE uint store_lane_value(Store *s, uint x, uint from) { return x; }
+INLINE real store_lane_real(Store *s, real x, uint from) { return x; }
+INLINE void store_lanes_wait(Store *s) {}
+
+INLINE uint store_open_block(Store *s, uint i) { return s->open[i]; }
+INLINE void store_set_open_block(Store *s, uint i, uint block) { s->open[i] = block; }
+INLINE uint store_leaf(Store *s, uint i) { return s->leaf[i]; }
+INLINE void store_set_leaf(Store *s, uint i, uint leaf) { s->leaf[i] = leaf; }
+INLINE uint store_candidate(Store *s, uint i) { return s->candidate[i]; }
+INLINE void store_set_candidate(Store *s, uint i, uint candidate) { s->candidate[i] = candidate; }
+
+// In single precision, as `store_farthest`; so is the centre.
+INLINE V3 store_farthest_from(Store *s, V3 center) {
+    const float3 c = (float3)((float)center.x, (float)center.y, (float)center.z);
+    float most = 0.0f;
+    float radius = 0.0f;
+    for (uint v = 0; v < s->vertices; v++) {
+        const float3 d = s->rough[v].xyz - c;
+        most = fmax(most, fmax(((d.x * d.x) + (d.y * d.y)) + (d.z * d.z), ROUGH_SQUARE));
+        radius = fmax(radius, s->rough[v].w);
+    }
+    return (V3){ .x = (real)most * REAL(1.000001), .y = (real)radius + (norm_1(center) * REAL(1e-7)), .z = REAL(0.0) };
+}
+
+INLINE uint store_settled(Store *s, uint v) { return s->triplet[v] & SETTLED; }
+INLINE void store_set_settled(Store *s, uint v, uint settled) {
+    const uint triplet = s->triplet[v] & ~SETTLED;
+    s->triplet[v] = (settled != 0u) ? (triplet | SETTLED) : triplet;
+}
+
+OUTLINE uint store_has_cut(Store *s, uint j) {
+    for (uint f = 0; f < s->planes; f++) {
+        if (s->source[f] == j) {
+            return 1;
+        }
+    }
+    return 0;
+}
+INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
+INLINE uint store_cut_by(Store *s, uint j) {
+    const real4 other = s->world.sites[j];
+    const V3 d = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
+    const real enlarged = s->world.params->enlarged;
+    if (enlarged > REAL(0.0)) {
+        const real stop = enlarged * (REAL(2.0) * farthest_vertex(s));
+        if (v3_dot(d, d) >= (stop * stop)) {
+            s->uncertified = 1;
+            return UNTOUCHED;
+        }
+    }
+    return clip(s, bisector(d, s->weight - other.w), j);
+}
+INLINE uint store_cut_outside(Store *s, real radius) {
+    return (lies_outside(s) != 0u) ? EMPTY : cap_outside(s, radius);
+}
+
+#import "tree_search.cl"
+
+// Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
+INLINE uint complete_by_tree(Store *s, uint site, uint *visited) {
+    __global const Params *params = s->world.params;
+    const real4 own = s->world.sites[site];
+    s->own = site;
+    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
+    s->weight = own.w;
+    s->uncertified = 0;
+    s->exact = 0;
+    s->is_fine = 0;
+    s->specials = 0;
+    s->caps = 0;
+    s->last_index = 0xFFFFFFFFu;
+    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
+    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
+    uint status = begin(s, lo, hi);
+    if (status != COMPLETE) {
+        return status;
+    }
+    const Vantage vantage = vantage_of(s);
+    status = search_near(s, vantage, visited);
+    return (status == UNTOUCHED) ? search_far(s, vantage, visited) : status;
+}

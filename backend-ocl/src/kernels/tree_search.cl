@@ -1,0 +1,508 @@
+// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
+
+#import "cell.cl"
+#import "tree_store.cl"
+
+INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
+INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE real least_of_node(Store *s, Question question, uint level, uint node);
+INLINE Open open_root(Store *s);
+INLINE Open open_path(Store *s);
+HOT Open open_blocks(Store *s, Question question, uint with_own, Open given);
+HOT Vantage vantage_of(Store *s);
+INLINE real square_of_reach(Store *s, Vantage vantage);
+INLINE real reach_of_site(Store *s, Vantage vantage, uint j);
+INLINE real size_around(Store *s);
+HOT uint search_near(Store *s, Vantage vantage, uint *visited);
+HOT uint visit_leaves(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint *visited, uint *last);
+INLINE uint key_of_reach(Store *s, Vantage vantage, uint below);
+HOT uint search_far(Store *s, Vantage vantage, uint *visited);
+HOT uint farthest_unsettled(Store *s, Vantage vantage);
+HOT uint least_at(Store *s, V3 v, real radius, uint *ties);
+INLINE uint larger_count(uint a, uint b);
+
+// core/src/cell/search_store.rs
+
+// core/src/cell/tree.rs
+
+// Adds the least of `αt² + gt − (G + Q(t − m))(t − m)` for t from `lo` to `hi`, and the size of its terms. It is where the slope
+// is 0, if that is a minimum, and else at an end.
+INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size) {
+    const real m = REAL(0.5) * (lo + hi);
+    const real width = hi - m;
+    const real steep = alpha - curvature;
+    const real still = ((REAL(0.5) * (slope - g)) - (curvature * m)) / steep;
+    const real t = smaller(larger(still, lo), hi);
+    real least = polynomial_at(t, m, alpha, g, slope, curvature);
+    if (!(steep > REAL(0.0))) {
+        least = smaller(polynomial_at(lo, m, alpha, g, slope, curvature), polynomial_at(hi, m, alpha, g, slope, curvature));
+    }
+    const real far = fabs(m) + width;
+    *sum += least;
+    *size += ((((alpha * far) + fabs(g)) * far) + ((fabs(slope) + (fabs(curvature) * width)) * width));
+}
+
+INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature) {
+    const real u = t - m;
+    return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
+}
+
+// The least that a question can come to at any site of a node.
+INLINE real least_of_node(Store *s, Question question, uint level, uint node) {
+    const NodeBox bounds = store_node_box(s, level, node);
+    const V3 site = store_site(s);
+    const V3 lo = sub(bounds.lo, site);
+    const V3 hi = sub(bounds.hi, site);
+    const real alpha = question.square;
+    const V3 g = question.slope;
+    real sum = question.more;
+    real size = fabs(question.more);
+    if (store_has_weights(s) != 0) {
+        const NodeWeights weights = store_node_weights(s, level, node);
+        add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &sum, &size);
+        add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &sum, &size);
+        add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &sum, &size);
+        sum += (store_own_excess(s) - weights.offset);
+        size += (store_own_excess(s) + fabs(weights.offset));
+    } else {
+        add_least(lo.x, hi.x, alpha, g.x, REAL(0.0), REAL(0.0), &sum, &size);
+        add_least(lo.y, hi.y, alpha, g.y, REAL(0.0), REAL(0.0), &sum, &size);
+        add_least(lo.z, hi.z, alpha, g.z, REAL(0.0), REAL(0.0), &sum, &size);
+    }
+    sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
+    if (question.is_power != 0) {
+        const NodeSlab slab = store_node_slab(s, level, node);
+        const V3 place = v3(site.x + question.place.x, site.y + question.place.y, site.z + question.place.z);
+        const real height = v3_dot(slab.normal, place);
+        const real rounding = FEW_ROUNDINGS_OF_SUM * ((fabs(place.x) + fabs(place.y)) + fabs(place.z));
+        const real gap = larger(larger(slab.lo - height, height - slab.hi) - rounding, REAL(0.0));
+        const real beside = ((gap * gap) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM)) - (slab.largest - store_own_excess(s));
+        sum = larger(sum, beside);
+    }
+    return sum;
+}
+
+// Opens the root alone.
+INLINE Open open_root(Store *s) {
+    store_set_open_block(s, 0, store_top_level(s) << LEVEL_SHIFT);
+    store_lanes_wait(s);
+    return (Open){ .blocks = 1, .leaves = 0 };
+}
+
+// Opens the blocks that hold the cell's own site, but for that of its leaf, whose leaves are at hand: the nearest last.
+INLINE Open open_path(Store *s) {
+    const uint own = store_own_site(s) / (WIDTH * WIDTH);
+    Open open = (Open){ .blocks = 0, .leaves = 0 };
+    uint level = store_top_level(s);
+    while (level > 0) {
+        store_set_open_block(s, open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)));
+        open.blocks += 1;
+        level -= 1;
+    }
+    const uint first = own * WIDTH;
+    while ((open.leaves < WIDTH) && (((first + open.leaves) * WIDTH) < store_sites(s))) {
+        store_set_leaf(s, open.leaves, first + open.leaves);
+        open.leaves += 1;
+    }
+    store_lanes_wait(s);
+    return open;
+}
+
+// Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
+// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for.
+HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
+    Open open = given;
+    const uint lanes = store_lanes(s);
+    uint some = 1;
+    if ((lanes > WIDTH) && (open.blocks <= FEW_OPEN)) {
+        some = lanes / WIDTH;
+        if (some > open.blocks) {
+            some = open.blocks;
+        }
+    }
+    open.blocks -= some;
+    const uint turn = store_lane(s) / WIDTH;
+    uint is_there = 0;
+    uint block = 0;
+    if (turn < some) {
+        is_there = 1;
+        block = store_open_block(s, open.blocks + turn);
+    }
+    store_lanes_wait(s);
+    const uint level = block >> LEVEL_SHIFT;
+    const uint first = (block & BLOCK_MASK) * WIDTH;
+    // Of the nodes of the level, that which holds the own leaf's block.
+    uint own = 0xFFFFFFFF;
+    if (with_own == 0) {
+        own = (store_own_site(s) / WIDTH) >> (3 * level);
+    }
+    uint k = store_lane(s) & (WIDTH - 1);
+    while (k < WIDTH) {
+        const uint node = first + k;
+        uint is_block = 0;
+        uint is_leaf = 0;
+        if ((is_there != 0) && (node != own)) {
+            if (least_of_node(s, question, level, node) < question.limit) {
+                is_block = 1;
+                if (level == 0) {
+                    is_block = 0;
+                    is_leaf = 1;
+                }
+            }
+        }
+        const uint blocks = store_lanes_with(s, is_block);
+        const uint leaves = store_lanes_with(s, is_leaf);
+        if (is_block != 0) {
+            store_set_open_block(s, open.blocks + store_rank_in(s, blocks), ((level - 1) << LEVEL_SHIFT) | node);
+        }
+        if (is_leaf != 0) {
+            store_set_leaf(s, open.leaves + store_rank_in(s, leaves), node);
+        }
+        open.blocks += store_count_of(s, blocks);
+        open.leaves += store_count_of(s, leaves);
+        k += lanes;
+    }
+    store_lanes_wait(s);
+    return open;
+}
+
+// core/src/cell/search.rs
+
+// From where the cell of a store is searched: the slope and the curvature of the weights of the sites around its own.
+HOT Vantage vantage_of(Store *s) {
+    Vantage vantage = (Vantage){ .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .center = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .lambda = REAL(0.5) };
+    if (store_has_weights(s) == 0) {
+        return vantage;
+    }
+    // The leaf's block, where the tree has more than one.
+    uint level = 1;
+    if (store_top_level(s) == 0) {
+        level = 0;
+    }
+    const uint node = (store_own_site(s) / WIDTH) >> (3 * level);
+    const NodeBox bounds = store_node_box(s, level, node);
+    const NodeWeights weights = store_node_weights(s, level, node);
+    const V3 way = sub(store_site(s), scale(REAL(0.5), add(bounds.lo, bounds.hi)));
+    const V3 q = v3(smaller(weights.curvature.x, MOST_CURVATURE), smaller(weights.curvature.y, MOST_CURVATURE), smaller(weights.curvature.z, MOST_CURVATURE));
+    const real most = larger(larger(larger(q.x, q.y), q.z), REAL(0.0));
+    vantage.slope = add(weights.slope, scale(REAL(2.0), v3(q.x * way.x, q.y * way.y, q.z * way.z)));
+    vantage.center = scale(-REAL(0.5), vantage.slope);
+    vantage.lambda = REAL(0.5) * (REAL(1.0) - most);
+    return vantage;
+}
+
+// An upper bound of the squared distance from the cell's centre to its farthest vertex.
+INLINE real square_of_reach(Store *s, Vantage vantage) {
+    const V3 far = store_farthest_from(s, vantage.center);
+    // The radius bounds each component, √3 < 2; a vertex less the centre is rounded.
+    const real rounding = (REAL(8.0) * UNIT_ROUNDOFF) * sqrt(v3_dot(vantage.center, vantage.center));
+    const real reach = ((sqrt(far.x) + (REAL(2.0) * far.y)) + rounding) * SAFE;
+    return (reach * reach) * SAFE;
+}
+
+// Four times the square of the distance from the cell's centre to the bisector with site `j`, at least, where the cell's centre is on the own
+// side, and else below 0: `(h_j − h_i)²/D²`.
+INLINE real reach_of_site(Store *s, Vantage vantage, uint j) {
+    const V3 d = store_way_to(s, j);
+    const real square = v3_dot(d, d);
+    if (store_has_weights(s) == 0) {
+        return square;
+    }
+    const real excess = store_excess_of(s, j);
+    const V3 along = v3(vantage.slope.x * d.x, vantage.slope.y * d.y, vantage.slope.z * d.z);
+    const real size = square + (fabs(excess) + ((fabs(along.x) + fabs(along.y)) + fabs(along.z)));
+    const real power = ((square - excess) + ((along.x + along.y) + along.z)) - (FEW_ROUNDINGS_OF_SUM * size);
+    return (power * fabs(power)) / square;
+}
+
+// The size of what is around the site: some three distances between sites.
+INLINE real size_around(Store *s) {
+    const uint leaf = store_own_site(s) / WIDTH;
+    const NodeBox own = store_node_box(s, 0, leaf);
+    const V3 extent = sub(own.hi, own.lo);
+    real size = REAL(0.8) * sqrt(v3_dot(extent, extent));
+    if (store_top_level(s) > 0) {
+        const NodeBox block = store_node_box(s, 1, leaf / WIDTH);
+        const V3 around = sub(block.hi, block.lo);
+        size = larger(size, REAL(0.4) * sqrt(v3_dot(around, around)));
+    }
+    return size;
+}
+
+// Cuts the cell by the sites that it reaches: `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended.
+//
+// First come the nearest of the own leaf's block, then all others that are as near, then the rest: the cell of a site at the edge of its block
+// is open to the other side at first, and would be tried with all that there is.
+HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
+    Wanted wanted = (Wanted){ .above = 0, .below = NO_SITE, .most = FIRST_SITES };
+    real near = REAL(0.0);
+    uint is_rest = 0;
+    Open open = open_path(s);
+    uint looked = 0;
+    for (;;) {
+        if ((open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && ((open.blocks == 0) || (looked == 0)))) {
+            uint some = LEAVES_AT_ONCE;
+            if (open.leaves < some) {
+                some = open.leaves;
+            }
+            open.leaves -= some;
+            uint last = store_own_site(s);
+            uint status = visit_leaves(s, vantage, open.leaves, some, wanted, visited, &last);
+            if ((status == UNTOUCHED) && ((looked == 0) && (store_has_domain(s) != 0))) {
+                status = store_cut_outside(s, size_around(s) + sqrt(v3_dot(vantage.center, vantage.center)));
+            }
+            if ((status != UNTOUCHED) && (status != CUT)) {
+                return status;
+            }
+            if (looked == 0) {
+                // All that have its key, or one below, are met within this.
+                near = (ROOM_OF_KEY * larger(reach_of_site(s, vantage, last), REAL(0.0))) + LEAST_OF_KEY;
+                wanted.below = store_key_below(s, reach_of_site(s, vantage, last)) + 1;
+                wanted.above = 0;
+                wanted.most = NO_SITE;
+                if (last == store_own_site(s)) {
+                    wanted.below = 0;
+                }
+            }
+            looked += some;
+            if ((looked > MOST_NEAR_LEAVES) || (*visited > MOST_NEAR_SITES)) {
+                return UNTOUCHED;
+            }
+        } else if (open.blocks > 0) {
+            real reach = square_of_reach(s, vantage);
+            if (is_rest == 0) {
+                reach = smaller(reach, REAL(0.25) * near);
+            }
+            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .more = REAL(0.0), .limit = (reach / vantage.lambda) * SAFE, .place = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .is_power = 0 };
+            open = open_blocks(s, question, 0, open);
+        } else if (is_rest == 0) {
+            is_rest = 1;
+            wanted.above = wanted.below;
+            wanted.below = NO_SITE;
+            open = open_path(s);
+        } else {
+            return COMPLETE;
+        }
+    }
+}
+
+// Cuts the cell by those sites of some leaves at hand that it reaches and that are wanted, nearest first: `UNTOUCHED`, or how it ended. `last`
+// becomes the last that was visited.
+HOT uint visit_leaves(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint *visited, uint *last) {
+    const uint count = leaves * WIDTH;
+    uint limit = key_of_reach(s, vantage, wanted.below);
+    uint i = store_lane(s);
+    while (i < count) {
+        const uint j = (store_leaf(s, first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+        uint key = NO_SITE;
+        if ((j < store_sites(s)) && (j != store_own_site(s))) {
+            key = store_key_below(s, reach_of_site(s, vantage, j));
+            if (key < wanted.above) {
+                key = NO_SITE;
+            }
+        }
+        store_set_candidate(s, i, key);
+        i += store_lanes(s);
+    }
+    uint turn = 0;
+    uint before = 0;
+    for (;;) {
+        uint own = NO_SITE;
+        uint place = 0;
+        i = store_lane(s);
+        while (i < count) {
+            const uint key = store_candidate(s, i);
+            if (key < own) {
+                own = key;
+                place = i;
+            }
+            i += store_lanes(s);
+        }
+        const uint nearest = store_least_of_lanes(s, own);
+        if ((nearest >= limit) || ((turn >= wanted.most) && (nearest > before))) {
+            store_lanes_wait(s);
+            return UNTOUCHED;
+        }
+        const uint from = store_first_of(s, store_lanes_with(s, (uint)(own == nearest)));
+        const uint at = store_lane_value(s, place, from);
+        if (store_lane(s) == from) {
+            store_set_candidate(s, at, NO_SITE);
+        }
+        const uint j = (store_leaf(s, first + (at / WIDTH)) * WIDTH) + (at & (WIDTH - 1));
+        before = nearest;
+        *last = j;
+        *visited += 1;
+        turn += 1;
+        const uint status = store_cut_by(s, j);
+        if (status == CUT) {
+            limit = key_of_reach(s, vantage, wanted.below);
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+}
+
+// The key from which on sites cannot cut the cell, or `below` if that is less.
+INLINE uint key_of_reach(Store *s, Vantage vantage, uint below) {
+    const uint key = store_key_above(s, (REAL(4.0) * square_of_reach(s, vantage)) * SAFE);
+    if (below < key) {
+        return below;
+    }
+    return key;
+}
+
+// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
+// are within rounding of a vertex.
+HOT uint search_far(Store *s, Vantage vantage, uint *visited) {
+    for (;;) {
+        const uint v = farthest_unsettled(s, vantage);
+        if (v == NO_SITE) {
+            return COMPLETE;
+        }
+        V3 place = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+        real radius = REAL(0.0);
+        if (find_vertex(s, store_triplet(s, v), &place, &radius) != COMPLETE) {
+            return UNCERTAIN;
+        }
+        uint ties = 0;
+        const uint found = least_at(s, place, radius, &ties);
+        if (found != NO_SITE) {
+            store_set_candidate(s, 0, found);
+            ties = 1;
+        }
+        if (ties > MOST_CANDIDATES) {
+            return UNCERTAIN;
+        }
+        uint status = UNTOUCHED;
+        uint i = 0;
+        while ((i < ties) && (status == UNTOUCHED)) {
+            const uint j = store_candidate(s, i);
+            if ((found != NO_SITE) || (store_has_cut(s, j) == 0)) {
+                *visited += 1;
+                status = store_cut_by(s, j);
+            }
+            i += 1;
+        }
+        if (((status == UNTOUCHED) && (found != NO_SITE)) && (store_leaves_out(s) == 0)) {
+            // What rounding cannot take back has less power there.
+            return UNCERTAIN;
+        }
+        if (status == UNTOUCHED) {
+            store_set_settled(s, v, 1);
+            store_lanes_wait(s);
+        } else if (status != CUT) {
+            return status;
+        }
+    }
+}
+
+// The vertex farthest from the cell's centre of those that are not settled; `NO_SITE` where there is none.
+HOT uint farthest_unsettled(Store *s, Vantage vantage) {
+    uint nearness = NO_SITE;
+    uint own = 0;
+    uint v = store_lane(s);
+    while (v < store_vertices(s)) {
+        if (!store_settled(s, v)) {
+            const V3 way = sub(store_position(s, v), vantage.center);
+            const uint its = store_key_below(s, -v3_dot(way, way));
+            if (its < nearness) {
+                nearness = its;
+                own = v;
+            }
+        }
+        v += store_lanes(s);
+    }
+    const uint least = store_least_of_lanes(s, nearness);
+    if (least == NO_SITE) {
+        return NO_SITE;
+    }
+    return store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearness == least))));
+}
+
+// The site of least power at a vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all that may be,
+// of which `ties` says how many.
+HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
+    const real own = v3_dot(v, v);
+    const real length = sqrt(own);
+    // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
+    // PER_LENGTH·radius·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), and t² the power and the largest weight.
+    const real share = SHARE_OF_SQUARE + (REAL(4.0) * FEW_ROUNDINGS_OF_SUM);
+    const real lost = PER_LENGTH * radius;
+    const real room = ((lost * length) + ((lost * lost) / (REAL(4.0) * SHARE_OF_SQUARE))) + (share * larger(store_largest_excess(s), REAL(0.0)));
+    Question question = (Question){ .square = REAL(1.0), .slope = scale(-REAL(2.0), v), .more = own, .limit = ((own * (REAL(1.0) + (REAL(2.0) * FEW_ROUNDINGS_OF_SUM))) + room) * (REAL(1.0) + (REAL(2.0) * share)), .place = v, .is_power = 1 };
+    uint found = NO_SITE;
+    Open open = open_root(s);
+    *ties = 0;
+    for (;;) {
+        if (open.leaves > 0) {
+            // As many leaves as there are lanes for their sites.
+            const uint lanes = store_lanes(s);
+            uint some = 1;
+            if (lanes > WIDTH) {
+                some = lanes / WIDTH;
+                if (some > open.leaves) {
+                    some = open.leaves;
+                }
+            }
+            open.leaves -= some;
+            uint i = store_lane(s);
+            while (i < larger_count(some * WIDTH, lanes)) {
+                uint j = NO_SITE;
+                if (i < (some * WIDTH)) {
+                    j = (store_leaf(s, open.leaves + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+                }
+                uint is_less = 0;
+                uint is_tied = 0;
+                real power = REAL(0.0);
+                if ((j < store_sites(s)) && (j != store_own_site(s))) {
+                    const V3 d = store_way_to(s, j);
+                    const real excess = store_excess_of(s, j);
+                    const V3 way = sub(v, d);
+                    const real square = v3_dot(way, way);
+                    const real less = (square - own) - excess;
+                    const real rounding = (lost * (length + sqrt(square))) + (FEW_ROUNDINGS_OF_SUM * ((square + own) + (fabs(excess) + v3_dot(d, d))));
+                    power = square - excess;
+                    if (less < -rounding) {
+                        is_less = 1;
+                    } else if (less <= rounding) {
+                        is_tied = 1;
+                    }
+                }
+                if (store_lanes_with(s, is_less) != 0) {
+                    uint key = NO_SITE;
+                    if (is_less != 0) {
+                        key = store_key_above(s, power);
+                    }
+                    const uint least = store_least_of_lanes(s, key);
+                    const uint from = store_first_of(s, store_lanes_with(s, (uint)(key == least)));
+                    const real best = store_lane_real(s, power, from);
+                    if ((found == NO_SITE) || (best < question.limit)) {
+                        found = store_lane_value(s, j, from);
+                        question.limit = smaller(best, question.limit);
+                    }
+                }
+                const uint tied = store_lanes_with(s, is_tied);
+                if ((found == NO_SITE) && (tied != 0)) {
+                    const uint at = *ties + store_rank_in(s, tied);
+                    if ((is_tied != 0) && (at < MOST_CANDIDATES)) {
+                        store_set_candidate(s, at, j);
+                    }
+                    *ties += store_count_of(s, tied);
+                }
+                i += lanes;
+            }
+            store_lanes_wait(s);
+        } else if (open.blocks > 0) {
+            open = open_blocks(s, question, 1, open);
+        } else {
+            return found;
+        }
+    }
+}
+
+INLINE uint larger_count(uint a, uint b) {
+    if (a > b) {
+        return a;
+    }
+    return b;
+}

@@ -1,0 +1,55 @@
+// What the search (`tree_search.cl`) reads of sites and tree, wherever a cell lives.
+
+#import "reach.cl"
+#import "tree_types.cl"
+
+INLINE uint store_sites(Store *s) { return s->world.params->tree_sites; }
+INLINE uint store_own_site(Store *s) { return s->own; }
+INLINE V3 store_way_to(Store *s, uint j) {
+    const real4 other = s->world.sites[j];
+    return (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
+}
+INLINE uint store_top_level(Store *s) { return s->world.params->tree_top; }
+INLINE uint block_of_tree(Store *s, uint level, uint node) { return s->world.params->tree_begin[level] + (node / WIDTH); }
+INLINE NodeBox store_node_box(Store *s, uint level, uint node) {
+    __global const Boxes *block = s->world.boxes + block_of_tree(s, level, node);
+    const uint k = node % WIDTH;
+    return (NodeBox){ .lo = { block->lo[0][k], block->lo[1][k], block->lo[2][k] }, .hi = { block->hi[0][k], block->hi[1][k], block->hi[2][k] } };
+}
+INLINE NodeSlab store_node_slab(Store *s, uint level, uint node) {
+    __global const Slabs *block = s->world.slabs + block_of_tree(s, level, node);
+    const uint k = node % WIDTH;
+    return (NodeSlab){
+        .normal = { block->normal[0][k], block->normal[1][k], block->normal[2][k] }, .lo = block->lo[k], .hi = block->hi[k],
+        .largest = block->largest_weight[k]
+    };
+}
+
+#if WITH_WEIGHTS
+INLINE uint store_has_weights(Store *s) { return s->world.params->equal_weights == 0u; }
+INLINE real store_excess_of(Store *s, uint j) { return s->world.sites[j].w - s->weight; }
+INLINE real store_own_excess(Store *s) { return s->weight - s->world.params->smallest_weight; }
+INLINE real store_largest_excess(Store *s) { return s->world.params->largest_weight - s->weight; }
+INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
+    __global const WeightBounds *block = s->world.weight_bounds + block_of_tree(s, level, node);
+    const uint k = node % WIDTH;
+    return (NodeWeights){
+        .offset = block->c[k], .slope = { block->g[0][k], block->g[1][k], block->g[2][k] },
+        .curvature = { block->q[0][k], block->q[1][k], block->q[2][k] }
+    };
+}
+#else
+INLINE uint store_has_weights(Store *s) { return 0u; }
+INLINE real store_excess_of(Store *s, uint j) { return REAL(0.0); }
+INLINE real store_own_excess(Store *s) { return REAL(0.0); }
+INLINE real store_largest_excess(Store *s) { return REAL(0.0); }
+INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) { return (NodeWeights){ 0 }; }
+#endif
+
+// Numbers in single precision in their order.
+INLINE uint in_order(float x) {
+    const uint bits = as_uint(x);
+    return bits ^ ((((int)bits < 0) ? 0xFFFFFFFFu : 0u) | 0x80000000u);
+}
+INLINE uint store_key_below(Store *s, real x) { return in_order(convert_float_rtn(x)); }
+INLINE uint store_key_above(Store *s, real x) { return in_order(convert_float_rtp(x)); }

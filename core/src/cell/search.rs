@@ -1,0 +1,446 @@
+//! The search for the sites that cut a cell, by one lane or by many, over the tree.
+//!
+//! 1. **Near** ([`search_near`]): from the site's own leaves up the tree to its root, every node that the cell reaches.
+//! 2. **Far** ([`search_far`]): a cell that reaches beyond what is worth that is completed vertex by vertex: which site has the least power there?
+//!
+//! # What is proved, and from where
+//! Weights that are affine in the site's place only move all cells, by minus half their slope `g`. So a cell is measured from `y = p_i − g/2`, and
+//! weights are compared less the slope: with `ω_ij = w_j − w_i − g·(p_j − p_i)` and `D = |p_j − p_i|` the difference of powers at `y` is
+//! `h_j(y) − h_i(y) = D² − ω_ij`, and it changes by at most `2D` a length. Site `j` cannot cut what is within `r` of `y` if
+//! `D² − ω_ij ≥ 2rD`; as `2rD ≤ λD² + r²/λ` for any `λ`, it suffices that `(1 − λ)D² − ω_ij ≥ r²/λ`, which is a sum over axes and so has a
+//! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
+
+use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH};
+use super::security::SAFE;
+use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
+use super::tree::{FEW_ROUNDINGS_OF_SUM, Open, Question, open_blocks, open_path, open_root};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, larger, scale, smaller, sub, v3};
+use super::vertex::find_vertex;
+
+/// Leaves whose sites are candidates at one time.
+const LEAVES_AT_ONCE: u32 = 8;
+
+/// Sites of the own leaf's block that are visited first.
+const FIRST_SITES: u32 = 16;
+
+/// What a key may round off, as a share, and where numbers underflow.
+const ROOM_OF_KEY: Real = 1.000004;
+const LEAST_OF_KEY: Real = 1e-37;
+
+/// Leaves that a cell looks at, and sites that it visits, before it is completed by its vertices.
+const MOST_NEAR_LEAVES: u32 = 160;
+const MOST_NEAR_SITES: u32 = 240;
+
+/// The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
+const MOST_CURVATURE: Real = 0.96;
+
+/// What is left of a product `ρs` of a vertex's error and a site's distance from it is taken as this share of `s²`, and its square over four
+/// times the share: any share is right, a small one keeps what is tried exactly rare.
+const SHARE_OF_SQUARE: Real = 0.0000000000009094947017729282;
+
+/// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
+const PER_LENGTH: Real = 8.0;
+
+/// From where a cell is searched.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Vantage {
+    /// g, the slope of the weights at the site.
+    pub slope: V3,
+    /// −g/2.
+    pub center: V3,
+    /// λ.
+    pub lambda: Real,
+}
+
+/// From where the cell of a store is searched: the slope and the curvature of the weights of the sites around its own.
+#[inline]
+pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
+    let mut vantage: Vantage = Vantage { slope: v3(0.0, 0.0, 0.0), center: v3(0.0, 0.0, 0.0), lambda: 0.5 };
+    if s.has_weights() == 0 {
+        return vantage;
+    }
+    // The leaf's block, where the tree has more than one.
+    let mut level: u32 = 1;
+    if s.top_level() == 0 {
+        level = 0;
+    }
+    let node: u32 = (s.own_site() / WIDTH) >> (3 * level);
+    let bounds: NodeBox = s.node_box(level, node);
+    let weights: NodeWeights = s.node_weights(level, node);
+    let way: V3 = sub(s.site(), scale(0.5, add(bounds.lo, bounds.hi)));
+    let q: V3 = v3(
+        smaller(weights.curvature.x, MOST_CURVATURE),
+        smaller(weights.curvature.y, MOST_CURVATURE),
+        smaller(weights.curvature.z, MOST_CURVATURE),
+    );
+    let most: Real = larger(larger(larger(q.x, q.y), q.z), 0.0);
+    vantage.slope = add(weights.slope, scale(2.0, v3(q.x * way.x, q.y * way.y, q.z * way.z)));
+    vantage.center = scale(-0.5, vantage.slope);
+    vantage.lambda = 0.5 * (1.0 - most);
+    return vantage;
+}
+
+/// An upper bound of the squared distance from the cell's centre to its farthest vertex.
+#[inline(always)]
+pub fn square_of_reach<S: SearchStore>(s: &S, vantage: Vantage) -> Real {
+    let far: V3 = s.farthest_from(vantage.center);
+    // The radius bounds each component, √3 < 2; a vertex less the centre is rounded.
+    let rounding: Real = (8.0 * UNIT_ROUNDOFF) * dot(vantage.center, vantage.center).sqrt();
+    let reach: Real = ((far.x.sqrt() + (2.0 * far.y)) + rounding) * SAFE;
+    return (reach * reach) * SAFE;
+}
+
+/// Four times the square of the distance from the cell's centre to the bisector with site `j`, at least, where the cell's centre is on the own
+/// side, and else below 0: `(h_j − h_i)²/D²`.
+#[inline(always)]
+pub(super) fn reach_of_site<S: SearchStore>(s: &S, vantage: Vantage, j: u32) -> Real {
+    let d: V3 = s.way_to(j);
+    let square: Real = dot(d, d);
+    if s.has_weights() == 0 {
+        return square;
+    }
+    let excess: Real = s.excess_of(j);
+    let along: V3 = v3(vantage.slope.x * d.x, vantage.slope.y * d.y, vantage.slope.z * d.z);
+    let size: Real = square + (excess.abs() + ((along.x.abs() + along.y.abs()) + along.z.abs()));
+    let power: Real = ((square - excess) + ((along.x + along.y) + along.z)) - (FEW_ROUNDINGS_OF_SUM * size);
+    return (power * power.abs()) / square;
+}
+
+/// The size of what is around the site: some three distances between sites.
+#[inline(always)]
+fn size_around<S: SearchStore>(s: &S) -> Real {
+    let leaf: u32 = s.own_site() / WIDTH;
+    let own: NodeBox = s.node_box(0, leaf);
+    let extent: V3 = sub(own.hi, own.lo);
+    let mut size: Real = 0.8 * dot(extent, extent).sqrt();
+    if s.top_level() > 0 {
+        let block: NodeBox = s.node_box(1, leaf / WIDTH);
+        let around: V3 = sub(block.hi, block.lo);
+        size = larger(size, 0.4 * dot(around, around).sqrt());
+    }
+    return size;
+}
+
+/// What is visited of the sites that are met.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct Wanted {
+    /// Keys from `above` on and below `below`.
+    above: u32,
+    below: u32,
+    /// So many at most, and those that are as near as the last of them.
+    most: u32,
+}
+
+/// Cuts the cell by the sites that it reaches: `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended.
+///
+/// First come the nearest of the own leaf's block, then all others that are as near, then the rest: the cell of a site at the edge of its block
+/// is open to the other side at first, and would be tried with all that there is.
+#[inline]
+pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
+    let mut wanted: Wanted = Wanted { above: 0, below: NO_SITE, most: FIRST_SITES };
+    let mut near: Real = 0.0;
+    let mut is_rest: u32 = 0;
+    let mut open: Open = open_path(s);
+    let mut looked: u32 = 0;
+    loop {
+        if (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && ((open.blocks == 0) || (looked == 0))) {
+            let mut some: u32 = LEAVES_AT_ONCE;
+            if open.leaves < some {
+                some = open.leaves;
+            }
+            open.leaves -= some;
+            let mut last: u32 = s.own_site();
+            let mut status: u32 = visit_leaves(s, vantage, open.leaves, some, wanted, visited, &mut last);
+            if (status == UNTOUCHED) && ((looked == 0) && (s.has_domain() != 0)) {
+                status = s.cut_outside(size_around(s) + dot(vantage.center, vantage.center).sqrt());
+            }
+            if (status != UNTOUCHED) && (status != CUT) {
+                return status;
+            }
+            if looked == 0 {
+                // All that have its key, or one below, are met within this.
+                near = (ROOM_OF_KEY * larger(reach_of_site(s, vantage, last), 0.0)) + LEAST_OF_KEY;
+                wanted.below = s.key_below(reach_of_site(s, vantage, last)) + 1;
+                wanted.above = 0;
+                wanted.most = NO_SITE;
+                if last == s.own_site() {
+                    wanted.below = 0;
+                }
+            }
+            looked += some;
+            if (looked > MOST_NEAR_LEAVES) || (*visited > MOST_NEAR_SITES) {
+                return UNTOUCHED;
+            }
+        } else if open.blocks > 0 {
+            let mut reach: Real = square_of_reach(s, vantage);
+            if is_rest == 0 {
+                reach = smaller(reach, 0.25 * near);
+            }
+            let question: Question = Question {
+                square: 1.0 - vantage.lambda,
+                slope: vantage.slope,
+                more: 0.0,
+                limit: (reach / vantage.lambda) * SAFE,
+                place: v3(0.0, 0.0, 0.0),
+                is_power: 0,
+            };
+            open = open_blocks(s, question, 0, open);
+        } else if is_rest == 0 {
+            is_rest = 1;
+            wanted.above = wanted.below;
+            wanted.below = NO_SITE;
+            open = open_path(s);
+        } else {
+            return COMPLETE;
+        }
+    }
+}
+
+/// Cuts the cell by those sites of some leaves at hand that it reaches and that are wanted, nearest first: `UNTOUCHED`, or how it ended. `last`
+/// becomes the last that was visited.
+#[inline]
+fn visit_leaves<S: SearchStore>(
+    s: &mut S,
+    vantage: Vantage,
+    first: u32,
+    leaves: u32,
+    wanted: Wanted,
+    visited: &mut u32,
+    last: &mut u32,
+) -> u32 {
+    let count: u32 = leaves * WIDTH;
+    let mut limit: u32 = key_of_reach(s, vantage, wanted.below);
+    let mut i: u32 = s.lane();
+    while i < count {
+        let j: u32 = (s.leaf(first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+        let mut key: u32 = NO_SITE;
+        if (j < s.sites()) && (j != s.own_site()) {
+            key = s.key_below(reach_of_site(s, vantage, j));
+            if key < wanted.above {
+                key = NO_SITE;
+            }
+        }
+        s.set_candidate(i, key);
+        i += s.lanes();
+    }
+    let mut turn: u32 = 0;
+    let mut before: u32 = 0;
+    loop {
+        let mut own: u32 = NO_SITE;
+        let mut place: u32 = 0;
+        i = s.lane();
+        while i < count {
+            let key: u32 = s.candidate(i);
+            if key < own {
+                own = key;
+                place = i;
+            }
+            i += s.lanes();
+        }
+        let nearest: u32 = s.least_of_lanes(own);
+        if (nearest >= limit) || ((turn >= wanted.most) && (nearest > before)) {
+            s.lanes_wait();
+            return UNTOUCHED;
+        }
+        let from: u32 = s.first_of(s.lanes_with((own == nearest) as u32));
+        let at: u32 = s.lane_value(place, from);
+        if s.lane() == from {
+            s.set_candidate(at, NO_SITE);
+        }
+        let j: u32 = (s.leaf(first + (at / WIDTH)) * WIDTH) + (at & (WIDTH - 1));
+        before = nearest;
+        *last = j;
+        *visited += 1;
+        turn += 1;
+        let status: u32 = s.cut_by(j);
+        if status == CUT {
+            limit = key_of_reach(s, vantage, wanted.below);
+        } else if status != UNTOUCHED {
+            return status;
+        }
+    }
+}
+
+/// The key from which on sites cannot cut the cell, or `below` if that is less.
+#[inline(always)]
+fn key_of_reach<S: SearchStore>(s: &S, vantage: Vantage, below: u32) -> u32 {
+    let key: u32 = s.key_above((4.0 * square_of_reach(s, vantage)) * SAFE);
+    if below < key {
+        return below;
+    }
+    return key;
+}
+
+/// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
+/// are within rounding of a vertex.
+#[inline]
+pub fn search_far<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
+    loop {
+        let v: u32 = farthest_unsettled(s, vantage);
+        if v == NO_SITE {
+            return COMPLETE;
+        }
+        let mut place: V3 = v3(0.0, 0.0, 0.0);
+        let mut radius: Real = 0.0;
+        if find_vertex(s, s.triplet(v), &mut place, &mut radius) != COMPLETE {
+            return UNCERTAIN;
+        }
+        let mut ties: u32 = 0;
+        let found: u32 = least_at(s, place, radius, &mut ties);
+        if found != NO_SITE {
+            s.set_candidate(0, found);
+            ties = 1;
+        }
+        if ties > MOST_CANDIDATES {
+            return UNCERTAIN;
+        }
+        let mut status: u32 = UNTOUCHED;
+        let mut i: u32 = 0;
+        while (i < ties) && (status == UNTOUCHED) {
+            let j: u32 = s.candidate(i);
+            if (found != NO_SITE) || (s.has_cut(j) == 0) {
+                *visited += 1;
+                status = s.cut_by(j);
+            }
+            i += 1;
+        }
+        if ((status == UNTOUCHED) && (found != NO_SITE)) && (s.leaves_out() == 0) {
+            // What rounding cannot take back has less power there.
+            return UNCERTAIN;
+        }
+        if status == UNTOUCHED {
+            s.set_settled(v, true);
+            s.lanes_wait();
+        } else if status != CUT {
+            return status;
+        }
+    }
+}
+
+/// The vertex farthest from the cell's centre of those that are not settled; `NO_SITE` where there is none.
+#[inline]
+pub(super) fn farthest_unsettled<S: SearchStore>(s: &S, vantage: Vantage) -> u32 {
+    let mut nearness: u32 = NO_SITE;
+    let mut own: u32 = 0;
+    let mut v: u32 = s.lane();
+    while v < s.vertices() {
+        if !s.settled(v) {
+            let way: V3 = sub(s.position(v), vantage.center);
+            let its: u32 = s.key_below(-dot(way, way));
+            if its < nearness {
+                nearness = its;
+                own = v;
+            }
+        }
+        v += s.lanes();
+    }
+    let least: u32 = s.least_of_lanes(nearness);
+    if least == NO_SITE {
+        return NO_SITE;
+    }
+    return s.lane_value(own, s.first_of(s.lanes_with((nearness == least) as u32)));
+}
+
+/// The site of least power at a vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all that may be,
+/// of which `ties` says how many.
+#[inline]
+pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mut u32) -> u32 {
+    let own: Real = dot(v, v);
+    let length: Real = own.sqrt();
+    // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
+    // PER_LENGTH·radius·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), and t² the power and the largest weight.
+    let share: Real = SHARE_OF_SQUARE + (4.0 * FEW_ROUNDINGS_OF_SUM);
+    let lost: Real = PER_LENGTH * radius;
+    let room: Real =
+        ((lost * length) + ((lost * lost) / (4.0 * SHARE_OF_SQUARE))) + (share * larger(s.largest_excess(), 0.0));
+    let mut question: Question = Question {
+        square: 1.0,
+        slope: scale(-2.0, v),
+        more: own,
+        limit: ((own * (1.0 + (2.0 * FEW_ROUNDINGS_OF_SUM))) + room) * (1.0 + (2.0 * share)),
+        place: v,
+        is_power: 1,
+    };
+    let mut found: u32 = NO_SITE;
+    let mut open: Open = open_root(s);
+    *ties = 0;
+    loop {
+        if open.leaves > 0 {
+            // As many leaves as there are lanes for their sites.
+            let lanes: u32 = s.lanes();
+            let mut some: u32 = 1;
+            if lanes > WIDTH {
+                some = lanes / WIDTH;
+                if some > open.leaves {
+                    some = open.leaves;
+                }
+            }
+            open.leaves -= some;
+            let mut i: u32 = s.lane();
+            while i < larger_count(some * WIDTH, lanes) {
+                let mut j: u32 = NO_SITE;
+                if i < (some * WIDTH) {
+                    j = (s.leaf(open.leaves + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+                }
+                let mut is_less: u32 = 0;
+                let mut is_tied: u32 = 0;
+                let mut power: Real = 0.0;
+                if (j < s.sites()) && (j != s.own_site()) {
+                    let d: V3 = s.way_to(j);
+                    let excess: Real = s.excess_of(j);
+                    let way: V3 = sub(v, d);
+                    let square: Real = dot(way, way);
+                    let less: Real = (square - own) - excess;
+                    let rounding: Real = (lost * (length + square.sqrt()))
+                        + (FEW_ROUNDINGS_OF_SUM * ((square + own) + (excess.abs() + dot(d, d))));
+                    power = square - excess;
+                    if less < -rounding {
+                        is_less = 1;
+                    } else if less <= rounding {
+                        is_tied = 1;
+                    }
+                }
+                if s.lanes_with(is_less) != 0 {
+                    let mut key: u32 = NO_SITE;
+                    if is_less != 0 {
+                        key = s.key_above(power);
+                    }
+                    let least: u32 = s.least_of_lanes(key);
+                    let from: u32 = s.first_of(s.lanes_with((key == least) as u32));
+                    let best: Real = s.lane_real(power, from);
+                    if (found == NO_SITE) || (best < question.limit) {
+                        found = s.lane_value(j, from);
+                        question.limit = smaller(best, question.limit);
+                    }
+                }
+                let tied: u32 = s.lanes_with(is_tied);
+                if (found == NO_SITE) && (tied != 0) {
+                    let at: u32 = *ties + s.rank_in(tied);
+                    if (is_tied != 0) && (at < MOST_CANDIDATES) {
+                        s.set_candidate(at, j);
+                    }
+                    *ties += s.count_of(tied);
+                }
+                i += lanes;
+            }
+            s.lanes_wait();
+        } else if open.blocks > 0 {
+            open = open_blocks(s, question, 1, open);
+        } else {
+            return found;
+        }
+    }
+}
+
+#[inline(always)]
+fn larger_count(a: u32, b: u32) -> u32 {
+    if a > b {
+        return a;
+    }
+    return b;
+}
+
+#[cfg(test)]
+mod tests;

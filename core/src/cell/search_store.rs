@@ -1,0 +1,132 @@
+//! What the search needs beside the cell: the sites, the tree over them, and the lanes that search together.
+//!
+//! Like `store.rs` the boundary of the dialect.
+
+use super::store::CellStore;
+use super::vector::{Real, V3};
+
+/// Sites in a leaf of the tree, and nodes in a block.
+pub const WIDTH: u32 = 8;
+
+/// A site's number that no site has.
+pub const NO_SITE: u32 = 0xFFFF_FFFF;
+
+/// Open blocks, leaves at hand, and candidates that there is room for: see `search.rs`.
+pub const MOST_OPEN: u32 = 208;
+/// Leaves.
+pub const MOST_LEAVES: u32 = 40;
+/// Candidates.
+pub const MOST_CANDIDATES: u32 = 64;
+
+/// The box of a node's sites, in the diagram's frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NodeBox {
+    /// Minimum corner.
+    pub lo: V3,
+    /// Maximum corner.
+    pub hi: V3,
+}
+
+/// An upper bound of the weights of a node's sites, less the least weight of all: `c + g·(x − m) + Σ q_k (x − m)_k²`, m the middle of its box.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NodeWeights {
+    /// c, with room for the roundings of evaluating it.
+    pub offset: Real,
+    /// g.
+    pub slope: V3,
+    /// q.
+    pub curvature: V3,
+}
+
+/// A slab `lo ≤ n·x ≤ hi` that holds a node's sites, and the largest of their weights, less the least of all.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NodeSlab {
+    /// n, a unit vector.
+    pub normal: V3,
+    /// Rounded down.
+    pub lo: Real,
+    /// Rounded up.
+    pub hi: Real,
+    /// Of the weights.
+    pub largest: Real,
+}
+
+/// A cell whose search several lanes share, one on the host: each calls the same functions at the same time; what a method gives is alike in
+/// all lanes unless it says otherwise.
+pub trait SearchStore: CellStore {
+    /// Number of lanes: 1, or a multiple of [`WIDTH`].
+    fn lanes(&self) -> u32;
+    /// The number of this lane: not alike.
+    fn lane(&self) -> u32;
+    /// The lanes for which `bit` is not 0, a bit each.
+    fn lanes_with(&self, bit: u32) -> u32;
+    /// How many lanes are among `lanes`.
+    fn count_of(&self, lanes: u32) -> u32;
+    /// How many of `lanes` are before this one: not alike.
+    fn rank_in(&self, lanes: u32) -> u32;
+    /// The first of `lanes`, of which there is one at least.
+    fn first_of(&self, lanes: u32) -> u32;
+    /// The least of the lanes' numbers.
+    fn least_of_lanes(&self, x: u32) -> u32;
+    /// What lane `from` has.
+    fn lane_value(&self, x: u32, from: u32) -> u32;
+    /// The same for a number.
+    fn lane_real(&self, x: Real, from: u32) -> Real;
+    /// Lanes see from here on what the others wrote.
+    fn lanes_wait(&self);
+
+    /// A number in the order of numbers, rounded down.
+    fn key_below(&self, x: Real) -> u32;
+    /// The same rounded up.
+    fn key_above(&self, x: Real) -> u32;
+
+    /// Number of sites in the tree.
+    fn sites(&self) -> u32;
+    /// The sorted index of the cell's site.
+    fn own_site(&self) -> u32;
+    /// The way from the cell's site to site `j`.
+    fn way_to(&self, j: u32) -> V3;
+    /// What site `j` weighs more than the cell's.
+    fn excess_of(&self, j: u32) -> Real;
+    /// What the cell's site weighs more than the lightest of all.
+    fn own_excess(&self) -> Real;
+    /// What the heaviest site weighs more than the cell's.
+    fn largest_excess(&self) -> Real;
+    /// Whether weights differ.
+    fn has_weights(&self) -> u32;
+
+    /// The level of the tree's root, 0 that of the leaves.
+    fn top_level(&self) -> u32;
+    /// The box of node `node` of a level.
+    fn node_box(&self, level: u32, node: u32) -> NodeBox;
+    /// What bounds its weights, where weights differ.
+    fn node_weights(&self, level: u32, node: u32) -> NodeWeights;
+    /// A slab about its sites.
+    fn node_slab(&self, level: u32, node: u32) -> NodeSlab;
+
+    /// Open block `i` (see `search.rs`).
+    fn open_block(&self, i: u32) -> u32;
+    /// Sets open block `i`.
+    fn set_open_block(&mut self, i: u32, block: u32);
+    /// Leaf `i` at hand.
+    fn leaf(&self, i: u32) -> u32;
+    /// Sets leaf `i`.
+    fn set_leaf(&mut self, i: u32, leaf: u32);
+    /// Number of candidate `i`.
+    fn candidate(&self, i: u32) -> u32;
+    /// Sets the number of candidate `i`.
+    fn set_candidate(&mut self, i: u32, candidate: u32);
+
+    /// Cuts the cell by the bisector with site `j`: as `clip`; `EMPTY` also where it is known to be outside the domain.
+    fn cut_by(&mut self, j: u32) -> u32;
+    /// Cuts off what of the cell is outside the domain, where it reaches farther than `radius` from its site: as `cap_outside`; `EMPTY` where it
+    /// is known to be outside.
+    fn cut_outside(&mut self, radius: Real) -> u32;
+    /// Whether the bisector with site `j` is among the cell's half-spaces.
+    fn has_cut(&self, j: u32) -> u32;
+    /// Whether sites are left out that might cut the cell.
+    fn leaves_out(&self) -> u32;
+}

@@ -1,0 +1,194 @@
+//! What the tree over the sites knows of those of a node: the least value there of what the search asks for.
+
+use super::search_store::{NodeBox, NodeSlab, NodeWeights, SearchStore, WIDTH};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, larger, smaller, sub, v3};
+
+/// Roundings of a sum of some twenty terms, in units of the sum of their sizes.
+pub(super) const FEW_ROUNDINGS_OF_SUM: Real = 64.0 * UNIT_ROUNDOFF;
+
+/// Bits of an open block that say which of its level it is; those above say its level.
+const LEVEL_SHIFT: u32 = 28;
+const BLOCK_MASK: u32 = 0x0FFF_FFFF;
+
+/// Open blocks from which on one is taken at a time: of four every child may be open, and of one on each level seven of eight.
+const FEW_OPEN: u32 = 96;
+
+/// What is asked of a site at the way `d`, of excess `w`: whether `α|d|² + g·d − w + more` is below a limit.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub(super) struct Question {
+    /// α.
+    pub(super) square: Real,
+    /// g.
+    pub(super) slope: V3,
+    pub(super) more: Real,
+    pub(super) limit: Real,
+    /// Where this is the power at a vertex: the vertex, and 1.
+    pub(super) place: V3,
+    pub(super) is_power: u32,
+}
+
+/// The open blocks and the leaves at hand.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub(super) struct Open {
+    pub(super) blocks: u32,
+    pub(super) leaves: u32,
+}
+
+/// Adds the least of `αt² + gt − (G + Q(t − m))(t − m)` for t from `lo` to `hi`, and the size of its terms. It is where the slope
+/// is 0, if that is a minimum, and else at an end.
+#[inline(always)]
+pub(super) fn add_least(
+    lo: Real,
+    hi: Real,
+    alpha: Real,
+    g: Real,
+    slope: Real,
+    curvature: Real,
+    sum: &mut Real,
+    size: &mut Real,
+) {
+    let m: Real = 0.5 * (lo + hi);
+    let width: Real = hi - m;
+    let steep: Real = alpha - curvature;
+    let still: Real = ((0.5 * (slope - g)) - (curvature * m)) / steep;
+    let t: Real = smaller(larger(still, lo), hi);
+    let mut least: Real = polynomial_at(t, m, alpha, g, slope, curvature);
+    if !(steep > 0.0) {
+        least =
+            smaller(polynomial_at(lo, m, alpha, g, slope, curvature), polynomial_at(hi, m, alpha, g, slope, curvature));
+    }
+    let far: Real = m.abs() + width;
+    *sum += least;
+    *size += (((alpha * far) + g.abs()) * far) + ((slope.abs() + (curvature.abs() * width)) * width);
+}
+
+#[inline(always)]
+fn polynomial_at(t: Real, m: Real, alpha: Real, g: Real, slope: Real, curvature: Real) -> Real {
+    let u: Real = t - m;
+    return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
+}
+
+/// The least that a question can come to at any site of a node.
+#[inline(always)]
+pub(super) fn least_of_node<S: SearchStore>(s: &S, question: Question, level: u32, node: u32) -> Real {
+    let bounds: NodeBox = s.node_box(level, node);
+    let site: V3 = s.site();
+    let lo: V3 = sub(bounds.lo, site);
+    let hi: V3 = sub(bounds.hi, site);
+    let alpha: Real = question.square;
+    let g: V3 = question.slope;
+    let mut sum: Real = question.more;
+    let mut size: Real = question.more.abs();
+    if s.has_weights() != 0 {
+        let weights: NodeWeights = s.node_weights(level, node);
+        add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &mut sum, &mut size);
+        add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &mut sum, &mut size);
+        add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &mut sum, &mut size);
+        sum += s.own_excess() - weights.offset;
+        size += s.own_excess() + weights.offset.abs();
+    } else {
+        add_least(lo.x, hi.x, alpha, g.x, 0.0, 0.0, &mut sum, &mut size);
+        add_least(lo.y, hi.y, alpha, g.y, 0.0, 0.0, &mut sum, &mut size);
+        add_least(lo.z, hi.z, alpha, g.z, 0.0, 0.0, &mut sum, &mut size);
+    }
+    sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
+    if question.is_power != 0 {
+        let slab: NodeSlab = s.node_slab(level, node);
+        let place: V3 = v3(site.x + question.place.x, site.y + question.place.y, site.z + question.place.z);
+        let height: Real = dot(slab.normal, place);
+        let rounding: Real = FEW_ROUNDINGS_OF_SUM * ((place.x.abs() + place.y.abs()) + place.z.abs());
+        let gap: Real = larger(larger(slab.lo - height, height - slab.hi) - rounding, 0.0);
+        let beside: Real = ((gap * gap) * (1.0 - FEW_ROUNDINGS_OF_SUM)) - (slab.largest - s.own_excess());
+        sum = larger(sum, beside);
+    }
+    return sum;
+}
+
+/// Opens the root alone.
+#[inline(always)]
+pub(super) fn open_root<S: SearchStore>(s: &mut S) -> Open {
+    s.set_open_block(0, s.top_level() << LEVEL_SHIFT);
+    s.lanes_wait();
+    return Open { blocks: 1, leaves: 0 };
+}
+
+/// Opens the blocks that hold the cell's own site, but for that of its leaf, whose leaves are at hand: the nearest last.
+#[inline(always)]
+pub(super) fn open_path<S: SearchStore>(s: &mut S) -> Open {
+    let own: u32 = s.own_site() / (WIDTH * WIDTH);
+    let mut open: Open = Open { blocks: 0, leaves: 0 };
+    let mut level: u32 = s.top_level();
+    while level > 0 {
+        s.set_open_block(open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)));
+        open.blocks += 1;
+        level -= 1;
+    }
+    let first: u32 = own * WIDTH;
+    while (open.leaves < WIDTH) && (((first + open.leaves) * WIDTH) < s.sites()) {
+        s.set_leaf(open.leaves, first + open.leaves);
+        open.leaves += 1;
+    }
+    s.lanes_wait();
+    return open;
+}
+
+/// Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
+/// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for.
+#[inline]
+pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_own: u32, given: Open) -> Open {
+    let mut open: Open = given;
+    let lanes: u32 = s.lanes();
+    let mut some: u32 = 1;
+    if (lanes > WIDTH) && (open.blocks <= FEW_OPEN) {
+        some = lanes / WIDTH;
+        if some > open.blocks {
+            some = open.blocks;
+        }
+    }
+    open.blocks -= some;
+    let turn: u32 = s.lane() / WIDTH;
+    let mut is_there: u32 = 0;
+    let mut block: u32 = 0;
+    if turn < some {
+        is_there = 1;
+        block = s.open_block(open.blocks + turn);
+    }
+    s.lanes_wait();
+    let level: u32 = block >> LEVEL_SHIFT;
+    let first: u32 = (block & BLOCK_MASK) * WIDTH;
+    // Of the nodes of the level, that which holds the own leaf's block.
+    let mut own: u32 = 0xFFFF_FFFF;
+    if with_own == 0 {
+        own = (s.own_site() / WIDTH) >> (3 * level);
+    }
+    let mut k: u32 = s.lane() & (WIDTH - 1);
+    while k < WIDTH {
+        let node: u32 = first + k;
+        let mut is_block: u32 = 0;
+        let mut is_leaf: u32 = 0;
+        if (is_there != 0) && (node != own) {
+            if least_of_node(s, question, level, node) < question.limit {
+                is_block = 1;
+                if level == 0 {
+                    is_block = 0;
+                    is_leaf = 1;
+                }
+            }
+        }
+        let blocks: u32 = s.lanes_with(is_block);
+        let leaves: u32 = s.lanes_with(is_leaf);
+        if is_block != 0 {
+            s.set_open_block(open.blocks + s.rank_in(blocks), ((level - 1) << LEVEL_SHIFT) | node);
+        }
+        if is_leaf != 0 {
+            s.set_leaf(open.leaves + s.rank_in(leaves), node);
+        }
+        open.blocks += s.count_of(blocks);
+        open.leaves += s.count_of(leaves);
+        k += lanes;
+    }
+    s.lanes_wait();
+    return open;
+}

@@ -70,7 +70,7 @@ HOT uint volume_is_above_bound(CellSums sums);
 HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
 INLINE Side side(Store *s, uint f, V3 center);
 INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part);
-INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot);
+INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot, real *off);
 INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums *part);
 INLINE V3 second_diagonal(V3 h, V3 i, V3 v, V3 s);
 INLINE V3 second_mixed(V3 h, V3 i, V3 v, V3 s);
@@ -78,7 +78,7 @@ INLINE real squares(real a, real b, real c);
 INLINE real products(real a, real b, real c, real d, real e, real f);
 OUTLINE V3 reference_point(Store *s);
 OUTLINE uint facet_is_above_bound(FacetSum sum);
-INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum);
+INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, FacetSum *sum);
 INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign);
 OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum);
 OUTLINE void reset_facets(Store *s, uint flags);
@@ -1074,7 +1074,8 @@ INLINE Side side(Store *s, uint f, V3 center) {
 // Adds the two tetrahedra of one vertex and its edge (f, g).
 INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part) {
     V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    if (foot_on_edge(s, f, g, center, &foot) != COMPLETE) {
+    real off = REAL(0.0);
+    if (foot_on_edge(s, f, g, center, &foot, &off) != COMPLETE) {
         return UNCERTAIN;
     }
     // `I×v`, but the foot is at right angles to the edge: nothing cancels, however far away a small piece is.
@@ -1084,29 +1085,40 @@ INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center
     part->rounding = part->rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if ((flags & FACETS) != 0) {
         FacetSum sum = store_facet(s, g.index);
-        add_triangle(g, foot, at, -weight, center, &sum);
+        add_triangle(g, foot, off, at, -weight, center, &sum);
         store_set_facet(s, g.index, sum);
         sum = store_facet(s, f.index);
-        add_triangle(f, foot, at, weight, center, &sum);
+        add_triangle(f, foot, off, at, weight, center, &sum);
         store_set_facet(s, f.index, sum);
     }
     return COMPLETE;
 }
 
 // The foot of the perpendicular from the reference point to the line of planes f and g:
-// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`.
-INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot) {
+// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`; and how far it may be off that line.
+//
+// `x` is off by 3u over the sine of the angle between the planes, of which the foot has as much of its length, whatever their offsets:
+// what two nearly parallel planes have in common cancels. A step of refinement multiplies that by itself, so that a rounding is left, and
+// what the offsets have lost on their way to the reference point, over the sine.
+INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot, real *off) {
     const V3 direction = v3_cross(f.n, g.n);
     const real square = v3_dot(direction, direction);
     const real whole = f.square * g.square;
     if (!(square > (NEARLY_PARALLEL * whole))) {
-        return store_exact_foot(s, f.index, g.index, center, foot);
+        const uint status = store_exact_foot(s, f.index, g.index, center, foot);
+        *off = UNIT_ROUNDOFF * norm_1(*foot);
+        return status;
     }
     const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
     const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
     *foot = add(scale(f.d, to_f), scale(g.d, to_g));
+    const real amplified = UNIT_ROUNDOFF * sqrt(whole / square);
+    const real by_foot = ROUNDINGS_OF_FOOT * norm_1(*foot);
+    const real by_offsets = amplified * (ROUNDINGS_OF_OFFSET * norm_1(center));
+    *off = (amplified * by_foot) + by_offsets;
     uint steps = 0;
     if (square < (WORTH_REFINING_FOOT * whole)) {
+        *off = (UNIT_ROUNDOFF * by_foot) + by_offsets;
         steps = 1;
         if (square < (WORTH_REFINING_MORE * whole)) {
             steps = 3;
@@ -1185,8 +1197,11 @@ OUTLINE uint facet_is_above_bound(FacetSum sum) {
 }
 
 // Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
-// `area·(H + I + v)/3`.
-INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, FacetSum *sum) {
+// `area·(H + I + v)/3`. The foot I is off its edge by up to `off`.
+//
+// What I and v are off counts with the way between them: the two triangles of a vertex lose its error times the way between their feet,
+// those of an edge the foot's times the edge's length. The vertex has been rounded once more on its way to the reference point.
+INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, FacetSum *sum) {
     const V3 to_foot = sub(foot, f.foot);
     const V3 to_vertex = sub(at.position, f.foot);
     const real area = area_of_triangle(f, to_foot, to_vertex, sign);
@@ -1194,7 +1209,8 @@ INLINE void add_triangle(Side f, V3 foot, Corner at, real sign, V3 center, Facet
     sum->area = sum->area + area;
     sum->moment = add(sum->moment, scale(area, middle));
     const real lost = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
-    sum->rounding = larger(sum->rounding, lost + (at.radius * norm_1(sub(at.position, foot))));
+    const real moved = (at.radius + off) + (UNIT_ROUNDOFF * norm_1(at.position));
+    sum->rounding = larger(sum->rounding, lost + (moved * norm_1(sub(at.position, foot))));
 }
 
 // `sign·½ (I − H)×(v − H)·n/|n|`, given the two sides at H.
@@ -1221,14 +1237,15 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum) {
             const Side b = side(s, t.b, center);
             const Side c = side(s, t.c, center);
             V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-            if (foot_on_edge(s, f, b, center, &foot) != COMPLETE) {
+            real off = REAL(0.0);
+            if (foot_on_edge(s, f, b, center, &foot, &off) != COMPLETE) {
                 return UNCERTAIN;
             }
-            add_triangle(f, foot, at, REAL(1.0), center, sum);
-            if (foot_on_edge(s, c, f, center, &foot) != COMPLETE) {
+            add_triangle(f, foot, off, at, REAL(1.0), center, sum);
+            if (foot_on_edge(s, c, f, center, &foot, &off) != COMPLETE) {
                 return UNCERTAIN;
             }
-            add_triangle(f, foot, at, -REAL(1.0), center, sum);
+            add_triangle(f, foot, off, at, -REAL(1.0), center, sum);
         }
         v += 1;
     }
@@ -1288,7 +1305,8 @@ OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center) {
 // Adds the two triangles of one vertex and its edge (f, g).
 OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight, V3 center) {
     V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    if (foot_on_edge(s, f, g, center, &foot) != COMPLETE) {
+    real off = REAL(0.0);
+    if (foot_on_edge(s, f, g, center, &foot, &off) != COMPLETE) {
         return UNCERTAIN;
     }
     add_triangle_second(s, g, foot, position, -weight);

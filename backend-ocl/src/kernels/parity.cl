@@ -774,9 +774,11 @@ __kernel void parity_foot_on_edge(PARITY_ARGUMENTS) {
     const Side g = take_Side(&in);
     const V3 center = take_V3(&in);
     V3 foot = take_V3(&in);
-    const uint result = foot_on_edge(s, f, g, center, &foot);
+    real off = take_real(&in);
+    const uint result = foot_on_edge(s, f, g, center, &foot, &off);
     give_uint(&out, result);
     give_V3(&out, foot);
+    give_real(&out, off);
     parity_dump(&out, s);
 }
 
@@ -852,11 +854,12 @@ __kernel void parity_add_triangle(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const Side f = take_Side(&in);
     const V3 foot = take_V3(&in);
+    const real off = take_real(&in);
     const Corner at = take_Corner(&in);
     const real sign = take_real(&in);
     const V3 center = take_V3(&in);
     FacetSum sum = take_FacetSum(&in);
-    add_triangle(f, foot, at, sign, center, &sum);
+    add_triangle(f, foot, off, at, sign, center, &sum);
     give_FacetSum(&out, sum);
 }
 

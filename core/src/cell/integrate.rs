@@ -91,6 +91,11 @@ const WORTH_REFINING_MORE: Real = 5.684341886081e-14;
 /// Single: `2.44140625e-4`.
 const WORTH_REFINING_FOOT: Real = 3.814697265625e-6;
 
+/// Roundings of a foot across its line, in units of its distance over the sine of the angle; refined, of its distance.
+const ROUNDINGS_OF_FOOT: Real = 8.0;
+/// Roundings of the offset of a plane that is moved to the reference point, in units of the distance of that.
+const ROUNDINGS_OF_OFFSET: Real = 4.0;
+
 /// One plane as the integrals see it: moved to the reference point, with its foot.
 #[derive(Clone, Copy)]
 pub(super) struct Side {
@@ -207,7 +212,8 @@ pub(super) fn add_edge<S: CellStore>(
     part: &mut CellSums,
 ) -> u32 {
     let mut foot: V3 = v3(0.0, 0.0, 0.0);
-    if foot_on_edge(s, f, g, center, &mut foot) != COMPLETE {
+    let mut off: Real = 0.0;
+    if foot_on_edge(s, f, g, center, &mut foot, &mut off) != COMPLETE {
         return UNCERTAIN;
     }
     // `I×v`, but the foot is at right angles to the edge: nothing cancels, however far away a small piece is.
@@ -217,30 +223,48 @@ pub(super) fn add_edge<S: CellStore>(
     part.rounding = part.rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if (flags & FACETS) != 0 {
         let mut sum: FacetSum = s.facet(g.index);
-        add_triangle(g, foot, at, -weight, center, &mut sum);
+        add_triangle(g, foot, off, at, -weight, center, &mut sum);
         s.set_facet(g.index, sum);
         sum = s.facet(f.index);
-        add_triangle(f, foot, at, weight, center, &mut sum);
+        add_triangle(f, foot, off, at, weight, center, &mut sum);
         s.set_facet(f.index, sum);
     }
     return COMPLETE;
 }
 
 /// The foot of the perpendicular from the reference point to the line of planes f and g:
-/// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`.
+/// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`; and how far it may be off that line.
+///
+/// `x` is off by 3u over the sine of the angle between the planes, of which the foot has as much of its length, whatever their offsets:
+/// what two nearly parallel planes have in common cancels. A step of refinement multiplies that by itself, so that a rounding is left, and
+/// what the offsets have lost on their way to the reference point, over the sine.
 #[inline(always)]
-pub(super) fn foot_on_edge<S: CellStore>(s: &mut S, f: Side, g: Side, center: V3, foot: &mut V3) -> u32 {
+pub(super) fn foot_on_edge<S: CellStore>(
+    s: &mut S,
+    f: Side,
+    g: Side,
+    center: V3,
+    foot: &mut V3,
+    off: &mut Real,
+) -> u32 {
     let direction: V3 = cross(f.n, g.n);
     let square: Real = dot(direction, direction);
     let whole: Real = f.square * g.square;
     if !(square > (NEARLY_PARALLEL * whole)) {
-        return s.exact_foot(f.index, g.index, center, foot);
+        let status: u32 = s.exact_foot(f.index, g.index, center, foot);
+        *off = UNIT_ROUNDOFF * norm_1(*foot);
+        return status;
     }
     let to_f: V3 = scale(-1.0 / square, cross(g.n, direction));
     let to_g: V3 = scale(-1.0 / square, cross(direction, f.n));
     *foot = add(scale(f.d, to_f), scale(g.d, to_g));
+    let amplified: Real = UNIT_ROUNDOFF * (whole / square).sqrt();
+    let by_foot: Real = ROUNDINGS_OF_FOOT * norm_1(*foot);
+    let by_offsets: Real = amplified * (ROUNDINGS_OF_OFFSET * norm_1(center));
+    *off = (amplified * by_foot) + by_offsets;
     let mut steps: u32 = 0;
     if square < (WORTH_REFINING_FOOT * whole) {
+        *off = (UNIT_ROUNDOFF * by_foot) + by_offsets;
         steps = 1;
         if square < (WORTH_REFINING_MORE * whole) {
             steps = 3;

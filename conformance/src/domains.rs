@@ -32,14 +32,16 @@ pub enum Shape {
     Plate,
     LongBox,
     DoubleTorus,
-    /// A prism with caps that fold over themselves, 1e-9 off their planes.
-    Folded,
-    /// The same, 1e-4 off.
-    FoldedWidely,
+    /// A prism with caps that fold over themselves, so many powers of ten below 1 off their planes; its section a star.
+    FoldedStar(u8),
+    /// The same with an L as section.
+    FoldedCorner(u8),
+    /// The same with a comb.
+    FoldedComb(u8),
 }
 
 impl Shape {
-    /// All shapes, the simplest first.
+    /// All shapes, the simplest first; of those that fold over themselves two.
     pub const ALL: [Self; 19] = [
         Self::Box,
         Self::BoxMesh,
@@ -58,8 +60,8 @@ impl Shape {
         Self::Plate,
         Self::LongBox,
         Self::DoubleTorus,
-        Self::Folded,
-        Self::FoldedWidely,
+        Self::FoldedStar(9),
+        Self::FoldedComb(4),
     ];
 
     fn mesh(self) -> Mesh {
@@ -80,10 +82,15 @@ impl Shape {
             Self::Plate => shapes::plate(),
             Self::LongBox => shapes::long_box(),
             Self::DoubleTorus => shapes::double_torus(),
-            Self::Folded => shapes::folded_prism(Section::Star, 1e-9),
-            Self::FoldedWidely => shapes::folded_prism(Section::Comb, 1e-4),
+            Self::FoldedStar(powers) => folded(Section::Star, powers),
+            Self::FoldedCorner(powers) => folded(Section::Corner, powers),
+            Self::FoldedComb(powers) => folded(Section::Comb, powers),
         }
     }
+}
+
+fn folded(section: Section, powers: u8) -> Mesh {
+    shapes::folded_prism(section, 10_f64.powi(-i32::from(powers)))
 }
 
 /// How a shape is turned. Boxes that are given as boxes stay.

@@ -1,11 +1,10 @@
 //! Small diagrams where everything ties: sites on coarse lattices, weights from a small set, rooms made by code.
 
-use arbitrary::{Arbitrary, Result, Unstructured};
+use arbitrary::{Result, Unstructured};
 use glam::{DMat3, DVec3};
 use laguerre_conformance::domains::{Pose, Room, Shape, room};
-use laguerre_conformance::{Given, Verdict};
-use laguerre_core::diagram::bounding_box;
-use laguerre_core::{Backend, Request};
+
+use crate::case::{Also, Structured};
 
 /// The rooms, and how many of 256 cases are in each: few where a case costs much. `None`: no room is given.
 const ROOMS: [(u8, Option<Shape>); 16] = [
@@ -39,142 +38,66 @@ const WEIGHTS: [f64; 6] = [0.0, 0.0625, 0.25, 1.0, -1.0, 0.0625 + f64::EPSILON /
 /// Units of weights (length²).
 const SCALES: [f64; 4] = [1.0, 0.0625, 1e-9, 64.0];
 
-/// A structured case.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tied {
-    /// As [`Given::room`].
-    pub room: Option<(Shape, Pose)>,
-    /// Sites (length).
-    pub positions: Vec<[f64; 3]>,
-    /// Weights (length²), or none.
-    pub weights: Vec<f64>,
-    /// What else is looked at.
-    pub also: Also,
-}
+/// The case of some bytes.
+///
+/// # Errors
+/// There are too few.
+pub fn tied(bytes: &mut Unstructured<'_>) -> Result<Structured> {
+    let mut place = bytes.arbitrary::<u8>()?;
+    let of_place = |&(share, shape): &(u8, Option<Shape>)| match place.checked_sub(share) {
+        None => Some(shape),
+        Some(rest) => {
+            place = rest;
+            None
+        }
+    };
+    let shape = ROOMS.iter().find_map(of_place).flatten();
+    let pose = if bytes.ratio(1, 3)? { Pose::Turned } else { Pose::Plain };
+    let also = match bytes.int_in_range(0..=15_u8)? {
+        0 => Also::Oracle,
+        1 | 2 => Also::SecondMoments,
+        3 => Also::NoFacets,
+        _ => Also::Nothing,
+    };
+    let count = match bytes.int_in_range(0..=255_u8)? {
+        n @ 0..160 => 1 + n % 4,
+        n @ 160..230 => 5 + n % 4,
+        n @ 230..252 => 9 + n % 6,
+        n => 16 + 8 * (n % 4),
+    };
+    let &(lowest, highest, steps) = bytes.choose(&LATTICES)?;
+    let &angle = bytes.choose(&ANGLES)?;
+    let nudged = bytes.ratio(1, 4)?;
+    let &scale = bytes.choose(&SCALES)?;
+    let weighting = bytes.int_in_range(0..=7_u8)?;
 
-/// What is looked at besides the laws of an output with facets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Also {
-    /// Nothing.
-    Nothing,
-    /// Second moments.
-    SecondMoments,
-    /// The laws of an output without facets.
-    NoFacets,
-    /// The naive oracle's answer, where there are few sites.
-    Oracle,
-}
-
-impl Tied {
-    /// The case as it would stand among the regressions.
-    pub fn given(&self) -> Given<'_> {
-        Given { room: self.room, positions: &self.positions, weights: &self.weights }
-    }
-
-    /// Evaluates it and holds the output to every law, and to what [`Also`] asks for.
-    ///
-    /// # Errors
-    /// The law that is broken, or the library's error: a case is valid input.
-    pub fn holds(&self, backend: &dyn Backend) -> Verdict {
-        /// Sites up to which the oracle, of quadratic cost, is cheap.
-        const FEW: usize = 12;
-        let (given, moments) = (self.given(), Request::moments());
-        match self.also {
-            Also::NoFacets => given.sane(backend, &moments),
-            Also::SecondMoments => given.sane(backend, &moments.with_facets().with_second_moments()),
-            Also::Oracle if self.positions.len() <= FEW => given.like_the_oracle(backend),
-            Also::Oracle | Also::Nothing => given.sane(backend, &moments.with_facets()),
+    let within = shape.map_or(Room::Box([0.0; 3], [1.0; 3]), |shape| room(shape, Pose::Plain));
+    let (lo, _) = within.bounding_box();
+    let (lo, extents) = (DVec3::from(lo), within.extents());
+    let middle = lo + 0.5 * extents;
+    let turn = DMat3::from_axis_angle(DVec3::new(0.3, -1.0, 0.7).normalize(), angle);
+    // Boxes that are given as boxes stay where they are.
+    let (matrix, shift) = match within {
+        Room::Box(..) => Pose::Plain.motion(),
+        Room::Mesh(..) => pose.motion(),
+    };
+    let (mut positions, mut weights) = (Vec::new(), Vec::new());
+    for _ in 0..count {
+        let mut at = DVec3::ZERO;
+        for k in 0..3 {
+            at[k] = f64::from(bytes.int_in_range(lowest..=highest)?) / f64::from(steps);
+        }
+        let place = matrix * (middle + turn * (lo + extents * at - middle)) + shift;
+        let nudge = if nudged { bytes.int_in_range(0..=26_u8)? } else { 13 };
+        let nudges = [nudge / 9, nudge / 3 % 3, nudge % 3];
+        positions
+            .push(std::array::from_fn(|k| [place[k].next_down(), place[k], place[k].next_up()][nudges[k] as usize]));
+        match weighting {
+            0 | 1 => {}
+            2 => weights.push(DVec3::from(positions[positions.len() - 1]).distance_squared(matrix * middle + shift)),
+            3 => weights.push(scale),
+            _ => weights.push(scale * bytes.choose(&WEIGHTS)?),
         }
     }
-
-    /// The smallest case found from this one for which `fails` still says so: with fewer sites, without weights.
-    #[must_use]
-    pub fn shrunk(self, fails: impl Fn(&Self) -> bool) -> Self {
-        let mut best = self;
-        let mut i = best.positions.len();
-        while i > 0 && best.positions.len() > 1 {
-            i -= 1;
-            let mut fewer = best.clone();
-            fewer.positions.remove(i);
-            if !fewer.weights.is_empty() {
-                fewer.weights.remove(i);
-            }
-            if fails(&fewer) {
-                best = fewer;
-                i = best.positions.len();
-            }
-        }
-        let unweighted = Self { weights: Vec::new(), ..best.clone() };
-        if fails(&unweighted) { unweighted } else { best }
-    }
-}
-
-impl<'a> Arbitrary<'a> for Tied {
-    fn arbitrary(bytes: &mut Unstructured<'a>) -> Result<Self> {
-        let mut place = bytes.arbitrary::<u8>()?;
-        let of_place = |&(share, shape): &(u8, Option<Shape>)| match place.checked_sub(share) {
-            None => Some(shape),
-            Some(rest) => {
-                place = rest;
-                None
-            }
-        };
-        let shape = ROOMS.iter().find_map(of_place).flatten();
-        let pose = if bytes.ratio(1, 3)? { Pose::Turned } else { Pose::Plain };
-        let also = match bytes.int_in_range(0..=15_u8)? {
-            0 => Also::Oracle,
-            1 | 2 => Also::SecondMoments,
-            3 => Also::NoFacets,
-            _ => Also::Nothing,
-        };
-        let count = match bytes.int_in_range(0..=255_u8)? {
-            n @ 0..160 => 1 + n % 4,
-            n @ 160..230 => 5 + n % 4,
-            n @ 230..252 => 9 + n % 6,
-            n => 16 + 8 * (n % 4),
-        };
-        let &(lowest, highest, steps) = bytes.choose(&LATTICES)?;
-        let &angle = bytes.choose(&ANGLES)?;
-        let nudged = bytes.ratio(1, 4)?;
-        let &scale = bytes.choose(&SCALES)?;
-        let weighting = bytes.int_in_range(0..=7_u8)?;
-
-        let within = shape.map_or(Room::Box([0.0; 3], [1.0; 3]), |shape| room(shape, Pose::Plain));
-        let (lo, _) = within.bounding_box();
-        let (lo, extents) = (DVec3::from(lo), within.extents());
-        let middle = lo + 0.5 * extents;
-        let turn = DMat3::from_axis_angle(DVec3::new(0.3, -1.0, 0.7).normalize(), angle);
-        // Boxes that are given as boxes stay where they are.
-        let (matrix, shift) = match within {
-            Room::Box(..) => Pose::Plain.motion(),
-            Room::Mesh(..) => pose.motion(),
-        };
-        let (mut positions, mut weights) = (Vec::new(), Vec::new());
-        for _ in 0..count {
-            let mut at = DVec3::ZERO;
-            for k in 0..3 {
-                at[k] = f64::from(bytes.int_in_range(lowest..=highest)?) / f64::from(steps);
-            }
-            let place = matrix * (middle + turn * (lo + extents * at - middle)) + shift;
-            let nudge = if nudged { bytes.int_in_range(0..=26_u8)? } else { 13 };
-            let nudges = [nudge / 9, nudge / 3 % 3, nudge % 3];
-            positions.push(std::array::from_fn(|k| {
-                [place[k].next_down(), place[k], place[k].next_up()][nudges[k] as usize]
-            }));
-            match weighting {
-                0 | 1 => {}
-                2 => {
-                    weights.push(DVec3::from(positions[positions.len() - 1]).distance_squared(matrix * middle + shift))
-                }
-                3 => weights.push(scale),
-                _ => weights.push(scale * bytes.choose(&WEIGHTS)?),
-            }
-        }
-        // Without a room the sites must have a box, not too small for the weights, nor beyond the least numbers in any direction.
-        let (lo, hi) = bounding_box(&positions);
-        let [x, y, z] = std::array::from_fn(|k| hi[k] - lo[k]);
-        let is_box = x.max(y).max(z) > 0.1 && x.min(y).min(z) > 1e-30;
-        let shape = if shape.is_none() && !is_box { Some(Shape::Box) } else { shape };
-        Ok(Self { room: shape.map(|shape| (shape, pose)), positions, weights, also })
-    }
+    Ok(Structured::new(shape, pose, positions, weights, also))
 }

@@ -25,9 +25,9 @@ pub fn of_areas(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
         let (mut area, mut turned) = (boundary[i].area, 0.0);
         for facet in row {
             // The difference of two unit vectors is at most 2.
-            turned += facet.area * bounds.turn(i, facet.neighbor).min(2.0);
+            turned += facet.area.abs() * bounds.turn(i, facet.neighbor).min(2.0);
             sum += facet.area * (scene.site(facet.neighbor) - scene.site(i)).normalize();
-            area += facet.area;
+            area += facet.area.abs();
         }
         let off = sum.length();
         let promise = CLOSURE * area + turned;
@@ -50,7 +50,7 @@ pub fn of_volumes(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
             let distance = scene.site(i).distance(scene.site(j));
             let shift = (scene.weight(i) - scene.weight(j)) / distance;
             sum += 0.5 * (distance + shift) * facet.area;
-            moved += bounds.turn(i, j) * 0.5 * (distance + shift.abs()) * facet.area;
+            moved += bounds.turn(i, j) * 0.5 * (distance + shift.abs()) * facet.area.abs();
         }
         let (closed, volume) = (sum / 3.0, output.volume[i]);
         let (off, promise) = ((closed - volume).abs(), CLOSURE * volume.abs() + moved / 3.0);

@@ -1,5 +1,5 @@
-//! `structured CASES [SEED [THREADS]]`: structured cases of `evaluate` from a seed, as fast as they go. Says how many a second, how
-//! many fail for which kind of reason, and of each kind the first few in their smallest form, to be pasted into
+//! `structured CASES [SEED [THREADS [uneven]]]`: structured cases from a seed, full of ties or of uneven sites, as fast as they go. Says how
+//! many a second, how many fail for which kind of reason, and of each kind the first few in their smallest form, to be pasted into
 //! `conformance/src/regressions.rs`.
 
 use std::collections::BTreeMap;
@@ -10,32 +10,37 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use arbitrary::{Arbitrary, Unstructured};
+use arbitrary::Unstructured;
 use laguerre::Selection;
 use laguerre_conformance::Verdict;
 use laguerre_conformance::sites::Random;
 use laguerre_core::Backend;
-use laguerre_fuzz::tied::Tied;
+use laguerre_fuzz::{case::Structured, tied::tied, uneven::uneven};
 
 /// Cases that a thread takes at a time.
 const CHUNK: u64 = 1000;
-/// Bytes of a case: more than the largest takes.
+/// Bytes of a case full of ties: more than the largest takes.
 const BYTES: usize = 512;
 /// Failing cases of each kind that are told.
 const TOLD: usize = 3;
 /// Between two lines of progress.
 const PAUSE: Duration = Duration::from_secs(60);
 
+const USAGE: &str = "usage: structured CASES [SEED [THREADS [uneven]]]; the first three are whole numbers";
+
 fn main() -> ExitCode {
-    let mut numbers = std::env::args().skip(1).map(|word| word.parse::<u64>());
-    let (Some(Ok(cases)), seed, threads) = (numbers.next(), numbers.next(), numbers.next()) else {
-        eprintln!("usage: structured CASES [SEED [THREADS]]");
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let numbers: Result<Vec<u64>, _> = words.iter().take(3).map(|word| word.parse()).collect();
+    let (Ok(numbers), true) = (numbers, words.len() < 4 || words[3..] == ["uneven"]) else {
+        eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
-    let (Ok(seed), Ok(threads)) = (seed.unwrap_or(Ok(1)), threads.unwrap_or(Ok(1))) else {
-        eprintln!("usage: structured CASES [SEED [THREADS]]; all are whole numbers");
+    let Some(&cases) = numbers.first() else {
+        eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
+    let (seed, threads) = (numbers.get(1).copied().unwrap_or(1), numbers.get(2).copied().unwrap_or(1));
+    let make = if words.len() == 4 { uneven_case } else { tied_case };
     // Panics are caught and told with their case.
     std::panic::set_hook(Box::new(|_| {}));
     let (next, done, told) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::new(Instant::now()));
@@ -52,7 +57,7 @@ fn main() -> ExitCode {
                 return;
             }
             for index in first..cases.min(first + CHUNK) {
-                let case = case(seed, index);
+                let case = make(seed, index);
                 if let Err(reason) = verdict(&case, &*backend) {
                     let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                     let count = failed.entry(kind(&reason)).or_default();
@@ -85,15 +90,23 @@ fn kind(reason: &str) -> String {
     words.take(8).collect::<Vec<_>>().join(" ")
 }
 
-/// Case `index` of a seed, the same for any number of threads.
-fn case(seed: u64, index: u64) -> Tied {
-    let mut random = Random::new(seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+/// The stream of case `index` of a seed, the same for any number of threads.
+fn stream(seed: u64, index: u64) -> Random {
+    Random::new(seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
+fn tied_case(seed: u64, index: u64) -> Structured {
+    let mut random = stream(seed, index);
     let bytes: Vec<u8> = (0..BYTES / 8).flat_map(|_| random.bits().to_le_bytes()).collect();
-    Tied::arbitrary(&mut Unstructured::new(&bytes)).expect("enough bytes for a case")
+    tied(&mut Unstructured::new(&bytes)).expect("enough bytes for a case")
+}
+
+fn uneven_case(seed: u64, index: u64) -> Structured {
+    uneven(&mut stream(seed, index))
 }
 
 /// Whether the case holds; a panic is a reason too.
-fn verdict(case: &Tied, backend: &dyn Backend) -> Verdict {
+fn verdict(case: &Structured, backend: &dyn Backend) -> Verdict {
     let caught = catch_unwind(AssertUnwindSafe(|| case.holds(backend)));
     caught.unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
@@ -101,7 +114,7 @@ fn verdict(case: &Tied, backend: &dyn Backend) -> Verdict {
     })
 }
 
-fn tell(index: u64, reason: &str, case: Tied, backend: &dyn Backend) {
+fn tell(index: u64, reason: &str, case: Structured, backend: &dyn Backend) {
     let smallest = case.shrunk(|case| verdict(case, backend).is_err());
     let of_smallest = verdict(&smallest, backend).err().unwrap_or_default();
     println!("case {index}: {reason}\nits smallest form, {:?}: {of_smallest}", smallest.also);

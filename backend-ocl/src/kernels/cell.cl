@@ -24,6 +24,7 @@ HOT uint find_vertex_once(Store *s, Triplet t, V3 *position, real *radius);
 INLINE Cramer cramer(Store *s, Triplet t);
 INLINE V3 solve(Cramer by, real inverse);
 OUTLINE real residual(Plane plane, V3 x);
+OUTLINE real residual_about(Plane plane, V3 c, V3 x);
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
 OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e);
@@ -308,6 +309,15 @@ OUTLINE real residual(Plane plane, V3 x) {
     const Wide first = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
     const Wide second = wide_add(product_exact(plane.n.z, x.z), (Wide){ .hi = plane.d, .lo = REAL(0.0) });
     const Wide sum = wide_add(first, second);
+    return sum.hi + sum.lo;
+}
+
+// `n·(c + x) + d`, rounded once or little more.
+OUTLINE real residual_about(Plane plane, V3 c, V3 x) {
+    const Wide first = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
+    const Wide second = wide_add(product_exact(plane.n.z, x.z), product_exact(plane.n.x, c.x));
+    const Wide third = wide_add(product_exact(plane.n.y, c.y), product_exact(plane.n.z, c.z));
+    const Wide sum = wide_add(wide_add(first, second), wide_add(third, (Wide){ .hi = plane.d, .lo = REAL(0.0) }));
     return sum.hi + sum.lo;
 }
 
@@ -1097,9 +1107,8 @@ INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center
 // The foot of the perpendicular from the reference point to the line of planes f and g:
 // `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`; and how far it may be off that line.
 //
-// `x` is off by 3u over the sine of the angle between the planes, of which the foot has as much of its length, whatever their offsets:
-// what two nearly parallel planes have in common cancels. A step of refinement multiplies that by itself, so that a rounding is left, and
-// what the offsets have lost on their way to the reference point, over the sine.
+// `x` is off by 3u over the sine of the angle between the planes, and the foot by as much of its length, however far away the planes are:
+// what two nearly parallel planes have in common cancels. Each step of refinement multiplies that by itself, until roundings are left.
 INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot, real *off) {
     const V3 direction = v3_cross(f.n, g.n);
     const real square = v3_dot(direction, direction);
@@ -1112,21 +1121,23 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot, real *of
     const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
     const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
     *foot = add(scale(f.d, to_f), scale(g.d, to_g));
-    const real amplified = UNIT_ROUNDOFF * sqrt(whole / square);
-    const real by_foot = ROUNDINGS_OF_FOOT * norm_1(*foot);
-    const real by_offsets = amplified * (ROUNDINGS_OF_OFFSET * norm_1(center));
-    *off = (amplified * by_foot) + by_offsets;
-    uint steps = 0;
-    if (square < (WORTH_REFINING_FOOT * whole)) {
-        *off = (UNIT_ROUNDOFF * by_foot) + by_offsets;
-        steps = 1;
-        if (square < (WORTH_REFINING_MORE * whole)) {
-            steps = 3;
-        }
+    const real length = norm_1(*foot);
+    if (!(square < (WORTH_REFINING_FOOT * whole))) {
+        const real amplified = UNIT_ROUNDOFF * sqrt(whole / square);
+        *off = amplified * ((ROUNDINGS_OF_FOOT * length) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
+        return COMPLETE;
     }
+    *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * length;
+    uint steps = 1;
+    if (square < (WORTH_REFINING_MORE * whole)) {
+        steps = 3;
+    }
+    // Of the planes themselves: what their offsets have lost on the way to the reference point would count over the sine.
+    const Plane plane_f = store_plane(s, f.index);
+    const Plane plane_g = store_plane(s, g.index);
     while (steps > 0) {
-        const real rest_f = residual((Plane){ .n = f.n, .d = f.d }, *foot);
-        const real rest_g = residual((Plane){ .n = g.n, .d = g.d }, *foot);
+        const real rest_f = residual_about(plane_f, center, *foot);
+        const real rest_g = residual_about(plane_g, center, *foot);
         *foot = add(*foot, add(scale(rest_f, to_f), scale(rest_g, to_g)));
         steps -= 1;
     }

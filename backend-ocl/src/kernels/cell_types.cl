@@ -335,7 +335,7 @@ typedef struct {
 // Roundings of a foot across its line, in units of its distance over the sine of the angle; refined, of its distance.
 #define ROUNDINGS_OF_FOOT ((real)(REAL(8.0)))
 
-// Roundings of the offset of a plane that is moved to the reference point, in units of the distance of that.
+// Roundings of the offset of a plane that is moved to the reference point, in units of the distance of that, also over the sine.
 #define ROUNDINGS_OF_OFFSET ((real)(REAL(4.0)))
 
 // One plane as the integrals see it: moved to the reference point, with its foot.

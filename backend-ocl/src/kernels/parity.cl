@@ -362,6 +362,15 @@ __kernel void parity_residual(PARITY_ARGUMENTS) {
     give_real(&out, result);
 }
 
+__kernel void parity_residual_about(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Plane plane = take_Plane(&in);
+    const V3 c = take_V3(&in);
+    const V3 x = take_V3(&in);
+    const real result = residual_about(plane, c, x);
+    give_real(&out, result);
+}
+
 __kernel void parity_combine(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const real ra = take_real(&in);

@@ -6,7 +6,7 @@ use super::quadrature::integrate_function;
 use super::status::{COMPLETE, UNCERTAIN};
 use super::store::CellStore;
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, scale, smaller, sub, v3};
-use super::vertex::{Triplet, residual};
+use super::vertex::{Triplet, residual_about};
 
 /// Flags of [`integrate`](super::integrate_cell): volume and first moment alone.
 pub const VOLUME_ONLY: u32 = 0;
@@ -93,7 +93,7 @@ const WORTH_REFINING_FOOT: Real = 3.814697265625e-6;
 
 /// Roundings of a foot across its line, in units of its distance over the sine of the angle; refined, of its distance.
 const ROUNDINGS_OF_FOOT: Real = 8.0;
-/// Roundings of the offset of a plane that is moved to the reference point, in units of the distance of that.
+/// Roundings of the offset of a plane that is moved to the reference point, in units of the distance of that, also over the sine.
 const ROUNDINGS_OF_OFFSET: Real = 4.0;
 
 /// One plane as the integrals see it: moved to the reference point, with its foot.
@@ -235,9 +235,8 @@ pub(super) fn add_edge<S: CellStore>(
 /// The foot of the perpendicular from the reference point to the line of planes f and g:
 /// `I = (−d_f n_g×x − d_g x×n_f) / |x|²`, `x = n_f×n_g`; and how far it may be off that line.
 ///
-/// `x` is off by 3u over the sine of the angle between the planes, of which the foot has as much of its length, whatever their offsets:
-/// what two nearly parallel planes have in common cancels. A step of refinement multiplies that by itself, so that a rounding is left, and
-/// what the offsets have lost on their way to the reference point, over the sine.
+/// `x` is off by 3u over the sine of the angle between the planes, and the foot by as much of its length, however far away the planes are:
+/// what two nearly parallel planes have in common cancels. Each step of refinement multiplies that by itself, until roundings are left.
 #[inline(always)]
 pub(super) fn foot_on_edge<S: CellStore>(
     s: &mut S,
@@ -258,21 +257,23 @@ pub(super) fn foot_on_edge<S: CellStore>(
     let to_f: V3 = scale(-1.0 / square, cross(g.n, direction));
     let to_g: V3 = scale(-1.0 / square, cross(direction, f.n));
     *foot = add(scale(f.d, to_f), scale(g.d, to_g));
-    let amplified: Real = UNIT_ROUNDOFF * (whole / square).sqrt();
-    let by_foot: Real = ROUNDINGS_OF_FOOT * norm_1(*foot);
-    let by_offsets: Real = amplified * (ROUNDINGS_OF_OFFSET * norm_1(center));
-    *off = (amplified * by_foot) + by_offsets;
-    let mut steps: u32 = 0;
-    if square < (WORTH_REFINING_FOOT * whole) {
-        *off = (UNIT_ROUNDOFF * by_foot) + by_offsets;
-        steps = 1;
-        if square < (WORTH_REFINING_MORE * whole) {
-            steps = 3;
-        }
+    let length: Real = norm_1(*foot);
+    if !(square < (WORTH_REFINING_FOOT * whole)) {
+        let amplified: Real = UNIT_ROUNDOFF * (whole / square).sqrt();
+        *off = amplified * ((ROUNDINGS_OF_FOOT * length) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
+        return COMPLETE;
     }
+    *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * length;
+    let mut steps: u32 = 1;
+    if square < (WORTH_REFINING_MORE * whole) {
+        steps = 3;
+    }
+    // Of the planes themselves: what their offsets have lost on the way to the reference point would count over the sine.
+    let plane_f: Plane = s.plane(f.index);
+    let plane_g: Plane = s.plane(g.index);
     while steps > 0 {
-        let rest_f: Real = residual(Plane { n: f.n, d: f.d }, *foot);
-        let rest_g: Real = residual(Plane { n: g.n, d: g.d }, *foot);
+        let rest_f: Real = residual_about(plane_f, center, *foot);
+        let rest_g: Real = residual_about(plane_g, center, *foot);
         *foot = add(*foot, add(scale(rest_f, to_f), scale(rest_g, to_g)));
         steps -= 1;
     }

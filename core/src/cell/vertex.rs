@@ -154,6 +154,15 @@ pub(crate) fn residual(plane: Plane, x: V3) -> Real {
     return sum.hi + sum.lo;
 }
 
+/// `n·(c + x) + d`, rounded once or little more.
+pub(super) fn residual_about(plane: Plane, c: V3, x: V3) -> Real {
+    let first: Wide = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
+    let second: Wide = wide_add(product_exact(plane.n.z, x.z), product_exact(plane.n.x, c.x));
+    let third: Wide = wide_add(product_exact(plane.n.y, c.y), product_exact(plane.n.z, c.z));
+    let sum: Wide = wide_add(wide_add(first, second), wide_add(third, Wide { hi: plane.d, lo: 0.0 }));
+    return sum.hi + sum.lo;
+}
+
 /// `r_a·bc + r_b·ca + r_c·ab`.
 #[inline(always)]
 pub(super) fn combine(ra: Real, rb: Real, rc: Real, bc: V3, ca: V3, ab: V3) -> V3 {

@@ -38,6 +38,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (t: Triplet) vertex::cramer(&s, t), []),
     host!((by: Cramer, inverse: f64) vertex::solve(by, inverse), []),
     host!((plane: Plane, x: V3) vertex::residual(plane, x), []),
+    host!((plane: Plane, c: V3, x: V3) vertex::residual_about(plane, c, x), []),
     host!((ra: f64, rb: f64, rc: f64, bc: V3, ca: V3, ab: V3) vertex::combine(ra, rb, rc, bc, ca, ab), []),
     host!(s, (v: u32, k: u32) wide::sign_of_conflict(&mut s, v, k), []),
     host!((a: Plane, b: Plane, c: Plane, e: Plane) wide::wide_sign(a, b, c, e), []),

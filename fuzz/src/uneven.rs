@@ -23,8 +23,9 @@ const ROOMS: [Option<Shape>; 12] = [
     Some(Shape::TouchingInPartOfFace),
 ];
 
-/// Powers of ten by which the caps of folded prisms are off their planes, at most. With nine of them nine of 60,000 cases break the law of the
-/// boundary's area: a cell that has nothing but such a slab is empty to rounding, and its boundary, which is not that small, is nobody's.
+/// Powers of ten by which the caps of folded prisms are off their planes, at most. A cell that has nothing but a slab between folds may be empty to
+/// rounding, and its boundary, which is not that small, is nobody's: the law of the boundary's area is broken by one of 50,000 cases with
+/// six powers, by seven with nine.
 const LEAST_OFF: usize = 6;
 
 /// A case of a random stream.

@@ -46,6 +46,8 @@ pub(crate) enum Stage {
     First,
     /// Those that may meet the surface; those are given up that need exact signs.
     Surface,
+    /// Those that are completed by their vertices, where the tree is searched; those are given up that the first stage gives up for other reasons.
+    Far,
     /// Those that need exact signs, or sites beyond the table of offsets.
     Exact,
     /// Those that need more room.
@@ -60,6 +62,7 @@ struct Shape {
     cells: u32,
     /// More registers for each work-item, and fewer cells are computed at a time (measured; an option of NVIDIA's alone).
     registers: Option<u32>,
+    far: bool,
     exact: bool,
     surface: bool,
     room: bool,
@@ -68,10 +71,15 @@ struct Shape {
 impl Stage {
     const fn shape(self) -> Shape {
         match self {
-            Self::First => Shape { cells: 5, registers: Some(96), exact: false, surface: false, room: false },
-            Self::Surface => Shape { cells: 4, registers: Some(168), exact: false, surface: true, room: false },
-            Self::Exact => Shape { cells: 4, registers: Some(128), exact: true, surface: true, room: false },
-            Self::Wide => Shape { cells: 1, registers: None, exact: true, surface: true, room: true },
+            Self::First => {
+                Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: false }
+            }
+            Self::Far => Shape { cells: 5, registers: Some(96), far: true, exact: false, surface: false, room: false },
+            Self::Surface => {
+                Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: false }
+            }
+            Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: false },
+            Self::Wide => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: true },
         }
     }
 }
@@ -129,6 +137,7 @@ enum Flag {
     Domain(bool),
     Weights(bool),
     Tree(bool),
+    Far(bool),
     Exact(bool),
     Surface(bool),
     Room(bool),
@@ -151,6 +160,7 @@ impl Flag {
             Self::Domain(is_set) => set("WITH_DOMAIN", is_set),
             Self::Weights(is_set) => set("WITH_WEIGHTS", is_set),
             Self::Tree(is_set) => set("WITH_TREE", is_set),
+            Self::Far(is_set) => set("WITH_FAR", is_set),
             Self::Exact(is_set) => set("WITH_EXACT", is_set),
             Self::Surface(is_set) => set("WITH_SURFACE", is_set),
             Self::Room(is_set) => set("WITH_ROOM", is_set),
@@ -180,12 +190,13 @@ impl Build {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { cells, exact, surface, room, .. } = stage.shape();
+                        let Shape { cells, far, exact, surface, room, .. } = stage.shape();
                         vec![
                             Flag::Lanes(lanes as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Domain(*domain),
                             Flag::Weights(*weights),
+                            Flag::Far(far),
                             Flag::Exact(exact),
                             // The facets of a cell that the surface cuts are not computed together.
                             Flag::Surface(surface && *domain && !facets),
@@ -227,7 +238,7 @@ impl Build {
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let asked = Asked { facets: true, facet_second: true, integral: true, domain: true, weights: true, tree: true };
         let room = Capacities { planes: 64, vertices: 128 };
-        let stages = [Stage::First, Stage::Surface, Stage::Exact, Stage::Wide];
+        let stages = [Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide];
         let together = stages.map(|stage| Self::Cells(Way::Together(32, stage), asked));
         let others = [Self::Grid, Self::Cells(Way::Alone(room), asked), Self::Single(room), Self::Parity(room, 10)];
         others.into_iter().chain(together)

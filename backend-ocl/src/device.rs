@@ -1,5 +1,6 @@
 //! One device: its queue, its programs, its memory.
 
+mod sample;
 mod schedule;
 #[cfg(test)]
 mod tests;

@@ -70,14 +70,20 @@ impl Backend for Ocl {
             device.sort(diagram, &container)
         })?;
         let mut count = sorted.iter().flatten().copied().max();
-        if sorted.contains(&None) {
+        let sites = diagram.positions().len();
+        let is_hard = match count {
+            Some(count) if !sorted.contains(&None) => {
+                on_all(&mut devices, name, &|_, device| device.wants_tree(request, sites, count))?.contains(&true)
+            }
+            _ => true,
+        };
+        if is_hard {
             let prepared = diagram.prepare()?;
             count = on_all(&mut devices, name, &|_, device| device.take(&prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
-        let computed = on_all(&mut devices, name, &|i, device| {
-            device.compute(request, diagram.positions().len(), shares[i].clone(), shares.len())
-        })?;
+        let computed =
+            on_all(&mut devices, name, &|i, device| device.compute(request, sites, shares[i].clone(), shares.len()))?;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
 
         let mut assembler = Assembler::new(diagram, &container, request);

@@ -1,5 +1,6 @@
 //! The scheduler of one device (paper, Alg. 1): passes, substeps, batches.
 
+use super::sample::MAY_FAIL;
 use super::{Computed, Device, Memory, WARP};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Stage, Way};
@@ -9,7 +10,7 @@ use crate::interface::kernels::{self, LookAbout, World};
 use crate::program::MOST_PLANES;
 use crate::results::{NOT_COMPUTED, width_of};
 use laguerre_core::assemble::FacetRecord;
-use laguerre_core::cell::{FACET_SECOND_MOMENTS, FacetSecond, INTEGRAL};
+use laguerre_core::cell::FacetSecond;
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
 use laguerre_core::{Error, Request, Result};
@@ -18,13 +19,7 @@ use std::time::Instant;
 
 /// Room of the first pass, where a sample does not ask for more: half-spaces and vertices of nearly every cell of random sites, with
 /// its four cone planes.
-const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
-
-/// Sites from which on a sample is worth its time, its size, and how many of it may fail: a pass costs about as much as what it
-/// saves the next where one cell in twenty fails (paper §6.1: capacities at 95 %).
-const WORTH_A_SAMPLE: usize = 1 << 16;
-const SAMPLE: usize = 1024;
-const MAY_FAIL: f64 = 0.05;
+pub(super) const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 
 /// Facets of a cell that a batch has room for, on average: a Voronoi cell of random sites has 15.5.
 const FACETS_PER_CELL: usize = 18;
@@ -81,18 +76,22 @@ impl Device {
         // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
         self.most_cells = sites.div_ceil(of);
         self.clear(request, sites, self.most_cells)?;
-        // Together no proof is cut short, and what few ask for is not computed.
-        let whole = request.epsilon.is_none() && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
-        let together = self.together.filter(|_| whole);
+        let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
+        let begin = match together {
+            Some(lanes) if self.shared.params.has_tree != 0 && self.most_fail(lanes, share.clone())? => {
+                Some((lanes, Stage::Far))
+            }
+            _ => together.map(|lanes| (lanes, Stage::First)),
+        };
         let mut for_host = Vec::new();
         let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
             if room.planes > MOST_PLANES {
                 for_host.extend(self.callers(todo)?);
                 return Ok(PassOutcome::default());
             }
-            self.pass(request, room, todo, room == first, together.filter(|_| room == first))
+            self.pass(request, room, todo, room == first, begin.filter(|_| room == first))
         })?;
         let undecided = self.counters.undecided as usize;
         if undecided > 0 {
@@ -115,7 +114,7 @@ impl Device {
     }
 
     /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.
-    fn clear(&mut self, request: &Request, sites: usize, share: usize) -> Result<()> {
+    pub(super) fn clear(&mut self, request: &Request, sites: usize, share: usize) -> Result<()> {
         let Self { context, queue, memory, shared, results, domain, together, .. } = self;
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * width_of(shared.params.flags))?;
@@ -136,7 +135,7 @@ impl Device {
     }
 
     /// Finds how near the surface is to each of a range of the sorted sites, of which there are at most `sites`.
-    fn look_about(&mut self, sites: usize, share: Range<usize>) -> Result<()> {
+    pub(super) fn look_about(&mut self, sites: usize, share: Range<usize>) -> Result<()> {
         let Self { context, queue, memory, grid_kernels, shared, domain, .. } = self;
         let has_surface = domain.is_some() && !share.is_empty();
         memory.abouts.grow(context, if has_surface { sites } else { 1 })?;
@@ -158,35 +157,6 @@ impl Device {
         Ok(())
     }
 
-    /// Room such that few cells fail: what sufficed in the last call, or what a sample of the cells needs.
-    fn first_capacities(&mut self, share: Range<usize>) -> Result<Capacities> {
-        if let Some((count, room)) = self.first
-            && share.len() / 2 <= count
-            && count / 2 <= share.len()
-        {
-            return Ok(room);
-        }
-        let mut room = FIRST;
-        if share.len() < WORTH_A_SAMPLE {
-            return Ok(room);
-        }
-        // Without facets: they have no room yet.
-        self.shared.params.facet_room = 0;
-        loop {
-            let (all, stride) = (Todo::Sorted(share.clone()), share.len() / SAMPLE);
-            if let Some(late) = self.run(Way::Alone(room), &all, stride, 0..SAMPLE, false)? {
-                return Err(late);
-            }
-            let failures = self.counters.failed;
-            self.counters = Counters::default();
-            self.memory.counters.fill(&self.context, &self.queue, &[self.counters])?;
-            if f64::from(failures) <= MAY_FAIL * SAMPLE as f64 || room.grown().planes > MOST_PLANES {
-                return Ok(room);
-            }
-            room = room.grown();
-        }
-    }
-
     /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to be near the surface. What
     /// needs exact signs, or more than can be done together, is left to the end.
     fn pass(
@@ -195,10 +165,10 @@ impl Device {
         room: Capacities,
         cells: &Todo,
         is_first: bool,
-        together: Option<usize>,
+        together: Option<(usize, Stage)>,
     ) -> Result<PassOutcome<Todo>> {
         let mut now = cells.clone();
-        let mut way = together.map_or(Way::Alone(room), |lanes| Way::Together(lanes, Stage::First));
+        let mut way = together.map_or(Way::Alone(room), |(lanes, stage)| Way::Together(lanes, stage));
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
         let begin = self.seconds;
@@ -214,11 +184,12 @@ impl Device {
             if counters.full > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters.full = 0;
-            } else if let (Way::Together(lanes, Stage::First), 1..) = (way, counters.failed) {
+            } else if let (Way::Together(lanes, stage @ (Stage::First | Stage::Far)), 1..) = (way, counters.failed) {
                 now = Todo::Listed(counters.failed as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.failed);
                 counters.failed = 0;
-                way = Way::Together(lanes, Stage::Exact);
+                let is_tree = self.shared.params.has_tree != 0;
+                way = Way::Together(lanes, if is_tree && stage == Stage::First { Stage::Far } else { Stage::Exact });
             } else if counters.boundary > 0 {
                 now = Todo::Listed(counters.boundary as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);
@@ -269,7 +240,7 @@ impl Device {
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
-            if let (Way::Together(lanes, Stage::First), near @ 1..) = (way, self.counters.undecided) {
+            if let (Way::Together(lanes, Stage::First | Stage::Far), near @ 1..) = (way, self.counters.undecided) {
                 second.cells += near as usize;
                 second.seconds += self.near_cells(lanes, near as usize)?;
             }
@@ -332,7 +303,7 @@ impl Device {
 
     /// Runs the kernel over `turns` of the given cells, or of every `stride`th of them, and reads the counters. Where the device
     /// finds only now that it lacks memory, nothing has run, and its error is given.
-    fn run(
+    pub(super) fn run(
         &mut self,
         way: Way,
         cells: &Todo,

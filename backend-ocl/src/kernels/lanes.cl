@@ -7,7 +7,8 @@
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
 // nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
 // inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either or reaches beyond the table of
-// offsets, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
+// offsets, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others 8 %. WITH_TREE where the
+// tree is searched (`lanes_tree.cl`), WITH_FAR for cells that are completed by their vertices there.
 
 #import "lanes_cap.cl"
 #import "lanes_far.cl"

@@ -47,6 +47,16 @@ INLINE uint store_cut_by(Store *s, uint j) {
 #endif
     return status;
 }
+// (Where exact arithmetic is not at hand, a vertex had better be left to the stage that has it than be within rounding of many sites.)
+#define FINE_ENOUGH REAL(1e-8)
+INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
+#if WITH_EXACT
+    return find_vertex(s, store_triplet(s, v), position, radius);
+#else
+    const uint status = find_vertex_once(s, store_triplet(s, v), position, radius);
+    return ((status == COMPLETE) && (*radius <= (FINE_ENOUGH * norm_1(*position)))) ? COMPLETE : UNCERTAIN;
+#endif
+}
 INLINE uint store_has_cut(Store *s, uint j) { return has_cut(s, j); }
 // (Proofs that are cut short are for one work-item.)
 INLINE uint store_leaves_out(Store *s) { return 0u; }
@@ -71,7 +81,7 @@ INLINE uint store_cut_outside(Store *s, real radius) {
 
 #import "tree_search.cl"
 
-#if WITH_EXACT
+#if WITH_FAR && WITH_EXACT
 // (Few cells come to it: a function of its own, so that it does not take registers from all.)
 OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
     Store store = taken_store(given);
@@ -84,7 +94,10 @@ OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
 INLINE uint complete_by_tree(Store *s, uint *visited, float *extent) {
     uint status = search_near(s, vantage_of(s), visited);
     if (status == UNTOUCHED) {
-#if WITH_EXACT
+#if WITH_FAR && !WITH_EXACT
+        status = search_far(s, vantage_of(s), visited);
+        status = (status == UNCERTAIN) ? OPEN : status;
+#elif WITH_FAR
         Store copy = *s;
         uint more = *visited;
         status = lanes_alike(complete_by_vertices(&copy, &more));

@@ -42,6 +42,9 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
     s->triplet[v] = (settled != 0u) ? (triplet | SETTLED) : triplet;
 }
 
+INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
+    return find_vertex(s, store_triplet(s, v), position, radius);
+}
 OUTLINE uint store_has_cut(Store *s, uint j) {
     for (uint f = 0; f < s->planes; f++) {
         if (s->source[f] == j) {

@@ -352,7 +352,7 @@ INLINE uint key_of_reach(Store *s, Vantage vantage, uint below) {
 }
 
 // Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
-// are within rounding of a vertex.
+// are within rounding of a vertex, or a vertex is not known well.
 HOT uint search_far(Store *s, Vantage vantage, uint *visited) {
     for (;;) {
         const uint v = farthest_unsettled(s, vantage);
@@ -361,7 +361,7 @@ HOT uint search_far(Store *s, Vantage vantage, uint *visited) {
         }
         V3 place = v3(REAL(0.0), REAL(0.0), REAL(0.0));
         real radius = REAL(0.0);
-        if (find_vertex(s, store_triplet(s, v), &place, &radius) != COMPLETE) {
+        if (store_fine_position(s, v, &place, &radius) != COMPLETE) {
             return UNCERTAIN;
         }
         uint ties = 0;

@@ -6,7 +6,7 @@ use super::search_store::{
 };
 use super::store::CellStore;
 use super::vector::{Real, V3, v3};
-use super::{EMPTY, PlainStore, cap_outside, clip, lies_outside};
+use super::{COMPLETE, EMPTY, PlainStore, cap_outside, clip, lies_outside};
 use crate::site_tree::SiteTree;
 
 /// What a plain store searches.
@@ -175,6 +175,10 @@ impl SearchStore for PlainStore<'_> {
             return EMPTY;
         }
         cap_outside(self, radius)
+    }
+    fn fine_position(&self, v: u32, position: &mut V3, radius: &mut Real) -> u32 {
+        (*position, *radius) = (self.position(v), self.radius(v));
+        COMPLETE
     }
     fn has_cut(&self, j: u32) -> u32 {
         u32::from((0..self.planes()).any(|f| self.tag(f) == j))

@@ -15,7 +15,6 @@ use super::security::SAFE;
 use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
 use super::tree::{FEW_ROUNDINGS_OF_SUM, Open, Question, open_blocks, open_path, open_root};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, larger, scale, smaller, sub, v3};
-use super::vertex::find_vertex;
 
 /// Leaves whose sites are candidates at one time.
 const LEAVES_AT_ONCE: u32 = 8;
@@ -274,7 +273,7 @@ fn key_of_reach<S: SearchStore>(s: &S, vantage: Vantage, below: u32) -> u32 {
 }
 
 /// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
-/// are within rounding of a vertex.
+/// are within rounding of a vertex, or a vertex is not known well.
 #[inline]
 pub fn search_far<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
     loop {
@@ -284,7 +283,7 @@ pub fn search_far<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32
         }
         let mut place: V3 = v3(0.0, 0.0, 0.0);
         let mut radius: Real = 0.0;
-        if find_vertex(s, s.triplet(v), &mut place, &mut radius) != COMPLETE {
+        if s.fine_position(v, &mut place, &mut radius) != COMPLETE {
             return UNCERTAIN;
         }
         let mut ties: u32 = 0;

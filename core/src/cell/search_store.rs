@@ -125,6 +125,8 @@ pub trait SearchStore: CellStore {
     /// Cuts off what of the cell is outside the domain, where it reaches farther than `radius` from its site: as `cap_outside`; `EMPTY` where it
     /// is known to be outside.
     fn cut_outside(&mut self, radius: Real) -> u32;
+    /// The position of vertex `v` and its error radius in double precision: `COMPLETE`, or `UNCERTAIN`.
+    fn fine_position(&self, v: u32, position: &mut V3, radius: &mut Real) -> u32;
     /// Whether the bisector with site `j` is among the cell's half-spaces.
     fn has_cut(&self, j: u32) -> u32;
     /// Whether sites are left out that might cut the cell.

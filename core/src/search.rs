@@ -33,6 +33,14 @@ const MOST_CHUNKS: usize = 12;
 const WORTH_A_CHUNK: Real = 24.0;
 const SURE_CHUNKS: usize = 2;
 
+/// Candidates that are sorted at once, where there are more than twice as many.
+const SORTED_AT_ONCE: usize = 64;
+
+/// Sites in a row that do not cut a cell before it is completed by its vertices, if it reaches that many times as far (as a square) as all that
+/// is listed can prove.
+const MOST_IDLE: u32 = 24;
+const FAR: Real = 64.0;
+
 /// Candidates between two looks at whether the cell already lies outside the domain.
 const BETWEEN_LOOKS: usize = 8;
 
@@ -87,6 +95,8 @@ struct Cell<'a, S> {
     enlarged: Option<Real>,
     /// The square of the radius about `y` within which the candidates that were not visited cannot cut the cell.
     left_square: Real,
+    /// Whether many sites in a row have not cut it, which has far to go.
+    is_idle: bool,
     outcome: Outcome,
 }
 
@@ -116,7 +126,7 @@ impl<'a> Search<'a> {
         let mut cell = Cell::new(store, site, [x, y, z, weight], slope, epsilon);
         cell.measure();
         if let Some(proven_square) = self.near(&mut cell) {
-            self.far(&mut cell, proven_square, site);
+            self.far(&mut cell, proven_square);
         }
         cell.outcome
     }
@@ -143,7 +153,10 @@ impl<'a> Search<'a> {
             if needed <= proven_square {
                 return None;
             }
-            if cell.outcome.visited > MOST_NEAR || (chunk >= SURE_CHUNKS && needed > WORTH_A_CHUNK * proven_square) {
+            if cell.is_idle
+                || cell.outcome.visited > MOST_NEAR
+                || (chunk >= SURE_CHUNKS && needed > WORTH_A_CHUNK * proven_square)
+            {
                 break;
             }
         }
@@ -162,13 +175,15 @@ impl<'a> Search<'a> {
             // The nearest some first: the others are fewer once these have cut the cell.
             let near = self.group.near();
             gather(leaves, &self.reaches, above, near.min(cell.reach_square), &mut self.candidates);
-            if !visit_all(tree, cell, &mut self.candidates, true) {
+            if !visit_all(tree, cell, &mut self.candidates, Real::INFINITY, true) {
                 return false;
             }
             above = near;
         }
         gather(leaves, &self.reaches, above, cell.reach_square, &mut self.candidates);
-        visit_all(tree, cell, &mut self.candidates, false)
+        let promised_square = self.group.proven_square(chunk, position, weight);
+        let far_square = if promised_square > 0.0 { FAR * promised_square } else { Real::INFINITY };
+        visit_all(tree, cell, &mut self.candidates, far_square, false)
     }
 }
 
@@ -207,12 +222,7 @@ impl Reaches {
                 }
             }
         }
-        let less = |a: Real, b: Real| if a < b { a } else { b };
-        let mut pairs = [Real::INFINITY; 2];
-        for pair in of.as_chunks::<2>().0 {
-            pairs = [less(pair[0], pairs[0]), less(pair[1], pairs[1])];
-        }
-        Self { of, least: less(pairs[0], pairs[1]) }
+        Self { of, least: least_of(&of) }
     }
 }
 
@@ -241,31 +251,48 @@ fn gather(leaves: &[u32], reaches: &[Reaches], above: Real, below: Real, candida
 fn visit_all<S: CellStore>(
     tree: &SiteTree,
     cell: &mut Cell<'_, S>,
-    candidates: &mut [Candidate],
+    mut candidates: &mut [Candidate],
+    far_square: Real,
     looks_outside: bool,
 ) -> bool {
-    candidates.sort_unstable();
-    for some in candidates.chunks(BETWEEN_LOOKS) {
-        if cell.outcome.visited > MOST_NEAR {
-            // What is left reaches at least as near as its first.
-            cell.left_square = cell.left_square.min(0.25 * from_order((some[0] >> 32) as u32));
-            return true;
+    let (mut cuts, mut since) = (cell.outcome.cuts, cell.outcome.visited);
+    while !candidates.is_empty() {
+        // Of many most are never visited, and need not be sorted.
+        let mut count = candidates.len();
+        if count > 2 * SORTED_AT_ONCE {
+            count = SORTED_AT_ONCE;
+            candidates.select_nth_unstable(count);
         }
-        for &candidate in some {
-            if (candidate >> 32) as u32 > cell.last_in_order {
-                // So are those that come after it.
+        let (nearest, beyond) = candidates.split_at_mut(count);
+        nearest.sort_unstable();
+        for some in nearest.chunks(BETWEEN_LOOKS) {
+            if cell.outcome.cuts != cuts {
+                (cuts, since) = (cell.outcome.cuts, cell.outcome.visited);
+            }
+            let is_idle = cell.outcome.visited - since >= MOST_IDLE && cell.farthest * cell.farthest > far_square;
+            if is_idle || cell.outcome.visited > MOST_NEAR {
+                // What is left reaches at least as near as its first.
+                cell.left_square = cell.left_square.min(0.25 * from_order((some[0] >> 32) as u32));
+                cell.is_idle = is_idle;
                 return true;
             }
-            let site = candidate as u32;
-            if site != cell.site && !cell.visit(tree.site(site), site) {
+            for &candidate in some {
+                if (candidate >> 32) as u32 > cell.last_in_order {
+                    // So are those that come after it.
+                    return true;
+                }
+                let site = candidate as u32;
+                if site != cell.site && !cell.visit(tree.site(site), site) {
+                    return false;
+                }
+            }
+            // Cells outside the domain need not be complete to be known empty.
+            if looks_outside && cell::lies_outside(cell.store) != 0 {
+                cell.outcome.status = EMPTY;
                 return false;
             }
         }
-        // Cells outside the domain need not be complete to be known empty.
-        if looks_outside && cell::lies_outside(cell.store) != 0 {
-            cell.outcome.status = EMPTY;
-            return false;
-        }
+        candidates = beyond;
     }
     true
 }
@@ -287,6 +314,7 @@ impl<'a, S: CellStore> Cell<'a, S> {
             last_in_order: 0,
             enlarged: epsilon.map(|e| 1.0 + e),
             left_square: Real::INFINITY,
+            is_idle: false,
             outcome: Outcome { status: cell::COMPLETE, uncertified: false, visited: 0, cuts: 0 },
         }
     }
@@ -364,6 +392,28 @@ impl<'a, S: CellStore> Cell<'a, S> {
             }
         }
     }
+}
+
+/// The larger of two numbers, in one instruction; `max` takes three, for what is not a number.
+#[inline(always)]
+fn larger(a: Real, b: Real) -> Real {
+    if a > b { a } else { b }
+}
+
+/// The smaller, likewise.
+#[inline(always)]
+fn smaller(a: Real, b: Real) -> Real {
+    if a < b { a } else { b }
+}
+
+/// The least of eight; of what is not a number, none.
+#[inline(always)]
+fn least_of(of: &[Real; WIDTH]) -> Real {
+    let mut pairs = [Real::INFINITY; 2];
+    for pair in of.as_chunks::<2>().0 {
+        pairs = [smaller(pair[0], pairs[0]), smaller(pair[1], pairs[1])];
+    }
+    smaller(pairs[0], pairs[1])
 }
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! The near phase: what the eight sites of a leaf have around them, nearest leaves first, looked up once for all of them.
 
-use super::Reaches;
+use super::{Reaches, larger, smaller};
 use crate::cell::{Real, V3};
 use crate::site_tree::{Boxes, SiteTree, WIDTH, WeightBounds};
 use std::cmp::Ordering;
@@ -230,7 +230,7 @@ impl<'a> Group<'a> {
         for axis in 0..3 {
             let (lo, hi) = (self.lo[axis], self.hi[axis]);
             for k in 0..WIDTH {
-                let gap = Real::max(boxes.lo[axis][k] - hi, lo - boxes.hi[axis][k]).max(0.0);
+                let gap = larger(larger(boxes.lo[axis][k] - hi, lo - boxes.hi[axis][k]), 0.0);
                 squares[k] += gap * gap;
             }
         }
@@ -260,8 +260,8 @@ impl<'a> Group<'a> {
                 let (g, q) = (bounds.g[axis][k], bounds.q[axis][k] - curvature);
                 let s = g - (slope + 2.0 * curvature * away);
                 let value = |p: Real| {
-                    let p = p.max(lo).min(hi);
-                    let gap = Real::max(a - p, p - b).max(0.0);
+                    let p = smaller(larger(p, lo), hi);
+                    let gap = larger(larger(a - p, p - b), 0.0);
                     let u = p - m;
                     alpha * (gap * gap) - (s + q * u) * u
                 };
@@ -269,8 +269,9 @@ impl<'a> Group<'a> {
                 let left = (alpha * a + 0.5 * s - q * m) * steep;
                 let right = (alpha * b + 0.5 * s - q * m) * steep;
                 let middle = m - 0.5 * s / q;
-                let ends = Real::min(value(lo), value(hi)).min(Real::min(value(a), value(b)));
-                let least = ends.min(value(left)).min(value(right)).min(value(middle));
+                let ends = smaller(smaller(value(lo), value(hi)), smaller(value(a), value(b)));
+                let inner = smaller(smaller(value(left), value(right)), value(middle));
+                let least = smaller(ends, inner);
                 let moved = (slope + curvature * away) * away;
                 let size = (slope.abs() + curvature.abs() * away.abs()) * away.abs();
                 let half = hi - m;

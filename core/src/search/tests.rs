@@ -110,3 +110,34 @@ fn a_descent_finds_the_least_power() {
     }
     assert!(found > 1000 && none > 500, "{found} {none}");
 }
+
+/// What one descent tells of several vertices is so: those that stay are those where no site has less power than the cell's own.
+#[test]
+fn a_descent_for_several_vertices_tells_which_stay() {
+    let (mut stay, mut go) = (0, 0);
+    for (n, prepared) in diagrams().iter().enumerate() {
+        let tree = &prepared.sites;
+        let mut descent = Descent::default();
+        for site in (0..tree.len() as u32).step_by(61) {
+            let [x, y, z, _] = tree.site(site);
+            let mut store = PlainStore::new([x, y, z], None);
+            let cell = Cell::new(&mut store, site, tree.site(site), None, None);
+            let ways: [[f64; 3]; 8] = std::array::from_fn(|i| {
+                let scale = 10_f64.powi(-(i as i32 % 4) - 1);
+                point(site as usize + 7 * i).map(|c| scale * (c - 0.5))
+            });
+            let bits = descent.stay_at(tree, &cell, &ways.map(|[x, y, z]| v3(x, y, z)));
+            for (i, way) in ways.iter().enumerate().skip(1) {
+                let power = |j: u32| {
+                    let [a, b, c, w] = tree.site(j);
+                    (x + way[0] - a).powi(2) + (y + way[1] - b).powi(2) + (z + way[2] - c).powi(2) - w
+                };
+                let least = (0..tree.len() as u32).filter(|&j| j != site).map(power).fold(f64::INFINITY, f64::min);
+                let more = least - power(site);
+                assert!(more.abs() < 1e-12 || (more > 0.0) == (bits >> i & 1 != 0), "{n}: {site}, {way:?}: {more}");
+                *(if more > 0.0 { &mut stay } else { &mut go }) += 1;
+            }
+        }
+    }
+    assert!(stay > 1000 && go > 1000, "{stay} {go}");
+}

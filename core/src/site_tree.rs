@@ -6,7 +6,7 @@
 mod bound;
 mod hilbert;
 
-use bound::{fit_weights, thinnest_slab};
+use bound::{fit_slope, fit_weights, thinnest_slab};
 use hilbert::curve_order;
 use rayon::prelude::*;
 
@@ -191,6 +191,23 @@ impl SiteTree {
         }
         let parent = leaf / WIDTH;
         (self.levels[1] + parent / WIDTH, parent % WIDTH)
+    }
+
+    /// A better slope and curvature of the weights at the middle of a leaf than `slope` and `curvature`, if its block has any.
+    pub(crate) fn slope_about(
+        &self,
+        leaf: usize,
+        middle: [f64; 3],
+        slope: [f64; 3],
+        curvature: [f64; 3],
+    ) -> Option<([f64; 3], [f64; 3])> {
+        let first = leaf / WIDTH * WIDTH * WIDTH;
+        let mut sites = [[0.0; 4]; WIDTH * WIDTH];
+        let count = sites.len().min(self.len() - first);
+        for (site, i) in sites[..count].iter_mut().zip(first as u32..) {
+            *site = self.site(i);
+        }
+        fit_slope(&sites[..count], middle, self.base_weight, slope, curvature)
     }
 
     /// The boxes of the nodes of a block.

@@ -109,6 +109,11 @@ impl<'a> Group<'a> {
             self.curvature[axis] = bounds.q[axis][k].min(MOST_CURVATURE);
             self.slope[axis] = bounds.g[axis][k] + 2.0 * self.curvature[axis] * (self.origin[axis] - middle[axis]);
         }
+        // That bound has no mixed terms (a sum over axes is what has a least value over a box), and its slope may be as wrong as they are large.
+        let leaf = self.leaf.unwrap_or_default();
+        if let Some((slope, curvature)) = self.tree.slope_about(leaf, self.origin, self.slope, self.curvature) {
+            (self.slope, self.curvature) = (slope, curvature.map(|q| q.min(MOST_CURVATURE)));
+        }
         let most = self.curvature.iter().fold(0.0, |most, &q| Real::max(most, q));
         self.lambda = 0.5 * (1.0 - most);
     }
@@ -117,6 +122,12 @@ impl<'a> Group<'a> {
     pub(super) fn slope_at(&self, position: [f64; 3]) -> V3 {
         let along = |k: usize| self.slope[k] + 2.0 * self.curvature[k] * (position[k] - self.origin[k]);
         V3 { x: along(0), y: along(1), z: along(2) }
+    }
+
+    /// The middle of the group's box.
+    #[cfg(test)]
+    pub(super) fn middle(&self) -> [f64; 3] {
+        self.origin
     }
 
     /// Whether there is a chunk of this number; lists it if need be.

@@ -141,3 +141,28 @@ fn a_descent_for_several_vertices_tells_which_stay() {
     }
     assert!(stay > 1000 && go > 1000, "{stay} {go}");
 }
+
+/// The slope of weights with mixed terms is known at the middle of each group.
+#[test]
+fn the_slope_of_weights_with_mixed_terms_is_known() {
+    let places: Vec<[f64; 3]> = (0..3000).map(point).collect();
+    let weights: Vec<f64> = places.iter().map(|p| 0.6 * p[0] * p[1] - 0.4 * p[1] * p[2] + 0.1 * p[2]).collect();
+    let prepared = PowerDiagram::new(&places, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap().prepare().unwrap();
+    let tree = &prepared.sites;
+    let mut group = Group::new(tree);
+    for site in (0..tree.len()).step_by(13) {
+        group.turn_to(site);
+        let middle = group.middle();
+        let g = group.slope_at(middle);
+        let first = (site / WIDTH * WIDTH) as u32;
+        let sites = (first..(first + WIDTH as u32).min(tree.len() as u32)).map(|j| tree.site(j));
+        let (mut lo, mut hi, mut reach) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        for [x, y, z, w] in sites {
+            let d = v3(x - middle[0], y - middle[1], z - middle[2]);
+            let rest = w - (g.x * d.x + g.y * d.y + g.z * d.z);
+            (lo, hi, reach) = (lo.min(rest), hi.max(rest), reach.max(square(d)));
+        }
+        // What is left about the middle is half the Hessian's, whose eigenvalues are ±0.72.
+        assert!(hi - lo <= 0.73 * reach, "{site}: {} {reach}", hi - lo);
+    }
+}

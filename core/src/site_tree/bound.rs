@@ -30,11 +30,19 @@ pub(super) fn fit_weights(
     if range > 0.0 && sites.len() >= ENOUGH_FOR_SLOPE {
         let degrees = if sites.len() >= ENOUGH_FOR_CURVATURE { 2 } else { 1 };
         for degree in 1..=degrees {
-            let unknowns = if degree == 1 { 4 } else { 7 };
-            let Some(solution) = least_squares(sites, middle, widest, base, unknowns) else { continue };
+            let rows = sites.iter().map(|site| {
+                let [x, y, z]: [f64; 3] = std::array::from_fn(|k| (site[k] - middle[k]) / widest);
+                ([1.0, x, y, z, x * x, y * y, z * z], site[3] - base)
+            });
+            let solution = if degree == 1 {
+                let affine = least_squares(rows.map(|([a, x, y, z, ..], value)| ([a, x, y, z], value)));
+                affine.map(|[a, x, y, z]| [a, x, y, z, 0.0, 0.0, 0.0])
+            } else {
+                least_squares(rows)
+            };
+            let Some(solution) = solution else { continue };
             let slope = std::array::from_fn(|k| solution[1 + k] / widest);
-            let curvature =
-                if degree == 1 { [0.0; 3] } else { std::array::from_fn(|k| solution[4 + k] / widest / widest) };
+            let curvature = std::array::from_fn(|k| solution[4 + k] / widest / widest);
             let (largest, left) = extent_of_rest(sites, middle, base, slope, curvature);
             if left < WORTH_A_DEGREE * range {
                 (top, range, g, q) = (largest, left, slope, curvature);
@@ -61,38 +69,61 @@ fn extent_of_rest(sites: &[[f64; 4]], middle: [f64; 3], base: f64, g: [f64; 3], 
     (top, top - bottom)
 }
 
-/// Coefficients of 1, x, y, z and, of seven unknowns, x², y², z², in units of `widest`, that fit the weights best.
-fn least_squares(sites: &[[f64; 4]], middle: [f64; 3], widest: f64, base: f64, unknowns: usize) -> Option<[f64; 7]> {
-    let mut matrix = [[0.0; 7]; 7];
-    let mut right = [0.0; 7];
+/// The slope at `origin`, and the curvature, of the quadratic that fits the weights of `sites` best, mixed terms among its ten, where it leaves
+/// less by enough than `slope` and `curvature` do.
+pub(super) fn fit_slope(
+    sites: &[[f64; 4]],
+    origin: [f64; 3],
+    base: f64,
+    slope: [f64; 3],
+    curvature: [f64; 3],
+) -> Option<([f64; 3], [f64; 3])> {
+    let (_, range) = extent_of_rest(sites, origin, base, slope, curvature);
+    let away = |site: &[f64; 4]| -> [f64; 3] { std::array::from_fn(|k| site[k] - origin[k]) };
+    let widest = sites.iter().flat_map(away).fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
+    let terms = |site: &[f64; 4]| {
+        let [x, y, z] = away(site).map(|x| x / widest);
+        [1.0, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x]
+    };
+    let solution = least_squares(sites.iter().map(|site| (terms(site), site[3] - base)))?;
+    let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
     for site in sites {
-        let u: [f64; 3] = std::array::from_fn(|k| (site[k] - middle[k]) / widest);
-        let terms = [1.0, u[0], u[1], u[2], u[0] * u[0], u[1] * u[1], u[2] * u[2]];
-        for row in 0..unknowns {
-            for column in 0..unknowns {
+        let fitted: f64 = terms(site).iter().zip(&solution).map(|(a, b)| a * b).sum();
+        top = top.max(site[3] - base - fitted);
+        bottom = bottom.min(site[3] - base - fitted);
+    }
+    let scaled = |first: usize, unit: f64| std::array::from_fn(|k| solution[first + k] / unit);
+    (top - bottom < WORTH_A_DEGREE * range).then(|| (scaled(1, widest), scaled(4, widest * widest)))
+}
+
+/// The coefficients of `N` terms that fit values best, from each site's terms and its value.
+fn least_squares<const N: usize>(rows: impl ExactSizeIterator<Item = ([f64; N], f64)>) -> Option<[f64; N]> {
+    let mut matrix = [[0.0; N]; N];
+    let mut right = [0.0; N];
+    let ridge = RIDGE * rows.len() as f64;
+    for (terms, value) in rows {
+        for row in 0..N {
+            for column in 0..N {
                 matrix[row][column] += terms[row] * terms[column];
             }
-            right[row] += terms[row] * (site[3] - base);
+            right[row] += terms[row] * value;
         }
     }
     for (i, row) in matrix.iter_mut().enumerate() {
-        row[i] += RIDGE * sites.len() as f64;
+        row[i] += ridge;
     }
     // Gauss–Jordan; positive definite, so that no pivot is sought.
-    for pivot in 0..unknowns {
+    for pivot in 0..N {
         let inverse = 1.0 / matrix[pivot][pivot];
-        for row in (0..unknowns).filter(|&row| row != pivot) {
+        for row in (0..N).filter(|&row| row != pivot) {
             let share = matrix[row][pivot] * inverse;
-            for column in pivot..unknowns {
+            for column in pivot..N {
                 matrix[row][column] -= share * matrix[pivot][column];
             }
             right[row] -= share * right[pivot];
         }
     }
-    let mut solution = [0.0; 7];
-    for row in 0..unknowns {
-        solution[row] = right[row] / matrix[row][row];
-    }
+    let solution: [f64; N] = std::array::from_fn(|row| right[row] / matrix[row][row]);
     solution.iter().all(|x| x.is_finite()).then_some(solution)
 }
 

@@ -197,7 +197,9 @@ impl Device {
                 second.cells += if is_second { 0 } else { now.count() };
                 way = match way {
                     // (Facets of cells that the surface cuts are not computed together.)
-                    Way::Together(lanes, Stage::Exact) if !request.facets => Way::Together(lanes, Stage::Wide),
+                    Way::Together(lanes, Stage::Far | Stage::Exact) if !request.facets => {
+                        Way::Together(lanes, Stage::Wide)
+                    }
                     _ => Way::Alone(room),
                 };
                 interior_only = false;

@@ -35,6 +35,10 @@ INLINE Wide wide_add(Wide a, Wide b);
 INLINE Wide multiply(Wide a, Wide b);
 INLINE Wide sum_exact(real a, real b);
 OUTLINE real wide_quotient(Wide a, Wide b);
+OUTLINE uint wide_position(Plane a, Plane b, Plane c, V3 *position, real *radius);
+INLINE Wide3 wide_cross(V3 p, V3 q);
+INLINE Wide wide_scaled(Wide a, real by);
+INLINE Wide wide_combine(Wide x, Wide y, Wide z, real a, real b, real c);
 OUTLINE int expansion_sign(Plane a, Plane b, Plane c, Plane e);
 OUTLINE uint expansion_position(Plane a, Plane b, Plane c, V3 *position);
 INLINE uint is_tiny(Plane plane);
@@ -248,8 +252,14 @@ HOT uint place_vertex(Store *s, uint v) {
 HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
     const Cramer by = cramer(s, t);
     if (!(by.det > (NEARLY_DEPENDENT * by.size))) {
-        store_note_exact(s);
         V3 exact = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+        real its = REAL(0.0);
+        if (wide_position(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), &exact, &its) == COMPLETE) {
+            *position = exact;
+            *radius = its;
+            return COMPLETE;
+        }
+        store_note_exact(s);
         if (expansion_position(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), &exact) != COMPLETE) {
             if (store_exact_position(s, t, &exact) != COMPLETE) {
                 return UNCERTAIN;
@@ -437,6 +447,40 @@ OUTLINE real wide_quotient(Wide a, Wide b) {
     const Wide product = multiply((Wide){ .hi = first, .lo = REAL(0.0) }, b);
     const Wide rest = wide_add(a, (Wide){ .hi = -product.hi, .lo = -product.lo });
     return first + (rest.hi / b.hi);
+}
+
+// The position of the vertex of three planes by Cramer's rule in double-double, and its error radius; `UNCERTAIN` where their normals are dependent.
+OUTLINE uint wide_position(Plane a, Plane b, Plane c, V3 *position, real *radius) {
+    const real size_a = norm_1(a.n);
+    const real size_b = norm_1(b.n);
+    const real size_c = norm_1(c.n);
+    const real size = (size_a * size_b) * size_c;
+    const Wide3 x = wide_cross(b.n, c.n);
+    const Wide3 y = wide_cross(c.n, a.n);
+    const Wide3 z = wide_cross(a.n, b.n);
+    const Wide first = wide_add(wide_scaled(x.x, a.n.x), wide_scaled(x.y, a.n.y));
+    const Wide det = wide_add(first, wide_scaled(x.z, a.n.z));
+    if (!(size > WIDE_SMALLEST) || !(det.hi > (DEPENDENT * size))) {
+        return UNCERTAIN;
+    }
+    *position = v3(wide_quotient(wide_combine(x.x, y.x, z.x, a.d, b.d, c.d), det), wide_quotient(wide_combine(x.y, y.y, z.y, a.d, b.d, c.d), det), wide_quotient(wide_combine(x.z, y.z, z.z, a.d, b.d, c.d), det));
+    const real offsets = (((fabs(a.d) * size_b) * size_c) + ((fabs(b.d) * size_c) * size_a)) + ((fabs(c.d) * size_a) * size_b);
+    const real largest = norm_max(*position);
+    *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * largest) + ((WIDE_ERROR / det.hi) * (offsets + (largest * size)));
+    return COMPLETE;
+}
+
+INLINE Wide3 wide_cross(V3 p, V3 q) {
+    return (Wide3){ .x = minor(p.y, p.z, q.y, q.z), .y = minor(p.z, p.x, q.z, q.x), .z = minor(p.x, p.y, q.x, q.y) };
+}
+
+INLINE Wide wide_scaled(Wide a, real by) {
+    return multiply(a, (Wide){ .hi = by, .lo = REAL(0.0) });
+}
+
+// `−(a x + b y + c z)`.
+INLINE Wide wide_combine(Wide x, Wide y, Wide z, real a, real b, real c) {
+    return wide_add(wide_add(wide_scaled(x, -a), wide_scaled(y, -b)), wide_scaled(z, -c));
 }
 
 // core/src/cell/expansion.rs

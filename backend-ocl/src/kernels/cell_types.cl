@@ -105,7 +105,7 @@ typedef struct {
 } Triplet;
 
 // Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
-// position is computed exactly. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
+// position is computed in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
 //
 // Single: `3.0517578125e-5`. Two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the
 // others' radius says what they have lost.
@@ -210,6 +210,23 @@ typedef struct {
 #else
 #define WIDE_SMALLEST ((real)(REAL(1e-260)))
 #endif
+
+// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed exactly: double-double is off by `WIDE_ERROR` over the share, here
+// by u/8.
+//
+// Single: `3.0517578125e-5`, `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
+#if SINGLE
+#define DEPENDENT ((real)(REAL(3.0517578125e-5)))
+#else
+#define DEPENDENT ((real)(REAL(1.1368683772161603e-13)))
+#endif
+
+// A vector in double-double.
+typedef struct {
+    Wide x;
+    Wide y;
+    Wide z;
+} Wide3;
 
 // core/src/cell/expansion.rs
 

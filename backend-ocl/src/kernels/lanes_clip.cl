@@ -95,7 +95,12 @@ INLINE uint clip_together(Store *s, Trial trial) {
             uint mark = (value < -bound) ? MARK_CONFLICT : ((value > bound) ? MARK_KEEP : MARK_UNCERTAIN);
             mark = (v < end) ? mark : MARK_KEEP;
             if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
-#if WITH_EXACT
+#if SETTLES_CLOSELY
+                mark = settle_closely(cell, v, k, mark);
+                if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
+                    return OPEN;
+                }
+#elif WITH_EXACT
                 s->exact |= settle_together(cell, s->lane, v, k, &mark);
                 if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {
                     return LEFT;
@@ -159,6 +164,8 @@ INLINE uint clip_together(Store *s, Trial trial) {
             uint exact = 0;
             status |= place_carefully(cell, slot, &exact);
             s->exact |= exact;
+#elif SETTLES_CLOSELY
+            status |= place_closely(cell, slot);
 #else
             status = UNCERTAIN;
 #endif
@@ -192,7 +199,7 @@ INLINE uint clip_together(Store *s, Trial trial) {
     return CUT;
 }
 
-#if WITH_EXACT
+#if COMPACTS
 // Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`); returns how many are left.
 OUTLINE uint compact_together(__local Cell *cell, uint lane, uint planes, uint vertices) {
     for (uint f = lane; f < LANES_P; f += LANES) {
@@ -236,7 +243,9 @@ OUTLINE uint compact_together(__local Cell *cell, uint lane, uint planes, uint v
     lanes_wait();
     return kept;
 }
+#endif
 
+#if WITH_EXACT
 // The store of a cell, to be worked on where it can stay in registers; what the caller takes over from it; and back.
 INLINE Store taken_store(const Store *given) {
     Store store = *given;
@@ -259,7 +268,7 @@ INLINE uint give_back(Store *given, const Store *store, uint status) {
 
 // Whether there is room for another half-space; WITH_EXACT it is made, where some are not used.
 INLINE uint has_room(Store *s) {
-#if WITH_EXACT
+#if COMPACTS
     if (s->planes == LANES_P) {
         s->planes = lanes_alike(compact_together(s->cell, s->lane, s->planes, s->vertices));
     }
@@ -270,7 +279,7 @@ INLINE uint has_room(Store *s) {
 // Cuts by a half-space that `source` says whose it is: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint cut_together(Store *s, Plane plane, uint source) {
     if (has_room(s) == 0u) {
-        return (WITH_EXACT != 0) ? LEFT : OPEN;
+        return (COMPACTS != 0) ? LEFT : OPEN;
     }
     if (s->lane == 0u) {
         s->cell->plane[s->planes] = plane;

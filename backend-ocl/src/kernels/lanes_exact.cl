@@ -13,6 +13,51 @@ INLINE uint side_of(Plane plane, V3 position, real radius) {
     return (value > bound) ? MARK_KEEP : ((value < -bound) ? MARK_CONFLICT : MARK_UNCERTAIN);
 }
 
+// The side of vertex v of half-space k in double precision.
+INLINE uint mark_in_double(Store *s, uint v, uint k) {
+    V3 position;
+    real radius;
+    if (find_vertex_once(s, unpacked(s->cell->triplet[v]), &position, &radius) != COMPLETE) {
+        return MARK_UNCERTAIN;
+    }
+    return side_of(s->cell->plane[k], position, radius);
+}
+
+#if SETTLES_CLOSELY
+// The same in double-double, where that leaves it open.
+OUTLINE uint settle_closely(__local Cell *cell, uint v, uint k, uint mark) {
+    if (mark != MARK_UNCERTAIN) {
+        return mark;
+    }
+    Store store;
+    store.cell = cell;
+    store.view = WHOLE;
+    const uint its = mark_in_double(&store, v, k);
+    if (its != MARK_UNCERTAIN) {
+        return its;
+    }
+    const Triplet t = unpacked(cell->triplet[v]);
+    const int sign = wide_sign(cell->plane[t.a], cell->plane[t.b], cell->plane[t.c], cell->plane[k]);
+    return (sign == SIGN_UNKNOWN) ? MARK_UNCERTAIN : ((sign < 0) ? MARK_CONFLICT : MARK_KEEP);
+}
+
+// A new vertex of nearly dependent planes.
+OUTLINE uint place_closely(__local Cell *cell, uint v) {
+    Store store;
+    store.cell = cell;
+    store.view = WHOLE;
+    store.is_fine = 0;
+    const Triplet t = unpacked(cell->triplet[v]);
+    V3 position;
+    real radius;
+    const uint status = wide_position(cell->plane[t.a], cell->plane[t.b], cell->plane[t.c], &position, &radius);
+    if (status == COMPLETE) {
+        store_set_position(&store, v, position, radius);
+    }
+    return status;
+}
+#endif
+
 #if WITH_EXACT
 
 // The sum, or the difference, modulo 2²⁵⁶.
@@ -107,16 +152,6 @@ INLINE int sign_of_terms(__local const Product *term) {
         return 0;
     }
     return ((long)sum.hi.hi < 0l) ? -1 : 1;
-}
-
-// The side of vertex v of half-space k in double precision.
-INLINE uint mark_in_double(Store *s, uint v, uint k) {
-    V3 position;
-    real radius;
-    if (find_vertex_once(s, unpacked(s->cell->triplet[v]), &position, &radius) != COMPLETE) {
-        return MARK_UNCERTAIN;
-    }
-    return side_of(s->cell->plane[k], position, radius);
 }
 
 // Settles the lanes' marks of vertices v for half-space k, of which some are uncertain, and stay so where the host has to decide; returns

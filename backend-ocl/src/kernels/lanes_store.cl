@@ -16,6 +16,12 @@
 #define GIVES_NEAR (WITH_DOMAIN && !WITH_FACETS && !WITH_SURFACE && !WITH_EXACT)
 #define TAKES_NEAR (WITH_SURFACE && !WITH_EXACT)
 
+// Whether signs that single precision leaves open, and vertices of nearly dependent planes, are settled in double precision and double-double: of
+// cells that reach far they are many. Of a million sites on a bumpy surface 99 % went on to the stage WITH_EXACT, for 2.9 s; now none does, and
+// all is done in 1.1 s (one NVIDIA H200). And whether half-spaces that no vertex lies on are dropped.
+#define SETTLES_CLOSELY (WITH_FAR && !WITH_EXACT)
+#define COMPACTS (WITH_EXACT || SETTLES_CLOSELY)
+
 // Whether sites beyond the table of offsets are searched: few cells reach so far, and without a domain and weights hardly any (there a lattice, of
 // which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
 #define SEARCHES_FAR ((WITH_EXACT && !WITH_TREE) && ((WITH_DOMAIN || WITH_WEIGHTS) || WITH_ROOM))
@@ -79,6 +85,7 @@ typedef struct {
     uint open[MOST_OPEN];
     uint leaf[MOST_LEAVES];
     uint candidate[MOST_CANDIDATES];
+    uint candidate_key[MOST_CANDIDATES];
 #endif
     // Box of the vertices: minimum corner, maximum corner, largest error radius.
     real corner[7];

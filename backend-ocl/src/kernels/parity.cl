@@ -471,6 +471,19 @@ __kernel void parity_wide_quotient(PARITY_ARGUMENTS) {
     give_real(&out, result);
 }
 
+__kernel void parity_wide_position(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Plane a = take_Plane(&in);
+    const Plane b = take_Plane(&in);
+    const Plane c = take_Plane(&in);
+    V3 position = take_V3(&in);
+    real radius = take_real(&in);
+    const uint result = wide_position(a, b, c, &position, &radius);
+    give_uint(&out, result);
+    give_V3(&out, position);
+    give_real(&out, radius);
+}
+
 __kernel void parity_expansion_sign(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const Plane a = take_Plane(&in);

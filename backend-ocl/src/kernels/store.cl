@@ -35,6 +35,7 @@ typedef struct {
     uint open[MOST_OPEN];
     uint leaf[MOST_LEAVES];
     uint candidate[MOST_CANDIDATES];
+    uint candidate_key[MOST_CANDIDATES];
 #endif
     uint is_fine;
     // The half-space that was set last, and its index.

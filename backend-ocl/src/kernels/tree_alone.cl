@@ -21,19 +21,24 @@ INLINE void store_set_open_block(Store *s, uint i, uint block) { s->open[i] = bl
 INLINE uint store_leaf(Store *s, uint i) { return s->leaf[i]; }
 INLINE void store_set_leaf(Store *s, uint i, uint leaf) { s->leaf[i] = leaf; }
 INLINE uint store_candidate(Store *s, uint i) { return s->candidate[i]; }
-INLINE void store_set_candidate(Store *s, uint i, uint candidate) { s->candidate[i] = candidate; }
+INLINE uint store_candidate_key(Store *s, uint i) { return s->candidate_key[i]; }
+INLINE void store_set_candidate(Store *s, uint i, uint site, uint key) {
+    s->candidate[i] = site;
+    s->candidate_key[i] = key;
+}
 
-// In single precision, as `store_farthest`; so is the centre.
-INLINE V3 store_farthest_from(Store *s, V3 center) {
+// In single precision, as `store_farthest`; so is the place.
+INLINE real store_square_of_reach(Store *s, V3 center) {
     const float3 c = (float3)((float)center.x, (float)center.y, (float)center.z);
-    float most = 0.0f;
-    float radius = 0.0f;
+    float most = ROUGH_SQUARE;
+    float radius = (float)ROUGH * ((fabs(c.x) + fabs(c.y)) + fabs(c.z));
     for (uint v = 0; v < s->vertices; v++) {
         const float3 d = s->rough[v].xyz - c;
-        most = fmax(most, fmax(((d.x * d.x) + (d.y * d.y)) + (d.z * d.z), ROUGH_SQUARE));
+        most = fmax(most, ((d.x * d.x) + (d.y * d.y)) + (d.z * d.z));
         radius = fmax(radius, s->rough[v].w);
     }
-    return (V3){ .x = (real)most * REAL(1.000001), .y = (real)radius + (norm_1(center) * REAL(1e-7)), .z = REAL(0.0) };
+    const float far = (sqrt(most) + (3.0f * radius)) * ROUGH_SAFE;
+    return (real)((far * far) * ROUGH_SAFE);
 }
 
 INLINE uint store_settled(Store *s, uint v) { return s->triplet[v] & SETTLED; }

@@ -5,17 +5,20 @@
 
 INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
 INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE real gap_along(real lo, real hi, real place);
 INLINE real least_of_node(Store *s, Question question, uint level, uint node);
 INLINE Open open_root(Store *s);
 INLINE Open open_path(Store *s);
 HOT Open open_blocks(Store *s, Question question, uint with_own, Open given);
 HOT Vantage vantage_of(Store *s);
-INLINE real square_of_reach(Store *s, Vantage vantage);
 INLINE real reach_of_site(Store *s, Vantage vantage, uint j);
 INLINE real size_around(Store *s);
 HOT uint search_near(Store *s, Vantage vantage, uint *visited);
-HOT uint visit_leaves(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint *visited, uint *last);
-INLINE uint key_of_reach(Store *s, Vantage vantage, uint below);
+HOT uint near_key(Store *s, Vantage vantage, real *near);
+HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint count);
+INLINE uint take_nearest(Store *s, uint count, uint limit);
+HOT uint visit_candidates(Store *s, Vantage vantage, uint count, uint below, real *reach, uint *visited);
+INLINE uint key_of_reach(Store *s, real reach, uint below);
 HOT uint search_far(Store *s, Vantage vantage, uint *visited);
 HOT uint farthest_unsettled(Store *s, Vantage vantage);
 HOT uint least_at(Store *s, V3 v, real radius, uint *ties);
@@ -47,29 +50,37 @@ INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real c
     return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
 }
 
+// How far `place` is from the range `[lo, hi]`, at least.
+INLINE real gap_along(real lo, real hi, real place) {
+    const real rounding = (REAL(4.0) * UNIT_ROUNDOFF) * (fabs(place) + larger(fabs(lo), fabs(hi)));
+    return larger(larger(lo - place, place - hi) - rounding, REAL(0.0));
+}
+
 // The least that a question can come to at any site of a node.
 INLINE real least_of_node(Store *s, Question question, uint level, uint node) {
     const NodeBox bounds = store_node_box(s, level, node);
     const V3 site = store_site(s);
     const V3 lo = sub(bounds.lo, site);
     const V3 hi = sub(bounds.hi, site);
-    const real alpha = question.square;
-    const V3 g = question.slope;
     real sum = question.more;
-    real size = fabs(question.more);
     if (store_has_weights(s) != 0) {
+        const real alpha = question.square;
+        const V3 g = question.slope;
         const NodeWeights weights = store_node_weights(s, level, node);
+        real size = fabs(question.more);
         add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &sum, &size);
         add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &sum, &size);
         add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &sum, &size);
         sum += (store_own_excess(s) - weights.offset);
         size += (store_own_excess(s) + fabs(weights.offset));
+        sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
     } else {
-        add_least(lo.x, hi.x, alpha, g.x, REAL(0.0), REAL(0.0), &sum, &size);
-        add_least(lo.y, hi.y, alpha, g.y, REAL(0.0), REAL(0.0), &sum, &size);
-        add_least(lo.z, hi.z, alpha, g.z, REAL(0.0), REAL(0.0), &sum, &size);
+        // α times the squared distance from the place.
+        const real x = gap_along(lo.x, hi.x, question.place.x);
+        const real y = gap_along(lo.y, hi.y, question.place.y);
+        const real z = gap_along(lo.z, hi.z, question.place.z);
+        sum = (question.square * (((x * x) + (y * y)) + (z * z))) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
     }
-    sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
     if (question.is_power != 0) {
         const NodeSlab slab = store_node_slab(s, level, node);
         const V3 place = v3(site.x + question.place.x, site.y + question.place.y, site.z + question.place.z);
@@ -191,15 +202,6 @@ HOT Vantage vantage_of(Store *s) {
     return vantage;
 }
 
-// An upper bound of the squared distance from the cell's centre to its farthest vertex.
-INLINE real square_of_reach(Store *s, Vantage vantage) {
-    const V3 far = store_farthest_from(s, vantage.center);
-    // The radius bounds each component, √3 < 2; a vertex less the centre is rounded.
-    const real rounding = (REAL(8.0) * UNIT_ROUNDOFF) * sqrt(v3_dot(vantage.center, vantage.center));
-    const real reach = ((sqrt(far.x) + (REAL(2.0) * far.y)) + rounding) * SAFE;
-    return (reach * reach) * SAFE;
-}
-
 // Four times the square of the distance from the cell's centre to the bisector with site `j`, at least, where the cell's centre is on the own
 // side, and else below 0: `(h_j − h_i)²/D²`.
 INLINE real reach_of_site(Store *s, Vantage vantage, uint j) {
@@ -231,51 +233,57 @@ INLINE real size_around(Store *s) {
 
 // Cuts the cell by the sites that it reaches: `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended.
 //
-// First come the nearest of the own leaf's block, then all others that are as near, then the rest: the cell of a site at the edge of its block
-// is open to the other side at first, and would be tried with all that there is.
+// First come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
+// own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
 HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
-    Wanted wanted = (Wanted){ .above = 0, .below = NO_SITE, .most = FIRST_SITES };
     real near = REAL(0.0);
+    Wanted wanted = (Wanted){ .above = 0, .below = near_key(s, vantage, &near) };
+    real reach = store_square_of_reach(s, vantage.center);
     uint is_rest = 0;
     Open open = open_path(s);
     uint looked = 0;
+    uint count = 0;
     for (;;) {
-        if ((open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && ((open.blocks == 0) || (looked == 0)))) {
+        const bool is_batch = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
+        if (is_batch && ((count + (LEAVES_AT_ONCE * WIDTH)) <= MOST_CANDIDATES)) {
             uint some = LEAVES_AT_ONCE;
             if (open.leaves < some) {
                 some = open.leaves;
             }
             open.leaves -= some;
-            uint last = store_own_site(s);
-            uint status = visit_leaves(s, vantage, open.leaves, some, wanted, visited, &last);
-            if ((status == UNTOUCHED) && ((looked == 0) && (store_has_domain(s) != 0))) {
-                status = store_cut_outside(s, size_around(s) + sqrt(v3_dot(vantage.center, vantage.center)));
-            }
-            if ((status != UNTOUCHED) && (status != CUT)) {
-                return status;
-            }
-            if (looked == 0) {
-                // All that have its key, or one below, are met within this.
-                near = (ROOM_OF_KEY * larger(reach_of_site(s, vantage, last), REAL(0.0))) + LEAST_OF_KEY;
-                wanted.below = store_key_below(s, reach_of_site(s, vantage, last)) + 1;
-                wanted.above = 0;
-                wanted.most = NO_SITE;
-                if (last == store_own_site(s)) {
-                    wanted.below = 0;
-                }
-            }
+            const uint limit = key_of_reach(s, reach, wanted.below);
+            count = gather(s, vantage, open.leaves, some, (Wanted){ .above = wanted.above, .below = limit }, count);
             looked += some;
-            if ((looked > MOST_NEAR_LEAVES) || (*visited > MOST_NEAR_SITES)) {
+            if (looked > MOST_NEAR_LEAVES) {
                 return UNTOUCHED;
             }
-        } else if (open.blocks > 0) {
-            real reach = square_of_reach(s, vantage);
+        } else if (!is_batch && (open.blocks > 0)) {
+            real within = reach;
             if (is_rest == 0) {
-                reach = smaller(reach, REAL(0.25) * near);
+                within = smaller(reach, REAL(0.25) * near);
             }
-            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .more = REAL(0.0), .limit = (reach / vantage.lambda) * SAFE, .place = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .is_power = 0 };
+            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .more = REAL(0.0), .limit = (within / vantage.lambda) * SAFE, .place = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .is_power = 0 };
             open = open_blocks(s, question, 0, open);
+        } else if (count > 0) {
+            const uint status = visit_candidates(s, vantage, count, wanted.below, &reach, visited);
+            if (status != UNTOUCHED) {
+                return status;
+            }
+            count = 0;
+            if (*visited > MOST_NEAR_SITES) {
+                return UNTOUCHED;
+            }
         } else if (is_rest == 0) {
+            if (store_has_domain(s) != 0) {
+                const uint status = store_cut_outside(s, size_around(s) + sqrt(v3_dot(vantage.center, vantage.center)));
+                if ((status != UNTOUCHED) && (status != CUT)) {
+                    return status;
+                }
+                reach = store_square_of_reach(s, vantage.center);
+            }
+            if ((REAL(4.0) * reach) > (FAR_SQUARE * near)) {
+                return UNTOUCHED;
+            }
             is_rest = 1;
             wanted.above = wanted.below;
             wanted.below = NO_SITE;
@@ -286,56 +294,104 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
     }
 }
 
-// Cuts the cell by those sites of some leaves at hand that it reaches and that are wanted, nearest first: `UNTOUCHED`, or how it ended. `last`
-// becomes the last that was visited.
-HOT uint visit_leaves(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint *visited, uint *last) {
-    const uint count = leaves * WIDTH;
-    uint limit = key_of_reach(s, vantage, wanted.below);
+// The key below which sites are near; all that have one have a `reach_of_site` below `near`.
+HOT uint near_key(Store *s, Vantage vantage, real *near) {
+    const Wanted all = (Wanted){ .above = 0, .below = NO_SITE };
+    const Open open = open_path(s);
+    uint leaves = open.leaves;
+    uint count = 0;
+    while (leaves > 0) {
+        uint some = LEAVES_AT_ONCE;
+        if (leaves < some) {
+            some = leaves;
+        }
+        leaves -= some;
+        count = gather(s, vantage, leaves, some, all, count);
+    }
+    uint last = store_own_site(s);
+    uint turn = 0;
+    while ((turn < NEAR_SITES) && (turn < count)) {
+        last = take_nearest(s, count, NO_SITE);
+        turn += 1;
+    }
+    if (turn == 0) {
+        return 0;
+    }
+    const real square = NEAR_SQUARE * larger(reach_of_site(s, vantage, last), REAL(0.0));
+    *near = (ROOM_OF_KEY * square) + LEAST_OF_KEY;
+    return store_key_below(s, square) + 1;
+}
+
+// Adds those sites of some leaves at hand that are wanted to the candidates, of which there are `count`; returns how many there are now.
+HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint count) {
+    uint there = count;
     uint i = store_lane(s);
-    while (i < count) {
-        const uint j = (store_leaf(s, first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+    while ((i - store_lane(s)) < (leaves * WIDTH)) {
+        uint j = NO_SITE;
+        if (i < (leaves * WIDTH)) {
+            j = (store_leaf(s, first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+        }
         uint key = NO_SITE;
+        uint is_wanted = 0;
         if ((j < store_sites(s)) && (j != store_own_site(s))) {
             key = store_key_below(s, reach_of_site(s, vantage, j));
-            if (key < wanted.above) {
-                key = NO_SITE;
+            if ((key >= wanted.above) && (key < wanted.below)) {
+                is_wanted = 1;
             }
         }
-        store_set_candidate(s, i, key);
+        const uint all = store_lanes_with(s, is_wanted);
+        if (is_wanted != 0) {
+            store_set_candidate(s, there + store_rank_in(s, all), j, key);
+        }
+        there += store_count_of(s, all);
         i += store_lanes(s);
     }
-    uint turn = 0;
-    uint before = 0;
-    for (;;) {
-        uint own = NO_SITE;
-        uint place = 0;
-        i = store_lane(s);
-        while (i < count) {
-            const uint key = store_candidate(s, i);
-            if (key < own) {
-                own = key;
-                place = i;
-            }
-            i += store_lanes(s);
+    store_lanes_wait(s);
+    return there;
+}
+
+// Takes the nearest of the candidates out: its site, or `NO_SITE` where none has a key below `limit`.
+INLINE uint take_nearest(Store *s, uint count, uint limit) {
+    uint own = NO_SITE;
+    uint place = 0;
+    uint i = store_lane(s);
+    while (i < count) {
+        const uint key = store_candidate_key(s, i);
+        if (key < own) {
+            own = key;
+            place = i;
         }
-        const uint nearest = store_least_of_lanes(s, own);
-        if ((nearest >= limit) || ((turn >= wanted.most) && (nearest > before))) {
+        i += store_lanes(s);
+    }
+    const uint nearest = store_least_of_lanes(s, own);
+    if (nearest >= limit) {
+        return NO_SITE;
+    }
+    const uint from = store_first_of(s, store_lanes_with(s, (uint)(own == nearest)));
+    const uint at = store_lane_value(s, place, from);
+    const uint j = store_candidate(s, at);
+    // (A lane reads no other keys than its own.)
+    if (store_lane(s) == from) {
+        store_set_candidate(s, at, j, NO_SITE);
+    }
+    return j;
+}
+
+// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
+// after.
+HOT uint visit_candidates(Store *s, Vantage vantage, uint count, uint below, real *reach, uint *visited) {
+    uint limit = key_of_reach(s, *reach, below);
+    for (;;) {
+        const uint j = take_nearest(s, count, limit);
+        if (j == NO_SITE) {
             store_lanes_wait(s);
             return UNTOUCHED;
         }
-        const uint from = store_first_of(s, store_lanes_with(s, (uint)(own == nearest)));
-        const uint at = store_lane_value(s, place, from);
-        if (store_lane(s) == from) {
-            store_set_candidate(s, at, NO_SITE);
-        }
-        const uint j = (store_leaf(s, first + (at / WIDTH)) * WIDTH) + (at & (WIDTH - 1));
-        before = nearest;
-        *last = j;
         *visited += 1;
-        turn += 1;
         const uint status = store_cut_by(s, j);
         if (status == CUT) {
-            limit = key_of_reach(s, vantage, wanted.below);
+            *reach = store_square_of_reach(s, vantage.center);
+            limit = key_of_reach(s, *reach, below);
         } else if (status != UNTOUCHED) {
             return status;
         }
@@ -343,8 +399,8 @@ HOT uint visit_leaves(Store *s, Vantage vantage, uint first, uint leaves, Wanted
 }
 
 // The key from which on sites cannot cut the cell, or `below` if that is less.
-INLINE uint key_of_reach(Store *s, Vantage vantage, uint below) {
-    const uint key = store_key_above(s, (REAL(4.0) * square_of_reach(s, vantage)) * SAFE);
+INLINE uint key_of_reach(Store *s, real reach, uint below) {
+    const uint key = store_key_above(s, (REAL(4.0) * reach) * SAFE);
     if (below < key) {
         return below;
     }
@@ -367,7 +423,7 @@ HOT uint search_far(Store *s, Vantage vantage, uint *visited) {
         uint ties = 0;
         const uint found = least_at(s, place, radius, &ties);
         if (found != NO_SITE) {
-            store_set_candidate(s, 0, found);
+            store_set_candidate(s, 0, found, 0);
             ties = 1;
         }
         if (ties > MOST_CANDIDATES) {
@@ -425,10 +481,11 @@ HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
     const real own = v3_dot(v, v);
     const real length = sqrt(own);
     // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
-    // PER_LENGTH·radius·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), and t² the power and the largest weight.
-    const real share = SHARE_OF_SQUARE + (REAL(4.0) * FEW_ROUNDINGS_OF_SUM);
+    // lost·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length; and t² is the power and the largest weight.
     const real lost = PER_LENGTH * radius;
-    const real room = ((lost * length) + ((lost * lost) / (REAL(4.0) * SHARE_OF_SQUARE))) + (share * larger(store_largest_excess(s), REAL(0.0)));
+    const real lost_of_square = (REAL(0.5) * lost) / length;
+    const real share = lost_of_square + (REAL(4.0) * FEW_ROUNDINGS_OF_SUM);
+    const real room = ((REAL(1.5) * lost) * length) + (share * larger(store_largest_excess(s), REAL(0.0)));
     Question question = (Question){ .square = REAL(1.0), .slope = scale(-REAL(2.0), v), .more = own, .limit = ((own * (REAL(1.0) + (REAL(2.0) * FEW_ROUNDINGS_OF_SUM))) + room) * (REAL(1.0) + (REAL(2.0) * share)), .place = v, .is_power = 1 };
     uint found = NO_SITE;
     Open open = open_root(s);
@@ -460,7 +517,7 @@ HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
                     const V3 way = sub(v, d);
                     const real square = v3_dot(way, way);
                     const real less = (square - own) - excess;
-                    const real rounding = (lost * (length + sqrt(square))) + (FEW_ROUNDINGS_OF_SUM * ((square + own) + (fabs(excess) + v3_dot(d, d))));
+                    const real rounding = (((REAL(1.5) * lost) * length) + (lost_of_square * square)) + (FEW_ROUNDINGS_OF_SUM * ((square + own) + (fabs(excess) + v3_dot(d, d))));
                     power = square - excess;
                     if (less < -rounding) {
                         is_less = 1;
@@ -485,7 +542,7 @@ HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
                 if ((found == NO_SITE) && (tied != 0)) {
                     const uint at = *ties + store_rank_in(s, tied);
                     if ((is_tied != 0) && (at < MOST_CANDIDATES)) {
-                        store_set_candidate(s, at, j);
+                        store_set_candidate(s, at, j, 0);
                     }
                     *ties += store_count_of(s, tied);
                 }

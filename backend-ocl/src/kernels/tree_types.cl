@@ -11,13 +11,13 @@
 #define NO_SITE ((uint)(0xFFFFFFFF))
 
 // Open blocks, leaves at hand, and candidates that there is room for: see `search.rs`.
-#define MOST_OPEN ((uint)(208))
+#define MOST_OPEN ((uint)(124))
 
 // Leaves.
 #define MOST_LEAVES ((uint)(40))
 
 // Candidates.
-#define MOST_CANDIDATES ((uint)(64))
+#define MOST_CANDIDATES ((uint)(112))
 
 // The box of a node's sites, in the diagram's frame.
 typedef struct {
@@ -60,7 +60,7 @@ typedef struct {
 #define BLOCK_MASK ((uint)(0x0FFFFFFF))
 
 // Open blocks from which on one is taken at a time: of four every child may be open, and of one on each level seven of eight.
-#define FEW_OPEN ((uint)(96))
+#define FEW_OPEN ((uint)(32))
 
 // What is asked of a site at the way `d`, of excess `w`: whether `α|d|² + g·d − w + more` is below a limit.
 typedef struct {
@@ -83,28 +83,30 @@ typedef struct {
 
 // core/src/cell/search.rs
 
-// Leaves whose sites are candidates at one time.
-#define LEAVES_AT_ONCE ((uint)(8))
+// Leaves whose sites become candidates at one time.
+#define LEAVES_AT_ONCE ((uint)(4))
 
-// Sites of the own leaf's block that are visited first.
-#define FIRST_SITES ((uint)(16))
+// All sites are visited first that are within [`NEAR_SQUARE`] times, as a square, the distance of the `NEAR_SITES`th of the own leaf's block: of white
+// noise some forty.
+#define NEAR_SITES ((uint)(8))
+
+#define NEAR_SQUARE ((real)(REAL(2.25)))
 
 // What a key may round off, as a share, and where numbers underflow.
 #define ROOM_OF_KEY ((real)(REAL(1.000004)))
 
 #define LEAST_OF_KEY ((real)(REAL(1e-37)))
 
-// Leaves that a cell looks at, and sites that it visits, before it is completed by its vertices.
-#define MOST_NEAR_LEAVES ((uint)(160))
+// A cell that then reaches this many times as far, as a square, is completed by its vertices; and one for which so many leaves were looked at,
+// or so many sites visited.
+#define FAR_SQUARE ((real)(REAL(9.0)))
 
-#define MOST_NEAR_SITES ((uint)(240))
+#define MOST_NEAR_LEAVES ((uint)(400))
+
+#define MOST_NEAR_SITES ((uint)(400))
 
 // The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
 #define MOST_CURVATURE ((real)(REAL(0.96)))
-
-// What is left of a product `ρs` of a vertex's error and a site's distance from it is taken as this share of `s²`, and its square over four
-// times the share: any share is right, a small one keeps what is tried exactly rare.
-#define SHARE_OF_SQUARE ((real)(REAL(0.0000000000009094947017729282)))
 
 // Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 #define PER_LENGTH ((real)(REAL(8.0)))
@@ -119,11 +121,8 @@ typedef struct {
     real lambda;
 } Vantage;
 
-// What is visited of the sites that are met.
+// What becomes a candidate of the sites that are met: keys from `above` on and below `below`.
 typedef struct {
-    // Keys from `above` on and below `below`.
     uint above;
     uint below;
-    // So many at most, and those that are as near as the last of them.
-    uint most;
 } Wanted;

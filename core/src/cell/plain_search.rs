@@ -4,8 +4,9 @@ use super::plane::bisector;
 use super::search_store::{
     MOST_CANDIDATES, MOST_LEAVES, MOST_OPEN, NodeBox, NodeSlab, NodeWeights, SearchStore, WIDTH,
 };
+use super::security::SAFE;
 use super::store::CellStore;
-use super::vector::{Real, V3, v3};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, v3};
 use super::{COMPLETE, EMPTY, PlainStore, cap_outside, clip, lies_outside};
 use crate::site_tree::SiteTree;
 
@@ -16,7 +17,7 @@ pub(super) struct PlainSearch<'a> {
     site: u32,
     open: Vec<u32>,
     leaves: Vec<u32>,
-    candidates: Vec<u32>,
+    candidates: Vec<[u32; 2]>,
 }
 
 impl<'a> PlainSearch<'a> {
@@ -27,7 +28,7 @@ impl<'a> PlainSearch<'a> {
             site,
             open: vec![0; MOST_OPEN as usize],
             leaves: vec![0; MOST_LEAVES as usize],
-            candidates: vec![0; MOST_CANDIDATES as usize],
+            candidates: vec![[0; 2]; MOST_CANDIDATES as usize],
         }
     }
 }
@@ -158,14 +159,23 @@ impl SearchStore for PlainStore<'_> {
         }
     }
     fn candidate(&self, i: u32) -> u32 {
-        self.search().candidates[i as usize]
+        self.search().candidates[i as usize][0]
     }
-    fn set_candidate(&mut self, i: u32, candidate: u32) {
+    fn candidate_key(&self, i: u32) -> u32 {
+        self.search().candidates[i as usize][1]
+    }
+    fn set_candidate(&mut self, i: u32, site: u32, key: u32) {
         if let Some(search) = &mut self.search {
-            search.candidates[i as usize] = candidate;
+            search.candidates[i as usize] = [site, key];
         }
     }
 
+    fn square_of_reach(&self, center: V3) -> f64 {
+        let V3 { x: square, y: radius, .. } = self.farthest_from(center);
+        // The radius bounds each component, √3 < 2; a vertex less the centre is rounded.
+        let reach = (square.sqrt() + 2.0 * radius + 8.0 * UNIT_ROUNDOFF * dot(center, center).sqrt()) * SAFE;
+        reach * reach * SAFE
+    }
     fn cut_by(&mut self, j: u32) -> u32 {
         let plane = bisector(self.way_to(j), -self.excess_of(j));
         clip(self, plane, j)

@@ -14,28 +14,28 @@ use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, Search
 use super::security::SAFE;
 use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
 use super::tree::{FEW_ROUNDINGS_OF_SUM, Open, Question, open_blocks, open_path, open_root};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, larger, scale, smaller, sub, v3};
+use super::vector::{Real, V3, add, dot, larger, scale, smaller, sub, v3};
 
-/// Leaves whose sites are candidates at one time.
-const LEAVES_AT_ONCE: u32 = 8;
+/// Leaves whose sites become candidates at one time.
+const LEAVES_AT_ONCE: u32 = 4;
 
-/// Sites of the own leaf's block that are visited first.
-const FIRST_SITES: u32 = 16;
+/// All sites are visited first that are within [`NEAR_SQUARE`] times, as a square, the distance of the `NEAR_SITES`th of the own leaf's block: of white
+/// noise some forty.
+const NEAR_SITES: u32 = 8;
+const NEAR_SQUARE: Real = 2.25;
 
 /// What a key may round off, as a share, and where numbers underflow.
 const ROOM_OF_KEY: Real = 1.000004;
 const LEAST_OF_KEY: Real = 1e-37;
 
-/// Leaves that a cell looks at, and sites that it visits, before it is completed by its vertices.
-const MOST_NEAR_LEAVES: u32 = 160;
-const MOST_NEAR_SITES: u32 = 240;
+/// A cell that then reaches this many times as far, as a square, is completed by its vertices; and one for which so many leaves were looked at,
+/// or so many sites visited.
+const FAR_SQUARE: Real = 9.0;
+const MOST_NEAR_LEAVES: u32 = 400;
+const MOST_NEAR_SITES: u32 = 400;
 
 /// The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
 const MOST_CURVATURE: Real = 0.96;
-
-/// What is left of a product `ρs` of a vertex's error and a site's distance from it is taken as this share of `s²`, and its square over four
-/// times the share: any share is right, a small one keeps what is tried exactly rare.
-const SHARE_OF_SQUARE: Real = 0.0000000000009094947017729282;
 
 /// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 const PER_LENGTH: Real = 8.0;
@@ -80,16 +80,6 @@ pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
     return vantage;
 }
 
-/// An upper bound of the squared distance from the cell's centre to its farthest vertex.
-#[inline(always)]
-pub fn square_of_reach<S: SearchStore>(s: &S, vantage: Vantage) -> Real {
-    let far: V3 = s.farthest_from(vantage.center);
-    // The radius bounds each component, √3 < 2; a vertex less the centre is rounded.
-    let rounding: Real = (8.0 * UNIT_ROUNDOFF) * dot(vantage.center, vantage.center).sqrt();
-    let reach: Real = ((far.x.sqrt() + (2.0 * far.y)) + rounding) * SAFE;
-    return (reach * reach) * SAFE;
-}
-
 /// Four times the square of the distance from the cell's centre to the bisector with site `j`, at least, where the cell's centre is on the own
 /// side, and else below 0: `(h_j − h_i)²/D²`.
 #[inline(always)]
@@ -121,72 +111,75 @@ fn size_around<S: SearchStore>(s: &S) -> Real {
     return size;
 }
 
-/// What is visited of the sites that are met.
+/// What becomes a candidate of the sites that are met: keys from `above` on and below `below`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 struct Wanted {
-    /// Keys from `above` on and below `below`.
     above: u32,
     below: u32,
-    /// So many at most, and those that are as near as the last of them.
-    most: u32,
 }
 
 /// Cuts the cell by the sites that it reaches: `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended.
 ///
-/// First come the nearest of the own leaf's block, then all others that are as near, then the rest: the cell of a site at the edge of its block
-/// is open to the other side at first, and would be tried with all that there is.
+/// First come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
+/// own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
 #[inline]
 pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
-    let mut wanted: Wanted = Wanted { above: 0, below: NO_SITE, most: FIRST_SITES };
     let mut near: Real = 0.0;
+    let mut wanted: Wanted = Wanted { above: 0, below: near_key(s, vantage, &mut near) };
+    let mut reach: Real = s.square_of_reach(vantage.center);
     let mut is_rest: u32 = 0;
     let mut open: Open = open_path(s);
     let mut looked: u32 = 0;
+    let mut count: u32 = 0;
     loop {
-        if (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && ((open.blocks == 0) || (looked == 0))) {
+        let is_batch: bool = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
+        if is_batch && ((count + (LEAVES_AT_ONCE * WIDTH)) <= MOST_CANDIDATES) {
             let mut some: u32 = LEAVES_AT_ONCE;
             if open.leaves < some {
                 some = open.leaves;
             }
             open.leaves -= some;
-            let mut last: u32 = s.own_site();
-            let mut status: u32 = visit_leaves(s, vantage, open.leaves, some, wanted, visited, &mut last);
-            if (status == UNTOUCHED) && ((looked == 0) && (s.has_domain() != 0)) {
-                status = s.cut_outside(size_around(s) + dot(vantage.center, vantage.center).sqrt());
-            }
-            if (status != UNTOUCHED) && (status != CUT) {
-                return status;
-            }
-            if looked == 0 {
-                // All that have its key, or one below, are met within this.
-                near = (ROOM_OF_KEY * larger(reach_of_site(s, vantage, last), 0.0)) + LEAST_OF_KEY;
-                wanted.below = s.key_below(reach_of_site(s, vantage, last)) + 1;
-                wanted.above = 0;
-                wanted.most = NO_SITE;
-                if last == s.own_site() {
-                    wanted.below = 0;
-                }
-            }
+            let limit: u32 = key_of_reach(s, reach, wanted.below);
+            count = gather(s, vantage, open.leaves, some, Wanted { above: wanted.above, below: limit }, count);
             looked += some;
-            if (looked > MOST_NEAR_LEAVES) || (*visited > MOST_NEAR_SITES) {
+            if looked > MOST_NEAR_LEAVES {
                 return UNTOUCHED;
             }
-        } else if open.blocks > 0 {
-            let mut reach: Real = square_of_reach(s, vantage);
+        } else if !is_batch && (open.blocks > 0) {
+            let mut within: Real = reach;
             if is_rest == 0 {
-                reach = smaller(reach, 0.25 * near);
+                within = smaller(reach, 0.25 * near);
             }
             let question: Question = Question {
                 square: 1.0 - vantage.lambda,
                 slope: vantage.slope,
                 more: 0.0,
-                limit: (reach / vantage.lambda) * SAFE,
+                limit: (within / vantage.lambda) * SAFE,
                 place: v3(0.0, 0.0, 0.0),
                 is_power: 0,
             };
             open = open_blocks(s, question, 0, open);
+        } else if count > 0 {
+            let status: u32 = visit_candidates(s, vantage, count, wanted.below, &mut reach, visited);
+            if status != UNTOUCHED {
+                return status;
+            }
+            count = 0;
+            if *visited > MOST_NEAR_SITES {
+                return UNTOUCHED;
+            }
         } else if is_rest == 0 {
+            if s.has_domain() != 0 {
+                let status: u32 = s.cut_outside(size_around(s) + dot(vantage.center, vantage.center).sqrt());
+                if (status != UNTOUCHED) && (status != CUT) {
+                    return status;
+                }
+                reach = s.square_of_reach(vantage.center);
+            }
+            if (4.0 * reach) > (FAR_SQUARE * near) {
+                return UNTOUCHED;
+            }
             is_rest = 1;
             wanted.above = wanted.below;
             wanted.below = NO_SITE;
@@ -197,65 +190,115 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
     }
 }
 
-/// Cuts the cell by those sites of some leaves at hand that it reaches and that are wanted, nearest first: `UNTOUCHED`, or how it ended. `last`
-/// becomes the last that was visited.
+/// The key below which sites are near; all that have one have a `reach_of_site` below `near`.
 #[inline]
-fn visit_leaves<S: SearchStore>(
-    s: &mut S,
-    vantage: Vantage,
-    first: u32,
-    leaves: u32,
-    wanted: Wanted,
-    visited: &mut u32,
-    last: &mut u32,
-) -> u32 {
-    let count: u32 = leaves * WIDTH;
-    let mut limit: u32 = key_of_reach(s, vantage, wanted.below);
+fn near_key<S: SearchStore>(s: &mut S, vantage: Vantage, near: &mut Real) -> u32 {
+    let all: Wanted = Wanted { above: 0, below: NO_SITE };
+    let open: Open = open_path(s);
+    let mut leaves: u32 = open.leaves;
+    let mut count: u32 = 0;
+    while leaves > 0 {
+        let mut some: u32 = LEAVES_AT_ONCE;
+        if leaves < some {
+            some = leaves;
+        }
+        leaves -= some;
+        count = gather(s, vantage, leaves, some, all, count);
+    }
+    let mut last: u32 = s.own_site();
+    let mut turn: u32 = 0;
+    while (turn < NEAR_SITES) && (turn < count) {
+        last = take_nearest(s, count, NO_SITE);
+        turn += 1;
+    }
+    if turn == 0 {
+        return 0;
+    }
+    let square: Real = NEAR_SQUARE * larger(reach_of_site(s, vantage, last), 0.0);
+    *near = (ROOM_OF_KEY * square) + LEAST_OF_KEY;
+    return s.key_below(square) + 1;
+}
+
+/// Adds those sites of some leaves at hand that are wanted to the candidates, of which there are `count`; returns how many there are now.
+#[inline]
+fn gather<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, leaves: u32, wanted: Wanted, count: u32) -> u32 {
+    let mut there: u32 = count;
     let mut i: u32 = s.lane();
-    while i < count {
-        let j: u32 = (s.leaf(first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+    while (i - s.lane()) < (leaves * WIDTH) {
+        let mut j: u32 = NO_SITE;
+        if i < (leaves * WIDTH) {
+            j = (s.leaf(first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
+        }
         let mut key: u32 = NO_SITE;
+        let mut is_wanted: u32 = 0;
         if (j < s.sites()) && (j != s.own_site()) {
             key = s.key_below(reach_of_site(s, vantage, j));
-            if key < wanted.above {
-                key = NO_SITE;
+            if (key >= wanted.above) && (key < wanted.below) {
+                is_wanted = 1;
             }
         }
-        s.set_candidate(i, key);
+        let all: u32 = s.lanes_with(is_wanted);
+        if is_wanted != 0 {
+            s.set_candidate(there + s.rank_in(all), j, key);
+        }
+        there += s.count_of(all);
         i += s.lanes();
     }
-    let mut turn: u32 = 0;
-    let mut before: u32 = 0;
-    loop {
-        let mut own: u32 = NO_SITE;
-        let mut place: u32 = 0;
-        i = s.lane();
-        while i < count {
-            let key: u32 = s.candidate(i);
-            if key < own {
-                own = key;
-                place = i;
-            }
-            i += s.lanes();
+    s.lanes_wait();
+    return there;
+}
+
+/// Takes the nearest of the candidates out: its site, or `NO_SITE` where none has a key below `limit`.
+#[inline(always)]
+fn take_nearest<S: SearchStore>(s: &mut S, count: u32, limit: u32) -> u32 {
+    let mut own: u32 = NO_SITE;
+    let mut place: u32 = 0;
+    let mut i: u32 = s.lane();
+    while i < count {
+        let key: u32 = s.candidate_key(i);
+        if key < own {
+            own = key;
+            place = i;
         }
-        let nearest: u32 = s.least_of_lanes(own);
-        if (nearest >= limit) || ((turn >= wanted.most) && (nearest > before)) {
+        i += s.lanes();
+    }
+    let nearest: u32 = s.least_of_lanes(own);
+    if nearest >= limit {
+        return NO_SITE;
+    }
+    let from: u32 = s.first_of(s.lanes_with((own == nearest) as u32));
+    let at: u32 = s.lane_value(place, from);
+    let j: u32 = s.candidate(at);
+    // (A lane reads no other keys than its own.)
+    if s.lane() == from {
+        s.set_candidate(at, j, NO_SITE);
+    }
+    return j;
+}
+
+/// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
+/// after.
+#[inline]
+fn visit_candidates<S: SearchStore>(
+    s: &mut S,
+    vantage: Vantage,
+    count: u32,
+    below: u32,
+    reach: &mut Real,
+    visited: &mut u32,
+) -> u32 {
+    let mut limit: u32 = key_of_reach(s, *reach, below);
+    loop {
+        let j: u32 = take_nearest(s, count, limit);
+        if j == NO_SITE {
             s.lanes_wait();
             return UNTOUCHED;
         }
-        let from: u32 = s.first_of(s.lanes_with((own == nearest) as u32));
-        let at: u32 = s.lane_value(place, from);
-        if s.lane() == from {
-            s.set_candidate(at, NO_SITE);
-        }
-        let j: u32 = (s.leaf(first + (at / WIDTH)) * WIDTH) + (at & (WIDTH - 1));
-        before = nearest;
-        *last = j;
         *visited += 1;
-        turn += 1;
         let status: u32 = s.cut_by(j);
         if status == CUT {
-            limit = key_of_reach(s, vantage, wanted.below);
+            *reach = s.square_of_reach(vantage.center);
+            limit = key_of_reach(s, *reach, below);
         } else if status != UNTOUCHED {
             return status;
         }
@@ -264,8 +307,8 @@ fn visit_leaves<S: SearchStore>(
 
 /// The key from which on sites cannot cut the cell, or `below` if that is less.
 #[inline(always)]
-fn key_of_reach<S: SearchStore>(s: &S, vantage: Vantage, below: u32) -> u32 {
-    let key: u32 = s.key_above((4.0 * square_of_reach(s, vantage)) * SAFE);
+fn key_of_reach<S: SearchStore>(s: &S, reach: Real, below: u32) -> u32 {
+    let key: u32 = s.key_above((4.0 * reach) * SAFE);
     if below < key {
         return below;
     }
@@ -289,7 +332,7 @@ pub fn search_far<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32
         let mut ties: u32 = 0;
         let found: u32 = least_at(s, place, radius, &mut ties);
         if found != NO_SITE {
-            s.set_candidate(0, found);
+            s.set_candidate(0, found, 0);
             ties = 1;
         }
         if ties > MOST_CANDIDATES {
@@ -349,11 +392,11 @@ pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mu
     let own: Real = dot(v, v);
     let length: Real = own.sqrt();
     // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
-    // PER_LENGTH·radius·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), and t² the power and the largest weight.
-    let share: Real = SHARE_OF_SQUARE + (4.0 * FEW_ROUNDINGS_OF_SUM);
+    // lost·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length; and t² is the power and the largest weight.
     let lost: Real = PER_LENGTH * radius;
-    let room: Real =
-        ((lost * length) + ((lost * lost) / (4.0 * SHARE_OF_SQUARE))) + (share * larger(s.largest_excess(), 0.0));
+    let lost_of_square: Real = (0.5 * lost) / length;
+    let share: Real = lost_of_square + (4.0 * FEW_ROUNDINGS_OF_SUM);
+    let room: Real = ((1.5 * lost) * length) + (share * larger(s.largest_excess(), 0.0));
     let mut question: Question = Question {
         square: 1.0,
         slope: scale(-2.0, v),
@@ -392,7 +435,7 @@ pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mu
                     let way: V3 = sub(v, d);
                     let square: Real = dot(way, way);
                     let less: Real = (square - own) - excess;
-                    let rounding: Real = (lost * (length + square.sqrt()))
+                    let rounding: Real = (((1.5 * lost) * length) + (lost_of_square * square))
                         + (FEW_ROUNDINGS_OF_SUM * ((square + own) + (excess.abs() + dot(d, d))));
                     power = square - excess;
                     if less < -rounding {
@@ -418,7 +461,7 @@ pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mu
                 if (found == NO_SITE) && (tied != 0) {
                     let at: u32 = *ties + s.rank_in(tied);
                     if (is_tied != 0) && (at < MOST_CANDIDATES) {
-                        s.set_candidate(at, j);
+                        s.set_candidate(at, j, 0);
                     }
                     *ties += s.count_of(tied);
                 }

@@ -12,11 +12,11 @@ pub const WIDTH: u32 = 8;
 pub const NO_SITE: u32 = 0xFFFF_FFFF;
 
 /// Open blocks, leaves at hand, and candidates that there is room for: see `search.rs`.
-pub const MOST_OPEN: u32 = 208;
+pub const MOST_OPEN: u32 = 124;
 /// Leaves.
 pub const MOST_LEAVES: u32 = 40;
 /// Candidates.
-pub const MOST_CANDIDATES: u32 = 64;
+pub const MOST_CANDIDATES: u32 = 112;
 
 /// The box of a node's sites, in the diagram's frame.
 #[repr(C)]
@@ -115,11 +115,15 @@ pub trait SearchStore: CellStore {
     fn leaf(&self, i: u32) -> u32;
     /// Sets leaf `i`.
     fn set_leaf(&mut self, i: u32, leaf: u32);
-    /// Number of candidate `i`.
+    /// Site of candidate `i`.
     fn candidate(&self, i: u32) -> u32;
-    /// Sets the number of candidate `i`.
-    fn set_candidate(&mut self, i: u32, candidate: u32);
+    /// Its key.
+    fn candidate_key(&self, i: u32) -> u32;
+    /// Sets candidate `i` and its key.
+    fn set_candidate(&mut self, i: u32, site: u32, key: u32);
 
+    /// An upper bound of the squared distance from a place to the cell's farthest vertex.
+    fn square_of_reach(&self, center: V3) -> Real;
     /// Cuts the cell by the bisector with site `j`: as `clip`; `EMPTY` also where it is known to be outside the domain.
     fn cut_by(&mut self, j: u32) -> u32;
     /// Cuts off what of the cell is outside the domain, where it reaches farther than `radius` from its site: as `cap_outside`; `EMPTY` where it

@@ -11,7 +11,7 @@ const LEVEL_SHIFT: u32 = 28;
 const BLOCK_MASK: u32 = 0x0FFF_FFFF;
 
 /// Open blocks from which on one is taken at a time: of four every child may be open, and of one on each level seven of eight.
-const FEW_OPEN: u32 = 96;
+const FEW_OPEN: u32 = 32;
 
 /// What is asked of a site at the way `d`, of excess `w`: whether `α|d|² + g·d − w + more` is below a limit.
 #[repr(C)]
@@ -70,6 +70,13 @@ fn polynomial_at(t: Real, m: Real, alpha: Real, g: Real, slope: Real, curvature:
     return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
 }
 
+/// How far `place` is from the range `[lo, hi]`, at least.
+#[inline(always)]
+fn gap_along(lo: Real, hi: Real, place: Real) -> Real {
+    let rounding: Real = (4.0 * UNIT_ROUNDOFF) * (place.abs() + larger(lo.abs(), hi.abs()));
+    return larger(larger(lo - place, place - hi) - rounding, 0.0);
+}
+
 /// The least that a question can come to at any site of a node.
 #[inline(always)]
 pub(super) fn least_of_node<S: SearchStore>(s: &S, question: Question, level: u32, node: u32) -> Real {
@@ -77,23 +84,25 @@ pub(super) fn least_of_node<S: SearchStore>(s: &S, question: Question, level: u3
     let site: V3 = s.site();
     let lo: V3 = sub(bounds.lo, site);
     let hi: V3 = sub(bounds.hi, site);
-    let alpha: Real = question.square;
-    let g: V3 = question.slope;
     let mut sum: Real = question.more;
-    let mut size: Real = question.more.abs();
     if s.has_weights() != 0 {
+        let alpha: Real = question.square;
+        let g: V3 = question.slope;
         let weights: NodeWeights = s.node_weights(level, node);
+        let mut size: Real = question.more.abs();
         add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &mut sum, &mut size);
         add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &mut sum, &mut size);
         add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &mut sum, &mut size);
         sum += s.own_excess() - weights.offset;
         size += s.own_excess() + weights.offset.abs();
+        sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
     } else {
-        add_least(lo.x, hi.x, alpha, g.x, 0.0, 0.0, &mut sum, &mut size);
-        add_least(lo.y, hi.y, alpha, g.y, 0.0, 0.0, &mut sum, &mut size);
-        add_least(lo.z, hi.z, alpha, g.z, 0.0, 0.0, &mut sum, &mut size);
+        // α times the squared distance from the place.
+        let x: Real = gap_along(lo.x, hi.x, question.place.x);
+        let y: Real = gap_along(lo.y, hi.y, question.place.y);
+        let z: Real = gap_along(lo.z, hi.z, question.place.z);
+        sum = (question.square * (((x * x) + (y * y)) + (z * z))) * (1.0 - FEW_ROUNDINGS_OF_SUM);
     }
-    sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
     if question.is_power != 0 {
         let slab: NodeSlab = s.node_slab(level, node);
         let place: V3 = v3(site.x + question.place.x, site.y + question.place.y, site.z + question.place.z);

@@ -5,7 +5,7 @@ use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
 use super::store::CellStore;
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, norm_1, norm_max, scale, sub, v3};
-use super::wide::{Wide, product_exact, wide_add};
+use super::wide::{Wide, product_exact, wide_add, wide_position};
 
 /// A vertex as the three half-spaces it lies on, clockwise from outside: `det(n_a, n_b, n_c) > 0` exactly.
 #[repr(C)]
@@ -20,7 +20,7 @@ pub struct Triplet {
 }
 
 /// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
-/// position is computed exactly. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
+/// position is computed in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
 ///
 /// Single: `3.0517578125e-5`. Two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the
 /// others' radius says what they have lost.
@@ -37,7 +37,7 @@ const WORTH_REFINING: Real = 0.001953125;
 const ROUNDINGS_OF_PLACE: Real = 32.0;
 
 /// The same for a position that is itself within a rounding: 1 for each component, 4 for `n·v + d`, and the bound's.
-const ROUNDINGS_OF_EXACT: Real = 8.0;
+pub(super) const ROUNDINGS_OF_EXACT: Real = 8.0;
 
 /// Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
 #[inline]
@@ -59,8 +59,14 @@ pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
 pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
     let by: Cramer = cramer(s, t);
     if !(by.det > (NEARLY_DEPENDENT * by.size)) {
-        s.note_exact();
         let mut exact: V3 = v3(0.0, 0.0, 0.0);
+        let mut its: Real = 0.0;
+        if wide_position(s.plane(t.a), s.plane(t.b), s.plane(t.c), &mut exact, &mut its) == COMPLETE {
+            *position = exact;
+            *radius = its;
+            return COMPLETE;
+        }
+        s.note_exact();
         if expansion_position(s.plane(t.a), s.plane(t.b), s.plane(t.c), &mut exact) != COMPLETE {
             if s.exact_position(t, &mut exact) != COMPLETE {
                 return UNCERTAIN;

@@ -3,10 +3,10 @@
 
 use super::expansion::expansion_sign;
 use super::plane::Plane;
-use super::status::SIGN_UNKNOWN;
+use super::status::{COMPLETE, SIGN_UNKNOWN, UNCERTAIN};
 use super::store::CellStore;
-use super::vector::Real;
-use super::vertex::Triplet;
+use super::vector::{Real, UNIT_ROUNDOFF, V3, norm_1, norm_max, v3};
+use super::vertex::{ROUNDINGS_OF_EXACT, Triplet};
 
 /// An unevaluated sum `hi + lo`, `|lo| ≤ u|hi|`.
 #[repr(C)]
@@ -34,6 +34,12 @@ const WIDE_ERROR: Real = 1.5777218104420236e-30;
 /// Single: `1.52587890625e-5`. With normals below 2²⁰ and offsets below 2⁴⁰ (`single.cl`) minors are below 2⁶¹, and what underflows
 /// is below 12 · 2⁶¹ · 2⁻¹²³: less than `WIDE_ERROR` of this.
 const WIDE_SMALLEST: Real = 1e-260;
+
+/// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed exactly: double-double is off by `WIDE_ERROR` over the share, here
+/// by u/8.
+///
+/// Single: `3.0517578125e-5`, `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
+const DEPENDENT: Real = 1.1368683772161603e-13;
 
 /// The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
 /// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Four stages: double-double,
@@ -160,4 +166,55 @@ pub(crate) fn wide_quotient(a: Wide, b: Wide) -> Real {
     let product: Wide = multiply(Wide { hi: first, lo: 0.0 }, b);
     let rest: Wide = wide_add(a, Wide { hi: -product.hi, lo: -product.lo });
     return first + (rest.hi / b.hi);
+}
+
+/// The position of the vertex of three planes by Cramer's rule in double-double, and its error radius; `UNCERTAIN` where their normals are dependent.
+pub(crate) fn wide_position(a: Plane, b: Plane, c: Plane, position: &mut V3, radius: &mut Real) -> u32 {
+    let size_a: Real = norm_1(a.n);
+    let size_b: Real = norm_1(b.n);
+    let size_c: Real = norm_1(c.n);
+    let size: Real = (size_a * size_b) * size_c;
+    let x: Wide3 = wide_cross(b.n, c.n);
+    let y: Wide3 = wide_cross(c.n, a.n);
+    let z: Wide3 = wide_cross(a.n, b.n);
+    let first: Wide = wide_add(wide_scaled(x.x, a.n.x), wide_scaled(x.y, a.n.y));
+    let det: Wide = wide_add(first, wide_scaled(x.z, a.n.z));
+    if !(size > WIDE_SMALLEST) || !(det.hi > (DEPENDENT * size)) {
+        return UNCERTAIN;
+    }
+    *position = v3(
+        wide_quotient(wide_combine(x.x, y.x, z.x, a.d, b.d, c.d), det),
+        wide_quotient(wide_combine(x.y, y.y, z.y, a.d, b.d, c.d), det),
+        wide_quotient(wide_combine(x.z, y.z, z.z, a.d, b.d, c.d), det),
+    );
+    let offsets: Real =
+        (((a.d.abs() * size_b) * size_c) + ((b.d.abs() * size_c) * size_a)) + ((c.d.abs() * size_a) * size_b);
+    let largest: Real = norm_max(*position);
+    *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * largest) + ((WIDE_ERROR / det.hi) * (offsets + (largest * size)));
+    return COMPLETE;
+}
+
+/// A vector in double-double.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct Wide3 {
+    x: Wide,
+    y: Wide,
+    z: Wide,
+}
+
+#[inline(always)]
+fn wide_cross(p: V3, q: V3) -> Wide3 {
+    return Wide3 { x: minor(p.y, p.z, q.y, q.z), y: minor(p.z, p.x, q.z, q.x), z: minor(p.x, p.y, q.x, q.y) };
+}
+
+#[inline(always)]
+fn wide_scaled(a: Wide, by: Real) -> Wide {
+    return multiply(a, Wide { hi: by, lo: 0.0 });
+}
+
+/// `−(a x + b y + c z)`.
+#[inline(always)]
+fn wide_combine(x: Wide, y: Wide, z: Wide, a: Real, b: Real, c: Real) -> Wide {
+    return wide_add(wide_add(wide_scaled(x, -a), wide_scaled(y, -b)), wide_scaled(z, -c));
 }

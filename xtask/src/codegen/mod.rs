@@ -41,6 +41,7 @@ const TYPES: &str = "backend-ocl/src/kernels/cell_types.cl";
 const FUNCTIONS: &str = "backend-ocl/src/kernels/cell.cl";
 const SEARCH_TYPES: &str = "backend-ocl/src/kernels/tree_types.cl";
 const SEARCH: &str = "backend-ocl/src/kernels/tree_search.cl";
+const KERNELS: &str = "backend-ocl/src/kernels";
 const PARITY: &str = "backend-ocl/src/kernels/parity.cl";
 const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
 
@@ -109,6 +110,8 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
     ];
     let cell = |imports: &[&str], text| format!("{}{text}", header("core/src/cell/", imports));
     let mut files = files.map(|(name, imports, text)| (name, cell(imports, text))).to_vec();
+    refuse_second_names(root, &units_of(&FILES)?)?;
+    refuse_second_names(root, &units_of(&SEARCH_FILES)?)?;
     for Interface { modules, borrowed, target } in INTERFACES {
         let borrowed = borrowed.iter().map(|(path, names)| interface::only(read(root, path)?, names));
         let borrowed = borrowed.collect::<Result<Vec<_>, _>>()?;
@@ -117,6 +120,33 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
         files.push((target, format!("{}{text}", header("backend-ocl/src/interface/", &["\"cell_types.cl\""]))));
     }
     Ok(files)
+}
+
+/// Refuses a name that a kernel written by hand defines as a macro: the macro would silently take its place, or it the macro's.
+fn refuse_second_names(root: &Path, units: &[source::Unit]) -> Result<(), String> {
+    let folder = root.join(KERNELS);
+    let failed = |error: std::io::Error| format!("cannot read {KERNELS}: {error}");
+    for entry in fs::read_dir(&folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let text = fs::read_to_string(&path).map_err(failed)?;
+        if text.starts_with("// Generated") {
+            continue;
+        }
+        let defined = |line: &str| -> Option<String> {
+            let rest = line.trim_start().strip_prefix("#define ")?;
+            Some(rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
+        };
+        let macros: std::collections::HashSet<String> = text.lines().filter_map(defined).collect();
+        for unit in units {
+            for name in unit.items.iter().filter_map(source::name_of) {
+                if macros.contains(&name.to_string()) {
+                    let file = path.file_name().unwrap_or_default().display();
+                    return unit.error(name.span(), &format!("name `{name}`: it is a macro of {file}"));
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 fn read(root: &Path, path: &str) -> Result<source::Unit, String> {

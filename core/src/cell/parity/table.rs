@@ -49,6 +49,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!((a: Wide, b: Wide) wide::multiply(a, b), []),
     host!((a: f64, b: f64) wide::sum_exact(a, b), []),
     host!((a: Wide, b: Wide) wide::wide_quotient(a, b), []),
+    host!((a: Plane, b: Plane, c: Plane, position: V3, radius: f64) wide::wide_position(a, b, c, &mut position, &mut radius), [position, radius]),
     host!((a: Plane, b: Plane, c: Plane, e: Plane) expansion::expansion_sign(a, b, c, e), []),
     host!((a: Plane, b: Plane, c: Plane, position: V3) expansion::expansion_position(a, b, c, &mut position), [position]),
     host!((plane: Plane) expansion::is_tiny(plane), []),

@@ -52,6 +52,8 @@ pub(crate) enum Stage {
     Exact,
     /// Those that need more room.
     Wide,
+    /// Those that need more room than local memory has.
+    Vast,
 }
 
 /// How a stage is built.
@@ -65,21 +67,19 @@ struct Shape {
     far: bool,
     exact: bool,
     surface: bool,
-    room: bool,
+    /// `WITH_ROOM`.
+    room: u32,
 }
 
 impl Stage {
     const fn shape(self) -> Shape {
         match self {
-            Self::First => {
-                Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: false }
-            }
-            Self::Far => Shape { cells: 5, registers: Some(96), far: true, exact: false, surface: false, room: false },
-            Self::Surface => {
-                Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: false }
-            }
-            Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: false },
-            Self::Wide => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: true },
+            Self::First => Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: 0 },
+            Self::Far => Shape { cells: 5, registers: Some(96), far: true, exact: false, surface: false, room: 0 },
+            Self::Surface => Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: 0 },
+            Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: 0 },
+            Self::Wide => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: 1 },
+            Self::Vast => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: 2 },
         }
     }
 }
@@ -140,7 +140,7 @@ enum Flag {
     Far(bool),
     Exact(bool),
     Surface(bool),
-    Room(bool),
+    Room(u32),
     #[cfg(any(test, feature = "test-util"))]
     Neighbors(u32),
 }
@@ -163,7 +163,7 @@ impl Flag {
             Self::Far(is_set) => set("WITH_FAR", is_set),
             Self::Exact(is_set) => set("WITH_EXACT", is_set),
             Self::Surface(is_set) => set("WITH_SURFACE", is_set),
-            Self::Room(is_set) => set("WITH_ROOM", is_set),
+            Self::Room(room) => ("WITH_ROOM", room.to_string()),
             #[cfg(any(test, feature = "test-util"))]
             Self::Neighbors(count) => ("NEIGHBORS", count.to_string()),
         }
@@ -238,7 +238,7 @@ impl Build {
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let asked = Asked { facets: true, facet_second: true, integral: true, domain: true, weights: true, tree: true };
         let room = Capacities { planes: 64, vertices: 128 };
-        let stages = [Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide];
+        let stages = [Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide, Stage::Vast];
         let together = stages.map(|stage| Self::Cells(Way::Together(32, stage), asked));
         let others = [Self::Grid, Self::Cells(Way::Alone(room), asked), Self::Single(room), Self::Parity(room, 10)];
         others.into_iter().chain(together)

@@ -83,6 +83,7 @@ rooms! {
         undecided: u32 = "a list of cells",
         /// Records of finished cells near the surface (`lanes_near.cl`).
         near: [u32; 4] = "cells near the surface",
+        vast: u64 = "cells that need much room",
         outcome: u32 = "how cells ended",
         sums: f64 = "cells' sums",
         rows: [u64; 2] = "rows of facets",

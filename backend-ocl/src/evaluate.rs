@@ -77,9 +77,9 @@ impl Backend for Ocl {
             }
             _ => true,
         };
-        if is_hard {
-            let prepared = diagram.prepare()?;
-            count = on_all(&mut devices, name, &|_, device| device.take(&prepared))?.first().copied();
+        let prepared = if is_hard { Some(diagram.prepare()?) } else { None };
+        if let Some(prepared) = &prepared {
+            count = on_all(&mut devices, name, &|_, device| device.take(prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
         let computed =
@@ -95,7 +95,7 @@ impl Backend for Ocl {
             for_host.extend_from_slice(&device.for_host);
             join_passes(&mut passes, &device.passes);
         }
-        fallback::compute(diagram, request, &for_host, &mut assembler)?;
+        fallback::compute(diagram, prepared, request, &for_host, &mut assembler)?;
         let mut output = assembler.finish_with(|i| {
             computed.iter().map(|device| device.results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default()
         });

@@ -8,9 +8,10 @@ use laguerre_core::search::Search;
 use laguerre_core::{CellStatus, Error, ErrorKind, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 
-/// Computes the cells of some sites (the caller's indices).
+/// Computes the cells of some sites (the caller's indices), with what is `prepared` already.
 pub(crate) fn compute(
     diagram: &PowerDiagram,
+    prepared: Option<Prepared>,
     request: &Request,
     sites: &[u32],
     assembler: &mut Assembler<'_>,
@@ -18,7 +19,7 @@ pub(crate) fn compute(
     if sites.is_empty() {
         return Ok(());
     }
-    let prepared = diagram.prepare()?;
+    let prepared = prepared.map_or_else(|| diagram.prepare(), Ok)?;
     let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let mut sorted_of = vec![0_u32; diagram.positions().len()];
     prepared.sites.order().iter().zip(0..).for_each(|(&site, sorted)| sorted_of[site as usize] = sorted);

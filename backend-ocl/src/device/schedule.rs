@@ -5,7 +5,7 @@ use super::{Computed, Device, Memory, WARP};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Stage, Way};
 use crate::grid::GROUP;
-use crate::interface::data::Counters;
+use crate::interface::data::{Counters, VAST_WORDS};
 use crate::interface::kernels::{self, LookAbout, World};
 use crate::program::MOST_PLANES;
 use crate::results::{NOT_COMPUTED, width_of};
@@ -29,6 +29,9 @@ const FACETS_PER_CELL: usize = 18;
 const MOST_CELLS: usize = 1 << 21;
 const SHARE_OF_MEMORY: u64 = 8;
 const FEWEST_CELLS: usize = 1024;
+
+/// Cells at most that are computed at a time where they are too large for local memory: on a large GPU four for each of its processors.
+const MOST_VAST: u64 = 512;
 
 /// Work-items over which few cells are spread that are computed alone, where work-items run in step: so that none waits for another, which goes
 /// another way (579 cells at the edge of a cloud: 0.143 to 0.038 s, one NVIDIA H200). About as many as a large GPU runs at a time.
@@ -91,7 +94,8 @@ impl Device {
                 for_host.extend(self.callers(todo)?);
                 return Ok(PassOutcome::default());
             }
-            self.pass(request, room, todo, room == first, begin.filter(|_| room == first))
+            let together = begin.filter(|_| room == first);
+            self.pass(request, room, todo, room == first, together, &mut for_host)
         })?;
         let undecided = self.counters.undecided as usize;
         if undecided > 0 {
@@ -158,7 +162,8 @@ impl Device {
     }
 
     /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to be near the surface. What
-    /// needs exact signs, or more than can be done together, is left to the end.
+    /// needs exact signs, or more than can be done together, is left to the end; what needs more room than a device has for cells that are
+    /// computed together is the host's: one such cell took a single work-item 0.45 s (one NVIDIA H200).
     fn pass(
         &mut self,
         request: &Request,
@@ -166,6 +171,7 @@ impl Device {
         cells: &Todo,
         is_first: bool,
         together: Option<(usize, Stage)>,
+        for_host: &mut Vec<u32>,
     ) -> Result<PassOutcome<Todo>> {
         let mut now = cells.clone();
         let mut way = together.map_or(Way::Alone(room), |(lanes, stage)| Way::Together(lanes, stage));
@@ -195,11 +201,16 @@ impl Device {
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);
                 counters.boundary = 0;
                 second.cells += if is_second { 0 } else { now.count() };
+                if matches!(way, Way::Together(_, Stage::Vast)) {
+                    for_host.extend(self.callers(&now)?);
+                    break;
+                }
                 way = match way {
                     // (Facets of cells that the surface cuts are not computed together.)
                     Way::Together(lanes, Stage::Far | Stage::Exact) if !request.facets => {
                         Way::Together(lanes, Stage::Wide)
                     }
+                    Way::Together(lanes, Stage::Wide) => Way::Together(lanes, Stage::Vast),
                     _ => Way::Alone(room),
                 };
                 interior_only = false;
@@ -225,6 +236,13 @@ impl Device {
     ) -> Result<()> {
         let count = cells.count();
         let mut batch = self.room_for_batch(request, count, MOST_CELLS)?;
+        if matches!(way, Way::Together(_, Stage::Vast)) {
+            batch = batch.min(self.vast_cells()).min(count);
+            while batch > 1 && !self.memory.vast.grow_if_possible(&self.context, batch * VAST_WORDS as usize)? {
+                batch /= 2;
+            }
+            self.memory.vast.grow(&self.context, batch * VAST_WORDS as usize)?;
+        }
         let mut begin = 0;
         while begin < count {
             let end = (begin + batch).min(count);
@@ -275,6 +293,12 @@ impl Device {
         }
     }
 
+    /// Cells that are computed at a time where they are too large for local memory.
+    const fn vast_cells(&self) -> usize {
+        let share = self.memory_size / SHARE_OF_MEMORY / (8 * VAST_WORDS as u64);
+        if share < MOST_VAST { share as usize + 1 } else { MOST_VAST as usize }
+    }
+
     /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
     fn room_for_batch(&mut self, request: &Request, count: usize, most: usize) -> Result<usize> {
         if !request.facets {
@@ -317,6 +341,7 @@ impl Device {
         let kernels = programs.get(context, self.id, way, &shared.params)?;
         memory.facets.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
+        memory.vast.grow(context, 1)?;
         shared.send(context, queue)?;
         memory.counters.fill(context, queue, &[*counters])?;
         let (has_list, start) = match cells {
@@ -369,6 +394,7 @@ impl Device {
             full: &memory.full,
             undecided: &memory.undecided,
             near: &memory.near,
+            vast: &memory.vast,
         };
         let items = turns.len() * kernels.per_cell * apart;
         let ran = kernels.cells.launch(queue, items, kernels.group, arguments)?;

@@ -14,6 +14,9 @@ pub(crate) const WORTH_SHARP_TEST: u32 = 8;
 /// Sites from all over that a cell is cut by where it reaches to other parts of the domain.
 pub(crate) const SAMPLE: u32 = 512;
 
+/// Room for a cell that is too large for local memory, in units of 8 bytes.
+pub(crate) const VAST_WORDS: u32 = 75_000;
+
 /// Levels of the pyramid at most.
 pub(crate) const MOST_LEVELS: usize = 32;
 

@@ -64,6 +64,8 @@ kernels! {
         output undecided: u32,
         /// Records of cells near the surface.
         output near: [u32; 4],
+        /// Where cells live that are too large for local memory.
+        output vast: u64,
     }
 
     kernel EnterSites = enter_sites {

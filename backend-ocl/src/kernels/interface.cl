@@ -74,6 +74,9 @@ typedef struct {
 // Sites from all over that a cell is cut by where it reaches to other parts of the domain.
 #define SAMPLE ((uint)(512))
 
+// Room for a cell that is too large for local memory, in units of 8 bytes.
+#define VAST_WORDS ((uint)(75000))
+
 // Levels of the pyramid at most.
 #define MOST_LEVELS ((uint)(32))
 
@@ -292,7 +295,8 @@ typedef struct {
     __global uint *failed, \
     __global uint *full, \
     __global uint *undecided, \
-    __global uint4 *near
+    __global uint4 *near, \
+    __global ulong *vast
 
 #define ENTER_SITES_ARGUMENTS \
     __global const Params *params, \

@@ -20,7 +20,7 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
     const float per_width = ROUGH_SAFE * convert_float_rtp(s->world.params->domain_per_width);
     float3 below = (float3)(0.0f, 0.0f, 0.0f);
     float3 above = below;
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
         const uint v = (word * LANES) + s->lane;
         if (v < s->vertices) {
@@ -101,7 +101,7 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *extent) {
-    __local Cell *cell = s->cell;
+    CELL_SPACE Cell *cell = s->cell;
     __global const Params *params = s->world.params;
     const V3 p = s->site;
     const real per_width = params->grid_per_width;

@@ -2,8 +2,31 @@
 
 #import "lanes_exact.cl"
 
-// Words of a bit for each vertex, LANES bits in each.
+// Words of a bit for each vertex, LANES bits in each. Every lane keeps all of them, or where they are many one.
 #define WORDS (LANES_V / LANES)
+#if (LANES == 32u) && (WORDS > 8u)
+#define SPREADS_WORDS 1
+#define KEPT_WORDS 1
+#define UNROLLED_WORDS
+#else
+#define SPREADS_WORDS 0
+#define KEPT_WORDS WORDS
+#define UNROLLED_WORDS UNROLLED
+#endif
+INLINE uint word_of(const uint *bits, uint word) {
+#if SPREADS_WORDS
+    return lane_value(bits[0], word);
+#else
+    return bits[word];
+#endif
+}
+INLINE void set_word(uint *bits, uint lane, uint word, uint value) {
+#if SPREADS_WORDS
+    bits[0] = (lane == word) ? value : bits[0];
+#else
+    bits[word] = value;
+#endif
+}
 
 // How a cell ends that is left to the other kernel; to this kernel built WITH_EXACT; to this kernel built WITH_SURFACE.
 #define LEFT 32u
@@ -11,14 +34,14 @@
 #define NEAR 34u
 
 INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
-INLINE void enter_edges(__local Cell *cell, Triplet t, uint v) {
-    cell->vertex_of[edge_place(t.a, t.b)] = (uchar)v;
-    cell->vertex_of[edge_place(t.b, t.c)] = (uchar)v;
-    cell->vertex_of[edge_place(t.c, t.a)] = (uchar)v;
+INLINE void enter_edges(CELL_SPACE Cell *cell, Triplet t, uint v) {
+    cell->vertex_of[edge_place(t.a, t.b)] = (Place)v;
+    cell->vertex_of[edge_place(t.b, t.c)] = (Place)v;
+    cell->vertex_of[edge_place(t.c, t.a)] = (Place)v;
 }
 
 // Starts a cell as the box `[lo, hi]`: the lanes write the same planes, and a corner each.
-OUTLINE uint begin_together(__local Cell *cell, uint lane, V3 lo, V3 hi) {
+OUTLINE uint begin_together(CELL_SPACE Cell *cell, uint lane, V3 lo, V3 hi) {
     Store store;
     store.cell = cell;
     store.view = WHOLE;
@@ -52,9 +75,11 @@ INLINE Trial trial_of(Plane plane) {
 
 // Whether vertex v is among the marked ones.
 INLINE uint is_marked(const uint *bits, uint v) {
-#if LANES == 32u
+#if SPREADS_WORDS
+    return (lane_value(bits[0], v / LANES) >> (v & (LANES - 1u))) & 1u;
+#elif LANES == 32u
     uint its = bits[0];
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 1; word < WORDS; word++) {
         its = (v < (word * LANES)) ? its : bits[word];
     }
@@ -77,16 +102,16 @@ INLINE uint enter_hole(Store *s, uint is_there, uint a, uint b, uint count) {
 
 // Clips by half-space k = `planes`, which is already in its place: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint clip_together(Store *s, Trial trial) {
-    __local Cell *cell = s->cell;
+    CELL_SPACE Cell *cell = s->cell;
     const uint k = s->planes;
     const uint end = s->vertices;
     const float4 plane = trial.plane;
     // 1. Mark, as `store.cl` does. (Beyond the last vertex there is room, and anything in it.)
-    uint bits[WORDS];
+    uint bits[KEPT_WORDS];
     uint marked = 0;
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
-        bits[word] = 0;
+        uint here = 0;
         if ((word * LANES) < end) {
             const uint v = (word * LANES) + s->lane;
             const float4 p = cell->rough[v];
@@ -109,9 +134,10 @@ INLINE uint clip_together(Store *s, Trial trial) {
                 return OPEN;
 #endif
             }
-            bits[word] = lanes_with(mark == MARK_CONFLICT);
-            marked += popcount(bits[word]);
+            here = lanes_with(mark == MARK_CONFLICT);
+            marked += popcount(here);
         }
+        set_word(bits, s->lane, word, here);
     }
     if (marked == 0u) {
         return UNTOUCHED;
@@ -124,16 +150,17 @@ INLINE uint clip_together(Store *s, Trial trial) {
     const uint below = (1u << s->lane) - 1u;
     uint before = 0;
     uint born = 0;
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
-        if (bits[word] != 0u) {
+        const uint here = word_of(bits, word);
+        if (here != 0u) {
             const uint v = (word * LANES) + s->lane;
-            const uint is_there = (bits[word] >> s->lane) & 1u;
+            const uint is_there = (here >> s->lane) & 1u;
             const Triplet t = unpacked((is_there != 0u) ? cell->triplet[v] : 0u);
             if (is_there != 0u) {
-                cell->marked[before + popcount(bits[word] & below)] = v;
+                cell->marked[before + popcount(here & below)] = v;
             }
-            before += popcount(bits[word]);
+            before += popcount(here);
             const uint behind_ab = is_marked(bits, cell->vertex_of[edge_place(t.b, t.a)]);
             const uint behind_bc = is_marked(bits, cell->vertex_of[edge_place(t.c, t.b)]);
             const uint behind_ca = is_marked(bits, cell->vertex_of[edge_place(t.a, t.c)]);
@@ -178,10 +205,10 @@ INLINE uint clip_together(Store *s, Trial trial) {
     lanes_wait();
     if (born < marked) {
         uint moved = born;
-        UNROLLED
+        UNROLLED_WORDS
         for (uint word = 0; word < WORDS; word++) {
             const uint v = (word * LANES) + s->lane;
-            const uint at_end = (v >= count) && (v < end) && (((bits[word] >> s->lane) & 1u) == 0u);
+            const uint at_end = (v >= count) && (v < end) && (((word_of(bits, word) >> s->lane) & 1u) == 0u);
             const uint all = lanes_with(at_end);
             if (at_end != 0u) {
                 const uint to = cell->marked[moved + popcount(all & below)];
@@ -201,7 +228,7 @@ INLINE uint clip_together(Store *s, Trial trial) {
 
 #if COMPACTS
 // Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`); returns how many are left.
-OUTLINE uint compact_together(__local Cell *cell, uint lane, uint planes, uint vertices) {
+OUTLINE uint compact_together(CELL_SPACE Cell *cell, uint lane, uint planes, uint vertices) {
     for (uint f = lane; f < LANES_P; f += LANES) {
         cell->row[f] = 0;
     }

@@ -11,7 +11,9 @@
 #import "output.cl"
 
 __kernel void cells(CELLS_ARGUMENTS) {
+#if WITH_ROOM != 2
     __local Cell cells[CELLS];
+#endif
     const uint own_turn = lanes_alike((uint)get_global_id(0) / LANES);
     if (own_turn >= count) {
         return;
@@ -29,7 +31,11 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->tried = 0;
     s->last_tried = 0;
     const real4 own = sites[site];
+#if WITH_ROOM == 2
+    __global Cell *cell = ((__global Cell *)vast) + own_turn;
+#else
     __local Cell *cell = cells + lanes_alike((uint)get_local_id(0) / LANES);
+#endif
     s->cell = cell;
     s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
@@ -82,7 +88,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         uint trouble = 0;
         uint n = 0;
         Store copy = *s;
-        uchar corner[MOST_CORNERS];
+        Place corner[MOST_CORNERS];
         copy.corner = corner;
         CellSums walls = (CellSums){ 0 };
         UNROLLED

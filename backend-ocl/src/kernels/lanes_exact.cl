@@ -25,7 +25,7 @@ INLINE uint mark_in_double(Store *s, uint v, uint k) {
 
 #if SETTLES_CLOSELY
 // The same in double-double, where that leaves it open.
-OUTLINE uint settle_closely(__local Cell *cell, uint v, uint k, uint mark) {
+OUTLINE uint settle_closely(CELL_SPACE Cell *cell, uint v, uint k, uint mark) {
     if (mark != MARK_UNCERTAIN) {
         return mark;
     }
@@ -42,7 +42,7 @@ OUTLINE uint settle_closely(__local Cell *cell, uint v, uint k, uint mark) {
 }
 
 // A new vertex of nearly dependent planes.
-OUTLINE uint place_closely(__local Cell *cell, uint v) {
+OUTLINE uint place_closely(CELL_SPACE Cell *cell, uint v) {
     Store store;
     store.cell = cell;
     store.view = WHOLE;
@@ -118,7 +118,7 @@ INLINE uint nibble(uint nibbles, uint place) { return (nibbles >> (4u * place)) 
 
 // Term `turn` of the determinant of `[n | d]` of vertex v and half-space k: minors are below 2¹²⁵, and the sum of six products below
 // 2²⁵³. Returns whether the numbers are such integers.
-INLINE uint term_of(__local Cell *cell, uint v, uint k, uint turn, __local Product *term) {
+INLINE uint term_of(CELL_SPACE Cell *cell, uint v, uint k, uint turn, CELL_SPACE Product *term) {
     const Triplet t = unpacked(cell->triplet[v]);
     const Plane row[4] = { cell->plane[t.a], cell->plane[t.b], cell->plane[t.c], cell->plane[k] };
     uint fits = 1;
@@ -127,11 +127,11 @@ INLINE uint term_of(__local Cell *cell, uint v, uint k, uint turn, __local Produ
     const real z = long_scale(row[0].n.z, row[1].n.z, row[2].n.z, row[3].n.z, &fits);
     const real w = long_scale(row[0].d, row[1].d, row[2].d, row[3].d, &fits);
     // Laplace expansion along the first two columns, as in the wide stage: rows 01|23, 02|13, 03|12, 12|03, 13|02, 23|01.
-    const uint planes = t.a | (t.b << 8) | (t.c << 16) | (k << 24);
-    const Plane p = cell->plane[(planes >> (8u * nibble(0x211000u, turn))) & 255u];
-    const Plane q = cell->plane[(planes >> (8u * nibble(0x332321u, turn))) & 255u];
-    const Plane r = cell->plane[(planes >> (8u * nibble(0x000112u, turn))) & 255u];
-    const Plane u = cell->plane[(planes >> (8u * nibble(0x123233u, turn))) & 255u];
+    const ulong planes = ((ulong)t.a | ((ulong)t.b << 16)) | (((ulong)t.c << 32) | ((ulong)k << 48));
+    const Plane p = cell->plane[(uint)(planes >> (16u * nibble(0x211000u, turn))) & 0xFFFFu];
+    const Plane q = cell->plane[(uint)(planes >> (16u * nibble(0x332321u, turn))) & 0xFFFFu];
+    const Plane r = cell->plane[(uint)(planes >> (16u * nibble(0x000112u, turn))) & 0xFFFFu];
+    const Plane u = cell->plane[(uint)(planes >> (16u * nibble(0x123233u, turn))) & 0xFFFFu];
     const Wrapped left = long_minor(convert_long_rtz(p.n.x * x), convert_long_rtz(p.n.y * y), convert_long_rtz(q.n.x * x),
                                     convert_long_rtz(q.n.y * y));
     const Wrapped right = long_minor(convert_long_rtz(r.n.z * z), convert_long_rtz(r.d * w), convert_long_rtz(u.n.z * z),
@@ -141,7 +141,7 @@ INLINE uint term_of(__local Cell *cell, uint v, uint k, uint turn, __local Produ
 }
 
 // The sign of the sum of the six terms.
-INLINE int sign_of_terms(__local const Product *term) {
+INLINE int sign_of_terms(CELL_SPACE const Product *term) {
     Product sum = term[0];
     take_from_sum(&sum, term[1]);
     add_to_sum(&sum, term[2]);
@@ -156,7 +156,7 @@ INLINE int sign_of_terms(__local const Product *term) {
 
 // Settles the lanes' marks of vertices v for half-space k, of which some are uncertain, and stay so where the host has to decide; returns
 // whether the lane's was settled by more than double precision and double-double.
-OUTLINE uint settle_together(__local Cell *cell, uint lane, uint v, uint k, uint *mark) {
+OUTLINE uint settle_together(CELL_SPACE Cell *cell, uint lane, uint v, uint k, uint *mark) {
     Store store;
     store.cell = cell;
     store.view = WHOLE;
@@ -202,7 +202,7 @@ OUTLINE uint settle_together(__local Cell *cell, uint lane, uint v, uint k, uint
 }
 
 // A new vertex of nearly dependent planes, as `find_vertex` finds it.
-OUTLINE uint place_carefully(__local Cell *cell, uint v, uint *exact) {
+OUTLINE uint place_carefully(CELL_SPACE Cell *cell, uint v, uint *exact) {
     Store store;
     store.cell = cell;
     store.view = WHOLE;

@@ -6,7 +6,7 @@
 
 // The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`.
 INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums) {
-    __local Cell *cell = s->cell;
+    CELL_SPACE Cell *cell = s->cell;
     // Whether the site is outside its cell, or only not strictly inside.
     uint outside = 0;
     uint on_wall = 0;
@@ -87,7 +87,7 @@ INLINE void turn_to_facet(Store *s, uint f) {
             if (s->corners == MOST_CORNERS) {
                 return;
             }
-            s->corner[s->corners] = (uchar)v;
+            s->corner[s->corners] = (Place)v;
             s->corners++;
         }
     }

@@ -40,7 +40,7 @@ INLINE uint give_cell(
 #if TAKES_NEAR
 // The cell of a record; that of the box, of which the first half-spaces are, has been begun.
 INLINE void take_cell(Store *s, __global const uint4 *record) {
-    __local Cell *cell = s->cell;
+    CELL_SPACE Cell *cell = s->cell;
     s->planes = record->y;
     s->vertices = record->z;
     s->exact = record->w;

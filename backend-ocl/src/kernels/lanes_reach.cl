@@ -6,7 +6,7 @@
 // An upper bound of the distance of the farthest vertex from a place in the frame of the site (`farthest_vertex`, in single precision).
 INLINE float farthest_from(Store *s, float3 place) {
     float most = 0.0f;
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
         if ((word * LANES) < s->vertices) {
             const uint v = (word * LANES) + s->lane;

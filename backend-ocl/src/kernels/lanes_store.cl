@@ -26,14 +26,23 @@
 // which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
 #define SEARCHES_FAR ((WITH_EXACT && !WITH_TREE) && ((WITH_DOMAIN || WITH_WEIGHTS) || WITH_ROOM))
 
-// Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more. What needs still more is left to the kernel
-// that computes a cell with one work-item. (Of each directed edge the vertex is kept in a byte.)
+// Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more, in local memory (1) and in global (2).
+// What needs still more is left to the kernel that computes a cell with one work-item. (Of each directed edge the vertex is kept.)
+#if WITH_ROOM == 2
+#define LANES_P 512u
+#define LANES_V 1024u
+#define CELL_SPACE __global
+typedef ushort Place;
+#else
 #if WITH_ROOM
 #define LANES_P 128u
 #define LANES_V 256u
 #else
 #define LANES_P 64u
 #define LANES_V 64u
+#endif
+#define CELL_SPACE __local
+typedef uchar Place;
 #endif
 
 // Determinants that are decided at once by integers, and terms of each.
@@ -64,7 +73,7 @@ typedef struct {
         // `edge_place`, the vertex whose triplet has it.
         struct {
             float4 rough[LANES_V];
-            uchar vertex_of[LANES_P * LANES_P];
+            Place vertex_of[LANES_P * LANES_P];
         };
         // Afterwards positions and radii in double precision.
         real4 fine[LANES_V];
@@ -97,6 +106,9 @@ typedef struct {
     float outside;
 #endif
 } Cell;
+#if WITH_ROOM == 2
+typedef char vast_cell_fits[(sizeof(Cell) <= (8u * VAST_WORDS)) ? 1 : -1];
+#endif
 
 #if WITH_WEIGHTS && !WITH_TREE
 // What is known about a site's block (`Block`), as its cell has use for it.
@@ -116,7 +128,7 @@ typedef struct {
     // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
     uint tried;
     uint last_tried;
-    __local Cell *cell;
+    CELL_SPACE Cell *cell;
     V3 site;
     real weight;
 #if WITH_WEIGHTS && !WITH_TREE
@@ -131,7 +143,7 @@ typedef struct {
     uint is_fine;
     uint exact;
     // The corners of a facet: places, and how many.
-    uchar *corner;
+    Place *corner;
     uint corners;
 } Store;
 
@@ -235,7 +247,7 @@ INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->cell->triplet[pl
 
 INLINE V3 store_position(Store *s, uint v) {
     if (s->view == BOX_CORNERS) {
-        __local const real *corner = s->cell->corner + (3u * v);
+        CELL_SPACE const real *corner = s->cell->corner + (3u * v);
         return (V3){ .x = corner[0], .y = corner[1], .z = corner[2] };
     }
     const uint place = place_of(s, v);

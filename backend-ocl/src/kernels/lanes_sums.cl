@@ -3,7 +3,7 @@
 #import "cell.cl"
 
 // A lane's view of its share of the vertices.
-INLINE Store share_of(__local Cell *cell, uint lane, uint vertices, uint is_fine) {
+INLINE Store share_of(CELL_SPACE Cell *cell, uint lane, uint vertices, uint is_fine) {
     Store share;
     share.cell = cell;
     share.lane = lane;
@@ -15,7 +15,7 @@ INLINE Store share_of(__local Cell *cell, uint lane, uint vertices, uint is_fine
 }
 
 // The corners of the box of the vertices into the cell.
-OUTLINE void find_box(__local Cell *cell, uint lane, uint vertices, uint is_fine) {
+OUTLINE void find_box(CELL_SPACE Cell *cell, uint lane, uint vertices, uint is_fine) {
     Store share = share_of(cell, lane, vertices, is_fine);
     V3 low = (V3){ .x = INFINITY, .y = INFINITY, .z = INFINITY };
     V3 high = (V3){ .x = -INFINITY, .y = -INFINITY, .z = -INFINITY };
@@ -46,7 +46,7 @@ INLINE void turn_to_box(Store *s) {
 }
 
 // All vertices in double precision: they take the place of the rough ones.
-OUTLINE uint refine_together(__local Cell *cell, uint lane, uint vertices, uint *exact) {
+OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, uint *exact) {
     Store share = share_of(cell, lane, vertices, 1);
     uint status = COMPLETE;
     lanes_wait();
@@ -60,7 +60,7 @@ OUTLINE uint refine_together(__local Cell *cell, uint lane, uint vertices, uint 
 
 // Adds `weight` times the integrals of the present polytope to `sums`, as `integrate` does with one vertex after the other.
 OUTLINE uint sum_together(
-    __local Cell *cell, uint lane, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *sums
+    CELL_SPACE Cell *cell, uint lane, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *sums
 ) {
     Store share = share_of(cell, lane, vertices, 1);
     CellSums part = (CellSums){ 0 };

@@ -26,7 +26,7 @@ typedef struct {
 
 INLINE Saved saved_cell(Store *s) {
     Saved saved;
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
         const uint v = (word * LANES) + s->lane;
         saved.triplet[word] = s->cell->triplet[v];
@@ -38,9 +38,9 @@ INLINE Saved saved_cell(Store *s) {
 }
 
 INLINE void restore_cell(Store *s, const Saved *saved) {
-    __local Cell *cell = s->cell;
+    CELL_SPACE Cell *cell = s->cell;
     lanes_wait();
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
         const uint v = (word * LANES) + s->lane;
         if (v < saved->vertices) {
@@ -121,7 +121,7 @@ INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flag
 // with the truncated cones over the triangles near it (`integrate_restricted`); a lane makes and culls each cone, all lanes cut.
 // `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums) {
-    __local Cell *cell = s->cell;
+    CELL_SPACE Cell *cell = s->cell;
 #if WITH_EXACT
     if ((s->planes + 4u) > LANES_P) {
         s->planes = lanes_alike(compact_together(s->cell, s->lane, s->planes, s->vertices));
@@ -134,7 +134,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         return LEFT;
     }
     uint triangle[WORDS];
-    UNROLLED
+    UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
         triangle[word] = cell->marked[(word * LANES) + s->lane];
     }

@@ -62,15 +62,14 @@ typedef struct {
 // Open blocks from which on one is taken at a time: of four every child may be open, and of one on each level seven of eight.
 #define FEW_OPEN ((uint)(32))
 
-// What is asked of a site at the way `d`, of excess `w`: whether `α|d|² + g·d − w + more` is below a limit.
+// What is asked of a site at the way `d`, of excess `w`: whether `α|d − v|² + g·d − w` is below a limit.
 typedef struct {
     // α.
     real square;
     // g.
     V3 slope;
-    real more;
     real limit;
-    // Where this is the power at a vertex: the vertex, and 1.
+    // v; where it is not the cell's own site, α is 1 and g 0: the power at v, and 1.
     V3 place;
     uint is_power;
 } Question;

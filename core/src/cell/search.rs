@@ -154,7 +154,6 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
             let question: Question = Question {
                 square: 1.0 - vantage.lambda,
                 slope: vantage.slope,
-                more: 0.0,
                 limit: (within / vantage.lambda) * SAFE,
                 place: v3(0.0, 0.0, 0.0),
                 is_power: 0,
@@ -399,8 +398,7 @@ pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mu
     let room: Real = ((1.5 * lost) * length) + (share * larger(s.largest_excess(), 0.0));
     let mut question: Question = Question {
         square: 1.0,
-        slope: scale(-2.0, v),
-        more: own,
+        slope: v3(0.0, 0.0, 0.0),
         limit: ((own * (1.0 + (2.0 * FEW_ROUNDINGS_OF_SUM))) + room) * (1.0 + (2.0 * share)),
         place: v,
         is_power: 1,

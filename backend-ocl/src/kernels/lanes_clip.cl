@@ -208,7 +208,8 @@ INLINE uint clip_together(Store *s, Trial trial) {
         UNROLLED_WORDS
         for (uint word = 0; word < WORDS; word++) {
             const uint v = (word * LANES) + s->lane;
-            const uint at_end = (v >= count) && (v < end) && (((word_of(bits, word) >> s->lane) & 1u) == 0u);
+            const uint here = word_of(bits, word);
+            const uint at_end = (v >= count) && (v < end) && (((here >> s->lane) & 1u) == 0u);
             const uint all = lanes_with(at_end);
             if (at_end != 0u) {
                 const uint to = cell->marked[moved + popcount(all & below)];

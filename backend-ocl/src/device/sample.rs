@@ -19,6 +19,11 @@ pub(super) const MAY_FAIL: f64 = 0.05;
 /// Cells of the sample of those that are computed together: as many as a large GPU computes at two times, 0.3 ms.
 const SAMPLE_TOGETHER: usize = 4096;
 
+/// Shares of the sample beyond what the first stage searches from which on the tree is made, by the host, and from which on all cells begin in
+/// the stage of those that reach far.
+const WORTH_A_TREE: f64 = 0.125;
+pub(super) const MOSTLY_FAR: f64 = 0.5;
+
 impl Device {
     /// Room such that few cells fail: what sufficed in the last call, or what a sample of the cells needs.
     pub(super) fn first_capacities(&mut self, share: Range<usize>) -> Result<Capacities> {
@@ -55,23 +60,24 @@ impl Device {
         self.together.filter(|_| whole)
     }
 
-    /// Whether the tree over the sites is to be searched, though no voxel is crowded: where most of the `count` cells need more than the voxels
+    /// Whether the tree over the sites is to be searched, though no voxel is crowded: where enough of the `count` cells need more than the voxels
     /// near their sites, as those of sites on a surface do, and of weights that curve. (Not asked of a domain.)
     pub(crate) fn wants_tree(&mut self, request: &Request, sites: usize, count: usize) -> Result<bool> {
         match self.lanes(request) {
             Some(lanes) if self.domain.is_none() && count >= WORTH_A_SAMPLE => {
                 self.clear(request, sites, count)?;
                 self.look_about(sites, 0..0)?;
-                self.most_fail(lanes, 0..count)
+                Ok(self.share_beyond(lanes, 0..count)? > WORTH_A_TREE)
             }
             _ => Ok(false),
         }
     }
 
-    /// Whether most cells of a range, where they are many, are not completed by the first stage.
-    pub(super) fn most_fail(&mut self, lanes: usize, share: Range<usize>) -> Result<bool> {
+    /// The share of a range of cells, where they are many, that reach beyond what the first stage searches, or need more room. (Not of those
+    /// that need exact signs: those of a lattice all do, and reach no farther than others.)
+    pub(super) fn share_beyond(&mut self, lanes: usize, share: Range<usize>) -> Result<f64> {
         if share.len() < WORTH_A_SAMPLE {
-            return Ok(false);
+            return Ok(0.0);
         }
         let (way, stride) = (Way::Together(lanes, Stage::First), share.len() / SAMPLE_TOGETHER);
         // Without facets: they have no room yet.
@@ -79,9 +85,9 @@ impl Device {
         if let Some(late) = self.run(way, &Todo::Sorted(share), stride, 0..SAMPLE_TOGETHER, false)? {
             return Err(late);
         }
-        let failed = self.counters.failed as usize;
+        let beyond = self.counters.beyond + self.counters.boundary;
         self.counters = Counters::default();
         self.memory.counters.fill(&self.context, &self.queue, &[self.counters])?;
-        Ok(failed > SAMPLE_TOGETHER / 2)
+        Ok(f64::from(beyond) / SAMPLE_TOGETHER as f64)
     }
 }

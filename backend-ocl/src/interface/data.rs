@@ -133,4 +133,6 @@ pub(crate) struct Counters {
     pub(crate) tried: u32,
     /// Length of the records of cells near the surface.
     pub(crate) near: u32,
+    /// Of the failed, those that reach beyond what was searched.
+    pub(crate) beyond: u32,
 }

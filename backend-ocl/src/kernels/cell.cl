@@ -31,6 +31,7 @@ OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e);
 INLINE void add_term(Wide *sum, real *size, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3, real sign);
 INLINE Wide minor(real x0, real y0, real x1, real y1);
 INLINE Wide product_exact(real a, real b);
+INLINE real rest_of_product(real a, real b);
 INLINE Wide wide_add(Wide a, Wide b);
 INLINE Wide multiply(Wide a, Wide b);
 INLINE Wide sum_exact(real a, real b);
@@ -408,14 +409,14 @@ INLINE Wide minor(real x0, real y0, real x1, real y1) {
 // `a·b`, exactly.
 INLINE Wide product_exact(real a, real b) {
     const real p = a * b;
-    const real ta = SPLITTER * a;
-    const real a_hi = ta - (ta - a);
-    const real a_lo = a - a_hi;
-    const real tb = SPLITTER * b;
-    const real b_hi = tb - (tb - b);
-    const real b_lo = b - b_hi;
-    const real error = ((((a_hi * b_hi) - p) + (a_hi * b_lo)) + (a_lo * b_hi)) + (a_lo * b_lo);
-    return (Wide){ .hi = p, .lo = error };
+    return (Wide){ .hi = p, .lo = rest_of_product(a, b) };
+}
+
+// What rounding leaves out of the product `a·b`.
+//
+// Devices: `fma(a, b, -(a * b))`, one operation instead of sixteen, and the same bits.
+INLINE real rest_of_product(real a, real b) {
+    return fma(a, b, -(a * b));
 }
 
 // `a + b`, both halves exactly, then rounded to double-double.

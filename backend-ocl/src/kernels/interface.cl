@@ -189,6 +189,8 @@ typedef struct {
     uint tried;
     // Length of the records of cells near the surface.
     uint near;
+    // Of the failed, those that reach beyond what was searched.
+    uint beyond;
 } Counters;
 
 // backend-ocl/src/interface/kernels.rs
@@ -422,4 +424,4 @@ typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
 typedef char size_of_Params[(sizeof(Params) == 496) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
 typedef char size_of_Block[(sizeof(Block) == 48) ? 1 : -1];
-typedef char size_of_Counters[(sizeof(Counters) == 32) ? 1 : -1];
+typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];

@@ -99,7 +99,7 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
     return found;
 }
 
-// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
+// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
 INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *extent) {
     CELL_SPACE Cell *cell = s->cell;
     __global const Params *params = s->world.params;
@@ -217,6 +217,6 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
     }
 #endif
     *extent = reach.extent;
-    return (is_proved != 0u) ? COMPLETE : ((WITH_EXACT != 0) ? LEFT : OPEN);
+    return (is_proved != 0u) ? COMPLETE : ((WITH_EXACT != 0) ? LEFT : BEYOND);
 }
 #endif

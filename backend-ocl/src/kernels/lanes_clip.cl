@@ -32,6 +32,8 @@ INLINE void set_word(uint *bits, uint lane, uint word, uint value) {
 #define LEFT 32u
 #define OPEN 33u
 #define NEAR 34u
+// As `OPEN`, for reaching beyond what is searched here.
+#define BEYOND 35u
 
 INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
 INLINE void enter_edges(CELL_SPACE Cell *cell, Triplet t, uint v) {

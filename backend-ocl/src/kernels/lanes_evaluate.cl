@@ -166,7 +166,10 @@ __kernel void cells(CELLS_ARGUMENTS) {
         full[atomic_inc(&counters->full)] = site;
         return;
     }
-    if (status == OPEN) {
+    if (status == BEYOND) {
+        atomic_inc(&counters->beyond);
+    }
+    if ((status == OPEN) || (status == BEYOND)) {
         failed[atomic_inc(&counters->failed)] = site;
         return;
     }

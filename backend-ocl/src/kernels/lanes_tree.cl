@@ -109,7 +109,7 @@ OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
 }
 #endif
 
-// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
+// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
 INLINE uint complete_by_tree(Store *s, uint *visited, float *extent) {
     uint status = search_near(s, vantage_of(s), visited);
     if (status == UNTOUCHED) {
@@ -123,7 +123,7 @@ INLINE uint complete_by_tree(Store *s, uint *visited, float *extent) {
         *visited = more;
         take_over(s, &copy);
 #else
-        status = OPEN;
+        status = BEYOND;
 #endif
     }
     *extent = extent_of(farthest_of(s));

@@ -439,6 +439,14 @@ __kernel void parity_product_exact(PARITY_ARGUMENTS) {
     give_Wide(&out, result);
 }
 
+__kernel void parity_rest_of_product(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real a = take_real(&in);
+    const real b = take_real(&in);
+    const real result = rest_of_product(a, b);
+    give_real(&out, result);
+}
+
 __kernel void parity_wide_add(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const Wide a = take_Wide(&in);

@@ -40,7 +40,7 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                 comments(&mut parts.types, &constant.attrs);
                 let ty = emitter.type_name(&constant.ty)?;
                 let define = |value: &str| format!("#define {} (({ty}){})\n", constant.ident, grouped(value));
-                match single_value(&constant.attrs) {
+                match quoted(SINGLE, &constant.attrs) {
                     None => parts.types.push_str(&define(&value)),
                     Some(single) => {
                         let single = define(&format!("REAL({single})"));
@@ -70,8 +70,15 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                 parts.functions.push('\n');
                 comments(&mut parts.functions, &function.attrs);
                 let _ = writeln!(parts.functions, "{head} {{");
-                emitter.body(function)?;
-                parts.functions.push_str(&emitter.out);
+                match quoted(DEVICE, &function.attrs) {
+                    Some(value) => {
+                        let _ = writeln!(parts.functions, "    return {value};");
+                    }
+                    None => {
+                        emitter.body(function)?;
+                        parts.functions.push_str(&emitter.out);
+                    }
+                }
                 parts.functions.push_str("}\n");
             }
             _ => {}
@@ -99,9 +106,12 @@ pub(super) fn documentation(attrs: &[syn::Attribute]) -> Vec<String> {
 /// What begins the line of a constant's documentation that gives its value in single precision, and ends that value.
 const SINGLE: &str = " Single: `";
 
-/// A constant's value in single precision, where its documentation gives one of its own.
-fn single_value(attrs: &[syn::Attribute]) -> Option<String> {
-    let value_of = |line: &String| Some(line.strip_prefix(SINGLE)?.split_once('`')?.0.to_owned());
+/// How a function's documentation gives what devices return instead, because it is faster there.
+const DEVICE: &str = " Devices: `";
+
+/// What the documentation says in a line that begins so.
+fn quoted(begin: &str, attrs: &[syn::Attribute]) -> Option<String> {
+    let value_of = |line: &String| Some(line.strip_prefix(begin)?.split_once('`')?.0.to_owned());
     documentation(attrs).iter().find_map(value_of)
 }
 

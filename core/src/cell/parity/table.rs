@@ -45,6 +45,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!((sum: Wide, size: f64, x0: f64, y0: f64, x1: f64, y1: f64, z2: f64, w2: f64, z3: f64, w3: f64, sign: f64) wide::add_term(&mut sum, &mut size, x0, y0, x1, y1, z2, w2, z3, w3, sign), [sum, size]),
     host!((x0: f64, y0: f64, x1: f64, y1: f64) wide::minor(x0, y0, x1, y1), []),
     host!((a: f64, b: f64) wide::product_exact(a, b), []),
+    host!((a: f64, b: f64) wide::rest_of_product(a, b), []),
     host!((a: Wide, b: Wide) wide::wide_add(a, b), []),
     host!((a: Wide, b: Wide) wide::multiply(a, b), []),
     host!((a: f64, b: f64) wide::sum_exact(a, b), []),

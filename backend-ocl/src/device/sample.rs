@@ -6,7 +6,7 @@ use crate::builds::{Stage, Way};
 use crate::interface::data::Counters;
 use crate::program::MOST_PLANES;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, INTEGRAL};
-use laguerre_core::passes::Capacities;
+use laguerre_core::passes::{Capacities, Cells as _};
 use laguerre_core::{Request, Result};
 use std::ops::Range;
 
@@ -19,10 +19,10 @@ pub(super) const MAY_FAIL: f64 = 0.05;
 /// Cells of the sample of those that are computed together: as many as a large GPU computes at two times, 0.3 ms.
 const SAMPLE_TOGETHER: usize = 4096;
 
-/// Shares of the sample beyond what the first stage searches from which on the tree is made, by the host, and from which on all cells begin in
-/// the stage of those that reach far.
-const WORTH_A_TREE: f64 = 0.125;
-pub(super) const MOSTLY_FAR: f64 = 0.5;
+/// How many of the sample have to reach beyond what the first stage searches, or to need more room, for the host to make the tree; and to fail,
+/// where the tree is there, for all cells to begin in the stage of those that reach far.
+const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
+const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
 
 impl Device {
     /// Room such that few cells fail: what sufficed in the last call, or what a sample of the cells needs.
@@ -62,32 +62,45 @@ impl Device {
 
     /// Whether the tree over the sites is to be searched, though no voxel is crowded: where enough of the `count` cells need more than the voxels
     /// near their sites, as those of sites on a surface do, and of weights that curve. (Not asked of a domain.)
+    ///
+    /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
+    /// not completed with exact signs, either.
     pub(crate) fn wants_tree(&mut self, request: &Request, sites: usize, count: usize) -> Result<bool> {
-        match self.lanes(request) {
-            Some(lanes) if self.domain.is_none() && count >= WORTH_A_SAMPLE => {
-                self.clear(request, sites, count)?;
-                self.look_about(sites, 0..0)?;
-                Ok(self.share_beyond(lanes, 0..count)? > WORTH_A_TREE)
-            }
-            _ => Ok(false),
+        let Some(lanes) = self.lanes(request).filter(|_| self.domain.is_none() && count >= WORTH_A_SAMPLE) else {
+            return Ok(false);
+        };
+        self.clear(request, sites, count)?;
+        self.look_about(sites, 0..0)?;
+        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(0..count))?;
+        let mut beyond = first.beyond + first.boundary;
+        if beyond <= WORTH_A_TREE && first.failed > WORTH_A_TREE {
+            std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
+            let open = Todo::Listed(first.failed as usize);
+            beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open)?.boundary;
         }
+        Ok(beyond > WORTH_A_TREE)
     }
 
-    /// The share of a range of cells, where they are many, that reach beyond what the first stage searches, or need more room. (Not of those
-    /// that need exact signs: those of a lattice all do, and reach no farther than others.)
-    pub(super) fn share_beyond(&mut self, lanes: usize, share: Range<usize>) -> Result<f64> {
+    /// Whether most cells of a range, where they are many, are not completed by the first stage.
+    pub(super) fn most_fail(&mut self, lanes: usize, share: Range<usize>) -> Result<bool> {
         if share.len() < WORTH_A_SAMPLE {
-            return Ok(0.0);
+            return Ok(false);
         }
-        let (way, stride) = (Way::Together(lanes, Stage::First), share.len() / SAMPLE_TOGETHER);
+        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share))?;
+        Ok(first.failed + first.boundary > MOST_OF_SAMPLE)
+    }
+
+    /// Tries a way with a sample of the cells, or all if they are few; how they ended.
+    fn sample_of(&mut self, way: Way, cells: &Todo) -> Result<Counters> {
         // Without facets: they have no room yet.
         self.shared.params.facet_room = 0;
-        if let Some(late) = self.run(way, &Todo::Sorted(share), stride, 0..SAMPLE_TOGETHER, false)? {
+        let some = cells.count().min(SAMPLE_TOGETHER);
+        if let Some(late) = self.run(way, cells, cells.count() / some, 0..some, false)? {
             return Err(late);
         }
-        let beyond = self.counters.beyond + self.counters.boundary;
+        let ended = self.counters;
         self.counters = Counters::default();
         self.memory.counters.fill(&self.context, &self.queue, &[self.counters])?;
-        Ok(f64::from(beyond) / SAMPLE_TOGETHER as f64)
+        Ok(ended)
     }
 }

@@ -1,6 +1,6 @@
 //! The scheduler of one device (paper, Alg. 1): passes, substeps, batches.
 
-use super::sample::{MAY_FAIL, MOSTLY_FAR};
+use super::sample::MAY_FAIL;
 use super::{Computed, Device, Memory, WARP};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Stage, Way};
@@ -83,9 +83,7 @@ impl Device {
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
         let begin = match together {
-            Some(lanes)
-                if self.shared.params.has_tree != 0 && self.share_beyond(lanes, share.clone())? > MOSTLY_FAR =>
-            {
+            Some(lanes) if self.shared.params.has_tree != 0 && self.most_fail(lanes, share.clone())? => {
                 Some((lanes, Stage::Far))
             }
             _ => together.map(|lanes| (lanes, Stage::First)),

@@ -423,6 +423,8 @@ INLINE uint key_of_reach(Store *s, real reach, uint below) {
     return key;
 }
 
+// core/src/cell/far.rs
+
 // Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
 // are within rounding of a vertex, or a vertex is not known well.
 HOT uint search_far(Store *s, Vantage vantage, uint *visited) {

@@ -107,9 +107,6 @@ typedef struct {
 // The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
 #define MOST_CURVATURE ((real)(REAL(0.96)))
 
-// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
-#define PER_LENGTH ((real)(REAL(8.0)))
-
 // From where a cell is searched.
 typedef struct {
     // g, the slope of the weights at the site.
@@ -125,3 +122,8 @@ typedef struct {
     uint above;
     uint below;
 } Wanted;
+
+// core/src/cell/far.rs
+
+// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
+#define PER_LENGTH ((real)(REAL(8.0)))

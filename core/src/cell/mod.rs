@@ -28,6 +28,7 @@ mod clip;
 mod cone;
 mod expansion;
 mod facet;
+pub mod far;
 mod integrate;
 mod near;
 #[cfg(feature = "test-util")]

@@ -33,7 +33,7 @@ const FILES: [&str; 16] = [
 ];
 
 /// The files of the search for the sites that cut a cell.
-const SEARCH_FILES: [&str; 3] = ["search_store", "tree", "search"];
+const SEARCH_FILES: [&str; 4] = ["search_store", "tree", "search", "far"];
 
 /// Generated files: constants and structs, which the store is made of; functions, which use it; and what holds the functions of a device
 /// against the host's, on both.

@@ -1,5 +1,6 @@
 //! What the search finds, by one lane over a plain store, against a cut by every site.
 
+use super::super::far::search_far;
 use super::super::search_store::SearchStore;
 use super::super::{CellSums, PlainSearch, PlainStore, VOLUME_ONLY, begin, bisector, clip, integrate_cell};
 use super::*;

@@ -12,7 +12,7 @@
 
 use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH};
 use super::security::SAFE;
-use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
+use super::status::{COMPLETE, CUT, UNTOUCHED};
 use super::tree::{FEW_ROUNDINGS_OF_SUM, Open, Question, open_blocks, open_path};
 use super::vector::{Real, V3, add, dot, larger, scale, smaller, sub, v3};
 

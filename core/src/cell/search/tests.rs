@@ -2,6 +2,7 @@
 
 use super::super::far::search_far;
 use super::super::search_store::SearchStore;
+use super::super::status::UNCERTAIN;
 use super::super::{CellSums, PlainSearch, PlainStore, VOLUME_ONLY, begin, bisector, clip, integrate_cell};
 use super::*;
 use crate::site_tree::SiteTree;

@@ -14,6 +14,7 @@ use laguerre_core::site_tree::{Boxes, Slabs, WeightBounds};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
+use rayon::prelude::*;
 
 /// Sites per voxel: the smaller the voxels, the more nearly sites come nearest first, and the more voxels are looked at (measured: see
 /// BENCHMARKS.md).
@@ -314,7 +315,8 @@ impl Sites {
         let tree = &prepared.sites;
         shared.params.search_tree(tree);
         shared.send(context, queue)?;
-        self.sites.fill(context, queue, &tree.sites().collect::<Vec<_>>())?;
+        let sites: Vec<_> = (0..tree.len() as u32).into_par_iter().map(|i| tree.site(i)).collect();
+        self.sites.fill(context, queue, &sites)?;
         self.order.fill(context, queue, tree.order())?;
         self.boxes.fill(context, queue, tree.all_boxes())?;
         self.slabs.fill(context, queue, tree.all_slabs())?;

@@ -90,16 +90,19 @@ impl SiteTree {
         let weight = |i: u32| weights.get(i as usize).copied().unwrap_or(0.0);
         let mut order = curve_order(positions, &weight);
         let mut coincident = Vec::new();
-        let mut last = None;
-        order.retain(|&i| {
-            let [x, y, z] = positions[i as usize];
-            let is_first = last != Some([x, y, z]);
-            last = Some([x, y, z]);
-            if !is_first {
-                coincident.push(i);
-            }
-            is_first
-        });
+        let is_second = |pair: &[u32]| positions[pair[0] as usize] == positions[pair[1] as usize];
+        if order.par_windows(2).any(is_second) {
+            let mut last = None;
+            order.retain(|&i| {
+                let place = positions[i as usize];
+                let is_first = last != Some(place);
+                last = Some(place);
+                if !is_first {
+                    coincident.push(i);
+                }
+                is_first
+            });
+        }
         let site = |&i: &u32| {
             let [x, y, z] = positions[i as usize];
             [x, y, z, weight(i)]

@@ -46,7 +46,7 @@ pub(crate) enum Stage {
     First,
     /// Those that may meet the surface; those are given up that need exact signs.
     Surface,
-    /// Those that are completed by their vertices, where the tree is searched; those are given up that the first stage gives up for other reasons.
+    /// Those that are completed by their vertices, where the tree is searched; those are given up that double-double does not decide.
     Far,
     /// Those that need exact signs, or sites beyond the table of offsets.
     Exact,

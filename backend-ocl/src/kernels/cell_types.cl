@@ -211,8 +211,8 @@ typedef struct {
 #define WIDE_SMALLEST ((real)(REAL(1e-260)))
 #endif
 
-// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed exactly: double-double is off by `WIDE_ERROR` over the share, here
-// by u/8.
+// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed
+// exactly: double-double is off by `WIDE_ERROR` over the share, here by u/8.
 //
 // Single: `3.0517578125e-5`, `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
 #if SINGLE

@@ -497,10 +497,11 @@ HOT uint farthest_unsettled(Store *s, Vantage vantage) {
 // of which `ties` says how many.
 HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
     const real own = v3_dot(v, v);
-    const real length = sqrt(own);
-    // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
-    // lost·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length; and t² is the power and the largest weight.
     const real lost = PER_LENGTH * radius;
+    // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
+    // lost·(√own + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length for any length; and t² is the power and the
+    // largest weight. (A vertex may be where the cell's site is.)
+    const real length = larger(larger(sqrt(own), LENGTHS_OF_LOST * lost), LEAST_LENGTH);
     const real lost_of_square = (REAL(0.5) * lost) / length;
     const real share = lost_of_square + (REAL(4.0) * FEW_ROUNDINGS_OF_SUM);
     const real room = ((REAL(1.5) * lost) * length) + (share * larger(store_largest_excess(s), REAL(0.0)));

@@ -127,3 +127,8 @@ typedef struct {
 
 // Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 #define PER_LENGTH ((real)(REAL(8.0)))
+
+// What a power loses with the square of the distance is kept to half the inverse of this.
+#define LENGTHS_OF_LOST ((real)(REAL(1e10)))
+
+#define LEAST_LENGTH ((real)(REAL(1e-150)))

@@ -9,6 +9,10 @@ use super::vector::{Real, V3, dot, larger, smaller, sub, v3};
 /// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 const PER_LENGTH: Real = 8.0;
 
+/// What a power loses with the square of the distance is kept to half the inverse of this.
+const LENGTHS_OF_LOST: Real = 1e10;
+const LEAST_LENGTH: Real = 1e-150;
+
 /// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
 /// are within rounding of a vertex, or a vertex is not known well.
 #[inline]
@@ -84,10 +88,11 @@ pub(super) fn farthest_unsettled<S: SearchStore>(s: &S, vantage: Vantage) -> u32
 #[inline]
 pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mut u32) -> u32 {
     let own: Real = dot(v, v);
-    let length: Real = own.sqrt();
-    // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
-    // lost·(length + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length; and t² is the power and the largest weight.
     let lost: Real = PER_LENGTH * radius;
+    // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
+    // lost·(√own + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length for any length; and t² is the power and the
+    // largest weight. (A vertex may be where the cell's site is.)
+    let length: Real = larger(larger(own.sqrt(), LENGTHS_OF_LOST * lost), LEAST_LENGTH);
     let lost_of_square: Real = (0.5 * lost) / length;
     let share: Real = lost_of_square + (4.0 * FEW_ROUNDINGS_OF_SUM);
     let room: Real = ((1.5 * lost) * length) + (share * larger(s.largest_excess(), 0.0));

@@ -35,8 +35,8 @@ const WIDE_ERROR: Real = 1.5777218104420236e-30;
 /// is below 12 · 2⁶¹ · 2⁻¹²³: less than `WIDE_ERROR` of this.
 const WIDE_SMALLEST: Real = 1e-260;
 
-/// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed exactly: double-double is off by `WIDE_ERROR` over the share, here
-/// by u/8.
+/// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed
+/// exactly: double-double is off by `WIDE_ERROR` over the share, here by u/8.
 ///
 /// Single: `3.0517578125e-5`, `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
 const DEPENDENT: Real = 1.1368683772161603e-13;

@@ -32,6 +32,12 @@ fn inputs() -> Vec<Input> {
         ("quadratic", even.clone(), weigh(&|p| 0.9 * square(p))),
         ("outward", even.clone(), weigh(&|p| -2.0 * square(p))),
         ("saddle", even.clone(), weigh(&|p| p[0] * p[1] - 0.5 * p[2] * p[2])),
+        // A vertex of the first cell is its site, and the last site cuts it off.
+        (
+            "vertex at a site",
+            vec![[0.0; 3], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5], [0.25; 3]],
+            vec![0.0, 0.25, 0.25, 0.25, 0.2],
+        ),
         ("one heavy", even.clone(), (0..400).map(|i| if i == 7 { 0.3 } else { 0.0 }).collect()),
     ]
 }

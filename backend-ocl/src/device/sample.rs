@@ -37,16 +37,9 @@ impl Device {
         if share.len() < WORTH_A_SAMPLE {
             return Ok(room);
         }
-        // Without facets: they have no room yet.
-        self.shared.params.facet_room = 0;
+        let all = Todo::Sorted(share);
         loop {
-            let (all, stride) = (Todo::Sorted(share.clone()), share.len() / SAMPLE);
-            if let Some(late) = self.run(Way::Alone(room), &all, stride, 0..SAMPLE, false)? {
-                return Err(late);
-            }
-            let failures = self.counters.failed;
-            self.counters = Counters::default();
-            self.memory.counters.fill(&self.context, &self.queue, &[self.counters])?;
+            let failures = self.sample_of(Way::Alone(room), &all, SAMPLE)?.failed;
             if f64::from(failures) <= MAY_FAIL * SAMPLE as f64 || room.grown().planes > MOST_PLANES {
                 return Ok(room);
             }
@@ -71,12 +64,12 @@ impl Device {
         };
         self.clear(request, sites, count)?;
         self.look_about(sites, 0..0)?;
-        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(0..count))?;
+        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(0..count), SAMPLE_TOGETHER)?;
         let mut beyond = first.beyond + first.boundary;
         if beyond <= WORTH_A_TREE && first.failed > WORTH_A_TREE {
             std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
             let open = Todo::Listed(first.failed as usize);
-            beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open)?.boundary;
+            beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.boundary;
         }
         Ok(beyond > WORTH_A_TREE)
     }
@@ -86,15 +79,15 @@ impl Device {
         if share.len() < WORTH_A_SAMPLE {
             return Ok(false);
         }
-        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share))?;
+        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
         Ok(first.failed + first.boundary > MOST_OF_SAMPLE)
     }
 
-    /// Tries a way with a sample of the cells, or all if they are few; how they ended.
-    fn sample_of(&mut self, way: Way, cells: &Todo) -> Result<Counters> {
+    /// Tries a way with so many of the cells, or all if they are fewer; how they ended.
+    fn sample_of(&mut self, way: Way, cells: &Todo, most: usize) -> Result<Counters> {
         // Without facets: they have no room yet.
         self.shared.params.facet_room = 0;
-        let some = cells.count().min(SAMPLE_TOGETHER);
+        let some = cells.count().min(most);
         if let Some(late) = self.run(way, cells, cells.count() / some, 0..some, false)? {
             return Err(late);
         }

@@ -192,6 +192,21 @@ OUTLINE uint search_rest(Store *s, Search *search) {
     return COMPLETE;
 }
 
+// Begins the cell of a site as the container's box.
+INLINE uint begin_alone(Store *s, real4 own) {
+    __global const Params *params = s->world.params;
+    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
+    s->weight = own.w;
+    s->exact = 0;
+    s->is_fine = 0;
+    s->specials = 0;
+    s->caps = 0;
+    s->last_index = 0xFFFFFFFFu;
+    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
+    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
+    return begin(s, lo, hi);
+}
+
 // Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
 INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shells, uint site) {
     __global const Params *params = s->world.params;
@@ -218,16 +233,7 @@ INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shell
         search->about = block_about(params, s->world.blocks, own.x, own.y, own.z);
     }
     search->slope = v3(search->about.slope[0], search->about.slope[1], search->about.slope[2]);
-    s->site = search->position;
-    s->weight = own.w;
-    s->exact = 0;
-    s->is_fine = 0;
-    s->specials = 0;
-    s->caps = 0;
-    s->last_index = 0xFFFFFFFFu;
-    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
-    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
-    uint status = begin(s, lo, hi);
+    uint status = begin_alone(s, own);
     if (status != COMPLETE) {
         return status;
     }

@@ -3,6 +3,7 @@
 // Whether weights differ is asked at run time.
 #define WITH_WEIGHTS 1
 
+#import "search.cl"
 #import "tree_store.cl"
 
 INLINE uint store_lanes(Store *s) { return 1u; }
@@ -50,14 +51,7 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
 INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);
 }
-OUTLINE uint store_has_cut(Store *s, uint j) {
-    for (uint f = 0; f < s->planes; f++) {
-        if (s->source[f] == j) {
-            return 1;
-        }
-    }
-    return 0;
-}
+INLINE uint store_has_cut(Store *s, uint j) { return has_cut(s, j); }
 INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
 INLINE uint store_cut_by(Store *s, uint j) {
     const real4 other = s->world.sites[j];
@@ -80,20 +74,9 @@ INLINE uint store_cut_outside(Store *s, real radius) {
 
 // Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
 INLINE uint complete_by_tree(Store *s, uint site, uint *visited) {
-    __global const Params *params = s->world.params;
-    const real4 own = s->world.sites[site];
     s->own = site;
-    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
-    s->weight = own.w;
     s->uncertified = 0;
-    s->exact = 0;
-    s->is_fine = 0;
-    s->specials = 0;
-    s->caps = 0;
-    s->last_index = 0xFFFFFFFFu;
-    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
-    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
-    uint status = begin(s, lo, hi);
+    uint status = begin_alone(s, s->world.sites[site]);
     if (status != COMPLETE) {
         return status;
     }

@@ -79,6 +79,18 @@ pub const CASES: &[(&str, Law, Case)] = &[
             pose: Pose::Plain,
         },
     ),
+    (
+        "a_hair_has_no_winding_number",
+        sums::volume,
+        Case {
+            seed: 101409,
+            count: 57,
+            sites: Sites::Coplanar,
+            weights: Weights::Concurrent,
+            shape: Shape::TouchingInVertex,
+            pose: Pose::Turned,
+        },
+    ),
 ];
 
 /// Name and scene of what fuzzing found (`fuzz/`); each is held to all laws of one output and to the oracle.

@@ -1852,10 +1852,12 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
 }
 
 // Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
-// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
+// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
+// can make as much of nothing as the whole cell is, the quotient tells nothing (it was −1,147,767 for a hair of 1e-15 across).
 HOT uint is_undivided(CellSums sums, CellSums whole, int *winding) {
     const real quotient = sums.volume / whole.volume;
-    if (!(fabs(quotient) < MOST_WINDINGS)) {
+    const real noise = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
+    if (!(fabs(quotient) < MOST_WINDINGS) || !(noise < whole.volume)) {
         return 0;
     }
     int inner = (int)(fabs(quotient) + REAL(0.5));

@@ -59,7 +59,7 @@ const ROUNDINGS: Real = 64.0;
 const ROUNDINGS_ACROSS: Real = 8.0;
 
 /// What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
-const SHARE_OF_NOTHING: Real = 0.125;
+pub(super) const SHARE_OF_NOTHING: Real = 0.125;
 
 /// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
 ///

@@ -5,7 +5,8 @@ use super::clip::compact_planes;
 use super::cone::{add_cone, add_surface};
 use super::facet::{add_boundary, center_facets, reset_facets};
 use super::integrate::{
-    CellSums, FACET_SECOND_MOMENTS, FACETS, VOLUME_ONLY, integrate, reference_point, volume_is_above_bound,
+    CellSums, FACET_SECOND_MOMENTS, FACETS, SHARE_OF_NOTHING, VOLUME_ONLY, integrate, reference_point,
+    volume_is_above_bound,
 };
 use super::near::{is_first_voxel, surface_passes_by};
 use super::status::{BOUNDARY, COMPLETE, EMPTY, P_FULL, TAG_BOX};
@@ -103,11 +104,13 @@ pub(super) fn integrate_restricted<S: CellStore>(
 const MOST_WINDINGS: Real = 1e9;
 
 /// Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
-/// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does.
+/// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
+/// can make as much of nothing as the whole cell is, the quotient tells nothing (it was −1,147,767 for a hair of 1e-15 across).
 #[inline]
 pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -> u32 {
     let quotient: Real = sums.volume / whole.volume;
-    if !(quotient.abs() < MOST_WINDINGS) {
+    let noise: Real = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
+    if !(quotient.abs() < MOST_WINDINGS) || !(noise < whole.volume) {
         return 0;
     }
     let mut inner: i32 = (quotient.abs() + 0.5) as i32;

@@ -6,7 +6,8 @@ use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL};
 use laguerre_core::passes::Capacities;
 
 /// The kernels that sort sites, and those that find how near the surface is to them.
-const GRID: Text = Text { entries: &["grid.cl", "blocks.cl", "clearance.cl"], prelude: "prelude.cl", store: None };
+const GRID: Text =
+    Text { entries: &["grid.cl", "order.cl", "bound_nodes.cl", "clearance.cl"], prelude: "prelude.cl", store: None };
 
 /// A cell by one work-item, and by several.
 const ALONE: Text = Text { entries: &["evaluate.cl"], prelude: "prelude.cl", store: Some("store.cl") };
@@ -75,7 +76,7 @@ impl Stage {
     const fn shape(self) -> Shape {
         match self {
             Self::First => Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: 0 },
-            Self::Far => Shape { cells: 5, registers: Some(96), far: true, exact: false, surface: false, room: 0 },
+            Self::Far => Shape { cells: 4, registers: Some(96), far: true, exact: false, surface: false, room: 0 },
             Self::Surface => Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: 0 },
             Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: 0 },
             Self::Wide => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: 1 },
@@ -105,8 +106,8 @@ pub(crate) struct Asked {
     /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
     domain: bool,
     weights: bool,
-    /// Whether sites are found by the tree over all of them.
-    tree: bool,
+    /// Whether the table of offsets is gone through before the tree over all sites is searched.
+    table: bool,
 }
 
 impl Asked {
@@ -118,7 +119,7 @@ impl Asked {
             integral: params.flags & INTEGRAL != 0,
             domain: is_shared && params.has_domain != 0,
             weights: is_shared && params.equal_weights == 0,
-            tree: params.has_tree != 0,
+            table: params.has_table != 0 && !matches!(way, Way::Together(_, Stage::Far)),
         }
     }
 }
@@ -136,7 +137,7 @@ enum Flag {
     Integral(bool),
     Domain(bool),
     Weights(bool),
-    Tree(bool),
+    Table(bool),
     Far(bool),
     Exact(bool),
     Surface(bool),
@@ -159,7 +160,7 @@ impl Flag {
             Self::Integral(is_set) => set("WITH_INTEGRAL", is_set),
             Self::Domain(is_set) => set("WITH_DOMAIN", is_set),
             Self::Weights(is_set) => set("WITH_WEIGHTS", is_set),
-            Self::Tree(is_set) => set("WITH_TREE", is_set),
+            Self::Table(is_set) => set("WITH_TABLE", is_set),
             Self::Far(is_set) => set("WITH_FAR", is_set),
             Self::Exact(is_set) => set("WITH_EXACT", is_set),
             Self::Surface(is_set) => set("WITH_SURFACE", is_set),
@@ -186,7 +187,7 @@ impl Build {
         let room_of = |room: &Capacities| vec![Flag::Planes(room.planes), Flag::Vertices(room.vertices)];
         match self {
             Self::Grid => Vec::new(),
-            Self::Cells(way, Asked { facets, facet_second, integral, domain, weights, tree }) => {
+            Self::Cells(way, Asked { facets, facet_second, integral, domain, weights, table }) => {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
@@ -208,7 +209,7 @@ impl Build {
                     Flag::Facets(*facets),
                     Flag::FacetSecond(*facet_second),
                     Flag::Integral(*integral),
-                    Flag::Tree(*tree),
+                    Flag::Table(*table),
                 ];
                 flags.extend(asked);
                 flags
@@ -236,7 +237,8 @@ impl Build {
     /// One of each text and stage.
     #[cfg(test)]
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        let asked = Asked { facets: true, facet_second: true, integral: true, domain: true, weights: true, tree: true };
+        let asked =
+            Asked { facets: true, facet_second: true, integral: true, domain: true, weights: false, table: true };
         let room = Capacities { planes: 64, vertices: 128 };
         let stages = [Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide, Stage::Vast];
         let together = stages.map(|stage| Self::Cells(Way::Together(32, stage), asked));

@@ -183,7 +183,7 @@ impl Device {
         Ok(())
     }
 
-    /// Sorts the sites on the device, and says how many have a cell; `None` where the host has to.
+    /// Puts the sites in order on the device, and says how many have a cell; `None` where the host has to.
     pub(crate) fn sort(&mut self, diagram: &PowerDiagram, container: &FramedContainer) -> Result<Option<usize>> {
         let Self { context, queue, grid_kernels, sites, shared, .. } = self;
         queue.finish().map_err(|e| failed("copying sites to the device", e))?;

@@ -64,20 +64,14 @@ impl Backend for Ocl {
         let integrand = request.integral.as_ref().map(|f| f.framed(&container.frame)).transpose()?;
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let name: fn(&Device) -> &String = |device| &device.name;
-        // Every device sorts all sites for itself: its cells are cut by others' sites.
+        // Every device orders all sites for itself: its cells are cut by others' sites.
         let sorted = on_all(&mut devices, name, &|_, device| {
             device.load(diagram, &container, request, integrand.as_ref())?;
             device.sort(diagram, &container)
         })?;
         let mut count = sorted.iter().flatten().copied().max();
         let sites = diagram.positions().len();
-        let is_hard = match count {
-            Some(count) if !sorted.contains(&None) => {
-                on_all(&mut devices, name, &|_, device| device.wants_tree(request, sites, count))?.contains(&true)
-            }
-            _ => true,
-        };
-        let prepared = if is_hard { Some(diagram.prepare()?) } else { None };
+        let prepared = if sorted.contains(&None) { Some(diagram.prepare()?) } else { None };
         if let Some(prepared) = &prepared {
             count = on_all(&mut devices, name, &|_, device| device.take(prepared))?.first().copied();
         }

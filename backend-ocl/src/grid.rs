@@ -1,16 +1,17 @@
-//! The sites on the device: sorted there, or, where a voxel is crowded, by the host, with a tree over them.
+//! The sites on the device, in the order of a curve, with the tree over them and the table of voxels; ordered there, or, where sites are too near
+//! each other for the curve, by the host.
 
 use crate::buffer::Room;
-use crate::interface::data::{BLOCK_LEVEL, Block, GRID_GROUP, MOST_LEVELS, Range, SCAN_EACH};
+use crate::interface::data::{GRID_GROUP, Range, SCAN_EACH};
 use crate::interface::kernels::{
-    AddBlocks, BoundBlocks, CountSites, EnterSites, FitBlocks, GatherSites, MarkVoxels, PlaceSites, RaiseBounds,
-    RaiseLevel, ScanBlocks, SortVoxels,
+    AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, MarkVoxels, PlaceDigits, RankSites,
+    ScanBlocks, SettleRuns,
 };
 use crate::params::Shared;
 use crate::program::GridKernels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_grid::Voxels;
-use laguerre_core::site_tree::{Boxes, Slabs, WeightBounds};
+use laguerre_core::site_tree::{Boxes, Slabs, TURNS, WIDTH, WeightBounds, level_begins};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -24,28 +25,37 @@ pub(crate) const SITES_PER_VOXEL: f64 = 2.0;
 pub(crate) const GROUP: usize = GRID_GROUP as usize;
 const SCANNED: usize = GROUP * SCAN_EACH as usize;
 
+/// Elements that a group sorts, bits of a digit, and its values (`order.cl`).
+const SORTED: usize = 8 * GROUP;
+const DIGIT_BITS: u32 = 4;
+const DIGITS: usize = 16;
+
+/// Levels of the curve that divide voxels, of which each has a few sites; levels at most, three bits of a rank each; and how many sites may have
+/// one rank, when only the levels are more that are gone through, and when all are.
+const FINER: u32 = 2;
+const MOST_CURVE_LEVELS: u32 = 21;
+const MOST_OF_RUN: u32 = WIDTH as u32;
+const MOST_OF_LAST_RUN: u32 = 64;
+
 /// The sites, as the caller gave them and as the search needs them.
 pub(crate) struct Sites {
     positions: Room<[f64; 3]>,
     given_weights: Room<f64>,
     placed: Room<[f64; 4]>,
     ranges: Room<Range>,
-    place: Room<[u32; 2]>,
-    starts: Room<u32>,
-    slots: Room<u32>,
-    crowded: Room<u32>,
+    marks: Room<u32>,
+    turns: Room<[u8; 2]>,
+    ranks: [Room<u64>; 2],
+    slots: [Room<u32>; 2],
+    digits: Room<u32>,
+    kept: Room<u32>,
+    flag: Room<u32>,
     /// Sums of blocks, of blocks of blocks, and so on.
     sums: Vec<Room<u32>>,
     pub(crate) sites: Room<[f64; 4]>,
     /// The caller's index of each sorted site.
     pub(crate) order: Room<u32>,
-    pub(crate) offsets: Room<u32>,
-    pub(crate) weights: Room<f64>,
-    /// What bounds the weights of each node of the pyramid from blocks of voxels on, and the search about each block, where weights differ
-    /// (`blocks.cl`).
-    pub(crate) bounds: Room<[f64; 4]>,
-    pub(crate) blocks: Room<Block>,
-    /// The tree over the sites, where the host made one.
+    pub(crate) voxels: Room<[u32; 2]>,
     pub(crate) boxes: Room<Boxes>,
     pub(crate) slabs: Room<Slabs>,
     pub(crate) weight_bounds: Room<WeightBounds>,
@@ -61,25 +71,27 @@ struct OnHost {
 
 impl Sites {
     pub(crate) const fn new() -> Self {
+        let order = "the order of the sites";
+        let tree = "the tree over the sites";
         Self {
             positions: Room::new("sites"),
             given_weights: Room::new("weights"),
             placed: Room::new("sites"),
             ranges: Room::new("the range of the sites"),
-            place: Room::new("the site grid"),
-            starts: Room::new("the site grid"),
-            slots: Room::new("the site grid"),
-            crowded: Room::new("the site grid"),
+            marks: Room::new("the site grid"),
+            turns: Room::new(order),
+            ranks: [Room::new(order), Room::new(order)],
+            slots: [Room::new(order), Room::new(order)],
+            digits: Room::new(order),
+            kept: Room::new(order),
+            flag: Room::new(order),
             sums: Vec::new(),
             sites: Room::new("sorted sites"),
             order: Room::new("sorted sites"),
-            offsets: Room::new("the site grid"),
-            weights: Room::new("the pyramid"),
-            bounds: Room::new("the blocks of voxels"),
-            blocks: Room::new("the blocks of voxels"),
-            boxes: Room::new("the tree over the sites"),
-            slabs: Room::new("the tree over the sites"),
-            weight_bounds: Room::new("the tree over the sites"),
+            voxels: Room::new("the site grid"),
+            boxes: Room::new(tree),
+            slabs: Room::new(tree),
+            weight_bounds: Room::new(tree),
             on_host: OnHost { ranges: Vec::new(), number: Vec::new() },
         }
     }
@@ -90,8 +102,8 @@ impl Sites {
         self.given_weights.fill(context, queue, diagram.weights())
     }
 
-    /// Sorts the sites that were brought. Returns how many have a cell, or `None` where a voxel is crowded; then
-    /// [`take`](Self::take) what the host sorts.
+    /// Orders the sites that were brought, and makes the tree over them. Returns how many have a cell, or `None` where too many are too near each
+    /// other; then [`take`](Self::take) what the host makes.
     pub(crate) fn sort(
         &mut self,
         context: &Context,
@@ -130,167 +142,167 @@ impl Sites {
         let coarse = Voxels::coarse(range.lo, range.hi, n);
         shared.params.sort_into(&coarse, &range);
         shared.send(context, queue)?;
-        self.starts.fill_with(context, queue, 0, coarse.count())?;
+        self.marks.grow(context, Voxels::most_coarse(n))?;
+        self.marks.fill_with(context, queue, 0, coarse.count())?;
         kernels.mark_voxels.run(
             queue,
             n,
             GROUP,
-            MarkVoxels { params: &shared.room, placed: &self.placed, count, marks: &self.starts },
+            MarkVoxels { params: &shared.room, placed: &self.placed, count, marks: &self.marks },
         )?;
-        self.starts.read(queue, coarse.count(), &mut self.on_host.number)?;
+        self.marks.read(queue, coarse.count(), &mut self.on_host.number)?;
         let filled = self.on_host.number.iter().filter(|&&mark| mark != 0).count();
         let voxels = coarse.over_part(range.lo, range.hi, n, filled, SITES_PER_VOXEL);
-        let nodes = shared.params.sort_into(&voxels, &range);
+        shared.params.sort_into(&voxels, &range);
         shared.send(context, queue)?;
-        let boxes = voxels.count();
-        let box_count = boxes as u32;
-        self.reserve(context, n, boxes, nodes)?;
+        self.reserve(context, queue, shared, n, voxels.count())?;
 
-        self.starts.fill_with(context, queue, 0, boxes + 1)?;
-        self.crowded.fill_with(context, queue, 0, 1)?;
-        self.place.grow(context, n)?;
-        self.slots.grow(context, n)?;
-        self.offsets.fill_with(context, queue, 0, boxes + 1)?;
-        self.sites.grow(context, n)?;
-        self.order.grow(context, n)?;
-        self.boxes.grow(context, 1)?;
-        self.slabs.grow(context, 1)?;
-        self.weight_bounds.grow(context, 1)?;
-        kernels.count_sites.run(
-            queue,
-            n,
-            GROUP,
-            CountSites {
-                params: &shared.room,
-                placed: &self.placed,
-                count,
-                place: &self.place,
-                counts: &self.starts,
-                crowded: &self.crowded,
-            },
-        )?;
-        self.crowded.read(queue, 1, &mut self.on_host.number)?;
-        if self.on_host.number[0] != 0 {
+        let across = voxels.dims.iter().fold(1, |most, &dim| most.max(dim)).next_power_of_two().ilog2();
+        if across > MOST_CURVE_LEVELS {
             return Ok(None);
         }
-        scan(queue, kernels, &self.starts, boxes + 1, &mut self.sums)?;
-        kernels.place_sites.run(
-            queue,
-            n,
-            GROUP,
-            PlaceSites { count, place: &self.place, starts: &self.starts, slots: &self.slots },
-        )?;
-        kernels.sort_voxels.run(
-            queue,
-            boxes,
-            GROUP,
-            SortVoxels {
-                placed: &self.placed,
-                voxels: box_count,
-                starts: &self.starts,
-                slots: &self.slots,
-                kept: &self.offsets,
-            },
-        )?;
-        scan(queue, kernels, &self.offsets, boxes + 1, &mut self.sums)?;
-        kernels.gather_sites.run(
-            queue,
-            boxes,
-            GROUP,
-            GatherSites {
-                placed: &self.placed,
-                voxels: box_count,
-                starts: &self.starts,
-                slots: &self.slots,
-                offsets: &self.offsets,
-                sites: &self.sites,
-                order: &self.order,
-                weights: &self.weights,
-            },
-        )?;
-        let levels = voxels.levels();
-        for (level, pair) in levels.windows(2).enumerate() {
-            let ([bx, by, bz], [nx, ny, nz]) = (pair[0], pair[1]);
-            kernels.raise_level.run(
+        let most_finer = MOST_CURVE_LEVELS - across;
+        let mut finer = FINER.min(most_finer);
+        loop {
+            let most = if finer == most_finer { MOST_OF_LAST_RUN } else { MOST_OF_RUN };
+            self.put_in_order(context, queue, kernels, shared, n, (across + finer, finer, most))?;
+            self.flag.read(queue, 1, &mut self.on_host.number)?;
+            if self.on_host.number[0] == 0 {
+                break;
+            } else if finer == most_finer {
+                return Ok(None);
+            }
+            finer = most_finer;
+        }
+        self.kept.read_from(queue, n, 1, &mut self.on_host.number)?;
+        let sites = self.on_host.number[0];
+        shared.params.has_table = u32::from(range.smallest_weight == range.largest_weight);
+        if shared.params.has_table != 0 {
+            self.voxels.fill_with(context, queue, [0, 0], voxels.count())?;
+            self.flag.fill_with(context, queue, 0, 1)?;
+            kernels.find_voxels.run(
                 queue,
-                (nx * ny * nz) as usize,
+                sites as usize,
                 GROUP,
-                RaiseLevel {
-                    weights: &self.weights,
-                    begin: shared.params.level_begin[level + 1],
-                    nx,
-                    ny,
-                    nz,
-                    below: shared.params.level_begin[level],
-                    below_nx: bx,
-                    below_ny: by,
-                    below_nz: bz,
+                FindVoxels {
+                    params: &shared.room,
+                    sites: &self.sites,
+                    count: sites,
+                    voxels: &self.voxels,
+                    crowded: &self.flag,
                 },
             )?;
+            self.flag.read(queue, 1, &mut self.on_host.number)?;
+            shared.params.has_table = u32::from(self.on_host.number[0] == 0);
         }
-        self.bound_blocks(context, queue, kernels, &levels, shared)?;
-        self.offsets.read_from(queue, boxes, 1, &mut self.on_host.number)?;
-        Ok(Some(self.on_host.number[0] as usize))
+        self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
+        Ok(Some(sites as usize))
     }
 
-    /// Where weights differ, finds what bounds the search about each block of voxels; not for trees, which only one work-item searches.
-    fn bound_blocks(
+    /// Puts the sites into the order of the curve, as far as so many levels tell, of which `finer` divide voxels; `flag` becomes 1 where more than
+    /// `most` have one rank.
+    fn put_in_order(
         &mut self,
         context: &Context,
         queue: &CommandQueue,
         kernels: &GridKernels,
-        levels: &[[u32; 3]],
         shared: &Shared,
+        n: usize,
+        (levels, finer, most): (u32, u32, u32),
     ) -> Result<()> {
-        if shared.params.equal_weights != 0 {
-            self.bounds.grow(context, 1)?;
-            return self.blocks.grow(context, 1);
-        }
-        let own = (BLOCK_LEVEL as usize).min(levels.len() - 1);
-        let nodes: Vec<usize> = levels[own..].iter().map(|dims| dims.iter().map(|&n| n as usize).product()).collect();
-        let count = nodes[0] as u32;
-        let boxes = levels[0].iter().map(|&n| n as usize).product::<usize>();
-        self.bounds.grow(context, nodes.iter().sum::<usize>().max(boxes / 4))?;
-        self.blocks.grow(context, nodes[0].max(boxes / 4))?;
-        kernels.fit_blocks.run(
+        let count = n as u32;
+        let Self {
+            placed, turns, ranks: [ranks, new_ranks], slots: [slots, new_slots], digits, kept, flag, sums, ..
+        } = self;
+        kernels.rank_sites.run(
             queue,
-            nodes[0],
+            n,
             GROUP,
-            FitBlocks { params: &shared.room, sites: &self.sites, voxels: &self.offsets, count, bounds: &self.bounds },
+            RankSites { params: &shared.room, placed, count, turns, levels, finer, ranks, slots },
         )?;
-        for (level, &nodes) in (own..).zip(&nodes).skip(1) {
-            kernels.raise_bounds.run(
+        let groups = n.div_ceil(SORTED);
+        for shift in (0..3 * levels).step_by(DIGIT_BITS as usize) {
+            let counts = &*digits;
+            kernels.count_digits.run(queue, groups * GROUP, GROUP, CountDigits { ranks, count, shift, counts })?;
+            scan(queue, kernels, counts, DIGITS * groups, sums)?;
+            kernels.place_digits.run(
                 queue,
-                nodes,
+                groups * GROUP,
                 GROUP,
-                RaiseBounds { params: &shared.room, bounds: &self.bounds, level: level as u32 },
+                PlaceDigits { ranks, slots, count, shift, starts: counts, new_ranks, new_slots },
+            )?;
+            std::mem::swap(ranks, new_ranks);
+            std::mem::swap(slots, new_slots);
+        }
+        kept.fill_with(context, queue, 0, n + 1)?;
+        flag.fill_with(context, queue, 0, 1)?;
+        let is_long = &*flag;
+        kernels.settle_runs.run(queue, n, GROUP, SettleRuns { placed, ranks, count, most, slots, kept, is_long })?;
+        scan(queue, kernels, kept, n + 1, sums)?;
+        let Self { sites, order, .. } = self;
+        let (slots, placed, places) = (&self.slots[0], &self.placed, &self.kept);
+        kernels.gather_sites.run(queue, n, GROUP, GatherSites { placed, slots, places, count, sites, order })
+    }
+
+    /// Makes the tree over the sites that are in order.
+    fn bound_nodes(
+        &mut self,
+        context: &Context,
+        queue: &CommandQueue,
+        kernels: &GridKernels,
+        shared: &mut Shared,
+        sites: usize,
+    ) -> Result<()> {
+        let begins = shared.params.search_tree(sites);
+        shared.send(context, queue)?;
+        for (level, pair) in begins.windows(2).enumerate() {
+            let blocks = pair[1] - pair[0];
+            kernels.bound_nodes.run(
+                queue,
+                blocks * WIDTH,
+                GROUP,
+                BoundNodes {
+                    params: &shared.room,
+                    sites: &self.sites,
+                    level: level as u32,
+                    blocks: blocks as u32,
+                    boxes: &self.boxes,
+                    slabs: &self.slabs,
+                    weight_bounds: &self.weight_bounds,
+                },
             )?;
         }
-        kernels.bound_blocks.run(
-            queue,
-            nodes[0],
-            GROUP,
-            BoundBlocks {
-                params: &shared.room,
-                sites: &self.sites,
-                voxels: &self.offsets,
-                bounds: &self.bounds,
-                count,
-                blocks: &self.blocks,
-            },
-        )?;
         Ok(())
     }
 
-    /// Makes room for this grid of `boxes` voxels and `nodes` of the pyramid and a fourth more, and for any of `n` sites that fill half of their
-    /// box, so that nothing is allocated where they move and its shape is another one.
-    fn reserve(&mut self, context: &Context, n: usize, boxes: usize, nodes: usize) -> Result<()> {
-        let boxes = (boxes + boxes / 4).max((2.0 * n as f64 / SITES_PER_VOXEL) as usize);
-        self.starts.grow(context, boxes + 1)?;
-        self.offsets.grow(context, boxes + 1)?;
-        // A row of voxels has the most: half as many in each level, rounded up.
-        self.weights.grow(context, nodes.max(2 * boxes + MOST_LEVELS))?;
-        let mut count = boxes + 1;
+    /// Makes room for `n` sites in so many voxels and a fourth more, and for any of them that fill half of their box, so that nothing is allocated
+    /// where they move.
+    fn reserve(
+        &mut self,
+        context: &Context,
+        queue: &CommandQueue,
+        shared: &Shared,
+        n: usize,
+        voxels: usize,
+    ) -> Result<()> {
+        let voxels = (voxels + voxels / 4).max((2.0 * n as f64 / SITES_PER_VOXEL) as usize);
+        self.voxels.grow(context, voxels)?;
+        if !self.turns.is_made() {
+            let turns: Vec<[u8; 2]> = TURNS.iter().flatten().map(|&(rank, turn)| [rank, turn]).collect();
+            self.turns.fill(context, queue, &turns)?;
+        }
+        self.ranks.iter_mut().try_for_each(|ranks| ranks.grow(context, n))?;
+        self.slots.iter_mut().try_for_each(|slots| slots.grow(context, n))?;
+        self.digits.grow(context, DIGITS * n.div_ceil(SORTED))?;
+        self.kept.grow(context, n + 1)?;
+        self.sites.grow(context, n)?;
+        self.order.grow(context, n)?;
+        let begins = level_begins(n);
+        let blocks = begins[begins.len() - 1];
+        self.boxes.grow(context, blocks)?;
+        self.slabs.grow(context, blocks)?;
+        self.weight_bounds.grow(context, if shared.params.equal_weights == 0 { blocks } else { 1 })?;
+        let mut count = n + 1;
         for depth in 0.. {
             if self.sums.len() == depth {
                 self.sums.push(Room::new("sums of the site grid"));
@@ -298,7 +310,7 @@ impl Sites {
             count = count.div_ceil(SCANNED);
             self.sums[depth].grow(context, count)?;
             if count == 1 {
-                break;
+                return Ok(());
             }
         }
         Ok(())
@@ -313,7 +325,7 @@ impl Sites {
         shared: &mut Shared,
     ) -> Result<usize> {
         let tree = &prepared.sites;
-        shared.params.search_tree(tree);
+        shared.params.take_tree(tree);
         shared.send(context, queue)?;
         let sites: Vec<_> = (0..tree.len() as u32).into_par_iter().map(|i| tree.site(i)).collect();
         self.sites.fill(context, queue, &sites)?;
@@ -321,8 +333,7 @@ impl Sites {
         self.boxes.fill(context, queue, tree.all_boxes())?;
         self.slabs.fill(context, queue, tree.all_slabs())?;
         self.weight_bounds.fill(context, queue, tree.all_weights())?;
-        self.bounds.grow(context, 1)?;
-        self.blocks.grow(context, 1)?;
+        self.voxels.grow(context, 1)?;
         Ok(tree.len())
     }
 }

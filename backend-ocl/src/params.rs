@@ -5,7 +5,7 @@ use crate::interface::data::{Params, Range};
 use laguerre_core::diagram::FramedContainer;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::site_grid::Voxels;
-use laguerre_core::site_tree::SiteTree;
+use laguerre_core::site_tree::{self, SiteTree};
 use laguerre_core::{Request, Result};
 use laguerre_core::{cell, frame};
 use opencl3::command_queue::CommandQueue;
@@ -65,35 +65,32 @@ impl Params {
         self.equal_weights = u32::from(range.smallest_weight == range.largest_weight);
     }
 
-    /// The tree over the sites.
-    pub(crate) fn search_tree(&mut self, tree: &SiteTree) {
+    /// The tree over so many sites; returns where the blocks of each level begin, and one more at the end.
+    pub(crate) fn search_tree(&mut self, sites: usize) -> Vec<usize> {
+        let levels = site_tree::level_begins(sites);
+        self.tree_sites = sites as u32;
+        self.tree_top = levels.len() as u32 - 2;
+        self.tree_begin.iter_mut().zip(&levels).for_each(|(begin, &level)| *begin = level as u32);
+        levels
+    }
+
+    /// The tree that the host made.
+    pub(crate) fn take_tree(&mut self, tree: &SiteTree) {
         self.smallest_weight = tree.base_weight();
         self.largest_weight = tree.largest_weight();
         self.equal_weights = u32::from(!tree.has_weights());
-        self.has_tree = 1;
-        self.tree_sites = tree.len() as u32;
-        self.tree_top = tree.top_level() as u32;
-        for level in 0..=tree.top_level() {
-            self.tree_begin[level] = tree.level_begin(level) as u32;
-        }
+        self.has_table = 0;
+        self.search_tree(tree.len());
     }
 
-    /// The grid of the sites, and where each level of its pyramid begins; returns the nodes of all levels.
-    pub(crate) fn sort_into(&mut self, voxels: &Voxels, range: &Range) -> usize {
+    /// The grid of the sites.
+    pub(crate) fn sort_into(&mut self, voxels: &Voxels, range: &Range) {
         self.grid_lo = voxels.lo;
         self.grid_width = voxels.width;
         self.grid_per_width = 1.0 / voxels.width;
         self.grid_pad = voxels.pad;
         self.grid_dims = voxels.dims;
         self.weigh(range);
-        self.has_tree = 0;
-        let mut nodes = 0;
-        for (level, dims) in voxels.levels().into_iter().enumerate() {
-            self.level_begin[level] = nodes as u32;
-            self.top_level = level as u32;
-            nodes += dims.iter().map(|&n| n as usize).product::<usize>();
-        }
-        nodes
     }
 }
 

@@ -4,8 +4,8 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
-    AddBlocks, BoundBlocks, Cells, CountSites, EnterSites, FitBlocks, GatherSites, LookAbout, MarkVoxels,
-    MeasureClearances, PlaceSites, RaiseBounds, RaiseLevel, ScanBlocks, SortVoxels,
+    AddBlocks, BoundNodes, Cells, CountDigits, EnterSites, FindVoxels, GatherSites, LookAbout, MarkVoxels,
+    MeasureClearances, PlaceDigits, RankSites, ScanBlocks, SettleRuns,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -33,16 +33,15 @@ pub(crate) struct Kernels {
 pub(crate) struct GridKernels {
     pub(crate) enter_sites: Kernel<EnterSites<'static>>,
     pub(crate) mark_voxels: Kernel<MarkVoxels<'static>>,
-    pub(crate) count_sites: Kernel<CountSites<'static>>,
+    pub(crate) rank_sites: Kernel<RankSites<'static>>,
+    pub(crate) count_digits: Kernel<CountDigits<'static>>,
+    pub(crate) place_digits: Kernel<PlaceDigits<'static>>,
     pub(crate) scan_blocks: Kernel<ScanBlocks<'static>>,
     pub(crate) add_blocks: Kernel<AddBlocks<'static>>,
-    pub(crate) place_sites: Kernel<PlaceSites<'static>>,
-    pub(crate) sort_voxels: Kernel<SortVoxels<'static>>,
+    pub(crate) settle_runs: Kernel<SettleRuns<'static>>,
     pub(crate) gather_sites: Kernel<GatherSites<'static>>,
-    pub(crate) raise_level: Kernel<RaiseLevel<'static>>,
-    pub(crate) fit_blocks: Kernel<FitBlocks<'static>>,
-    pub(crate) raise_bounds: Kernel<RaiseBounds<'static>>,
-    pub(crate) bound_blocks: Kernel<BoundBlocks<'static>>,
+    pub(crate) find_voxels: Kernel<FindVoxels<'static>>,
+    pub(crate) bound_nodes: Kernel<BoundNodes<'static>>,
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
     pub(crate) look_about: Kernel<LookAbout<'static>>,
 }
@@ -53,16 +52,15 @@ impl GridKernels {
         Ok(Self {
             enter_sites: Kernel::new(&program)?,
             mark_voxels: Kernel::new(&program)?,
-            count_sites: Kernel::new(&program)?,
+            rank_sites: Kernel::new(&program)?,
+            count_digits: Kernel::new(&program)?,
+            place_digits: Kernel::new(&program)?,
             scan_blocks: Kernel::new(&program)?,
             add_blocks: Kernel::new(&program)?,
-            place_sites: Kernel::new(&program)?,
-            sort_voxels: Kernel::new(&program)?,
+            settle_runs: Kernel::new(&program)?,
             gather_sites: Kernel::new(&program)?,
-            raise_level: Kernel::new(&program)?,
-            fit_blocks: Kernel::new(&program)?,
-            raise_bounds: Kernel::new(&program)?,
-            bound_blocks: Kernel::new(&program)?,
+            find_voxels: Kernel::new(&program)?,
+            bound_nodes: Kernel::new(&program)?,
             measure_clearances: Kernel::new(&program)?,
             look_about: Kernel::new(&program)?,
         })

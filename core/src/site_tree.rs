@@ -3,12 +3,16 @@
 
 #![allow(clippy::needless_range_loop, reason = "loops over eight lanes, and over rows of matrices")]
 
-mod bound;
 mod hilbert;
+mod slope;
 
-use bound::{fit_slope, fit_weights, thinnest_slab};
+use crate::cell::V3;
+use crate::cell::node::{MOST_SAMPLED, NodeSource, box_of_node, slab_of_node, weights_of_node};
+use crate::cell::search_store::{NodeBox, NodeSlab, NodeWeights};
+pub use hilbert::TURNS;
 use hilbert::curve_order;
 use rayon::prelude::*;
+use slope::fit_slope;
 
 /// Sites in a leaf, and nodes in a block.
 pub const WIDTH: usize = 8;
@@ -18,7 +22,7 @@ pub(crate) const NOWHERE: f64 = 1e150;
 
 /// Eight sibling nodes: the tight boxes of their sites.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Boxes {
     /// Minimum corners, axis by axis.
     pub lo: [[f64; WIDTH]; 3],
@@ -29,7 +33,7 @@ pub struct Boxes {
 /// An upper bound of the weights of each of eight sibling nodes, less [`SiteTree::base_weight`]:
 /// `w_j − base ≤ c + g·(p_j − m) + Σ_k q_k (p_j − m)_k²`, `m` the middle of the box. `c` has room for all roundings of evaluating it.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct WeightBounds {
     /// Constant.
     pub c: [f64; WIDTH],
@@ -42,7 +46,7 @@ pub struct WeightBounds {
 /// A slab that holds the sites of each of eight sibling nodes, across their thinnest direction: it tells sites that lie along a surface from
 /// a sphere that touches the surface.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Slabs {
     /// Unit normals, axis by axis; zero where the box says as much.
     pub normal: [[f64; WIDTH]; 3],
@@ -84,6 +88,20 @@ pub struct SiteTree {
     largest_weight: f64,
 }
 
+/// Where the blocks of each level begin in the tree over so many sites (at least one), those of the leaves first; one more at the end.
+pub fn level_begins(sites: usize) -> Vec<usize> {
+    let mut begins = vec![0];
+    let mut nodes = sites.div_ceil(WIDTH);
+    loop {
+        let blocks = nodes.div_ceil(WIDTH);
+        begins.push(begins[begins.len() - 1] + blocks);
+        if blocks == 1 {
+            return begins;
+        }
+        nodes = blocks;
+    }
+}
+
 impl SiteTree {
     /// Over `positions` (at least one, in the frame) with `weights` (one for each, or none).
     pub fn new(positions: &[[f64; 3]], weights: &[f64]) -> Self {
@@ -117,7 +135,7 @@ impl SiteTree {
             boxes: Vec::new(),
             slabs: Vec::new(),
             weights: Vec::new(),
-            levels: vec![0],
+            levels: level_begins(sites.len()),
             base_weight,
             largest_weight,
         };
@@ -263,35 +281,91 @@ impl SiteTree {
     /// The boxes, slabs and bounds, level by level.
     fn build(&mut self, sites: &[[f64; 4]]) {
         let has_weights = self.base_weight < self.largest_weight;
-        let mut span = WIDTH;
-        loop {
-            let nodes = self.len().div_ceil(span);
-            let blocks = nodes.div_ceil(WIDTH);
-            let of_node = |block: usize, k: usize| {
-                let begin = ((block * WIDTH + k) * span).min(self.len());
-                &sites[begin..(begin + span).min(sites.len())]
+        for level in 0..=self.top_level() {
+            let span = WIDTH << (3 * level);
+            let blocks = self.levels[level + 1] - self.levels[level];
+            let block = |block: usize| {
+                let (mut boxes, mut slabs, mut weights) = (Boxes::NONE, Slabs::NONE, WeightBounds::NONE);
+                for k in 0..WIDTH {
+                    let node = block * WIDTH + k;
+                    let of_node = &sites[sites.len().min(node * span)..sites.len().min((node + 1) * span)];
+                    if of_node.is_empty() {
+                        break;
+                    }
+                    let source = Node { tree: &*self, sites: of_node, level, node };
+                    let bounds = box_of_node(&source);
+                    boxes.set(k, bounds);
+                    slabs.set(k, slab_of_node(&source, bounds));
+                    if has_weights {
+                        weights.set(k, weights_of_node(&source, bounds));
+                    }
+                }
+                (boxes, slabs, has_weights.then_some(weights))
             };
-            let built: Vec<(Boxes, Slabs, Option<WeightBounds>)> = (0..blocks)
-                .into_par_iter()
-                .map(|block| {
-                    let boxes = Boxes::of(|k| of_node(block, k));
-                    let slabs = Slabs::of(|k| of_node(block, k), self.base_weight);
-                    let weights =
-                        has_weights.then(|| WeightBounds::of(|k| of_node(block, k), &boxes, self.base_weight));
-                    (boxes, slabs, weights)
-                })
-                .collect();
+            let built: Vec<(Boxes, Slabs, Option<WeightBounds>)> = (0..blocks).into_par_iter().map(block).collect();
             for (boxes, slabs, weights) in built {
                 self.boxes.push(boxes);
                 self.slabs.push(slabs);
                 self.weights.extend(weights);
             }
-            self.levels.push(self.boxes.len());
-            if blocks == 1 {
-                return;
-            }
-            span *= WIDTH;
         }
+    }
+}
+
+/// A node whose bounds are found.
+struct Node<'a> {
+    tree: &'a SiteTree,
+    sites: &'a [[f64; 4]],
+    level: usize,
+    node: usize,
+}
+
+impl Node<'_> {
+    fn sample(&self, i: u32) -> &[f64; 4] {
+        &self.sites[i as usize * self.sites.len() / self.sampled() as usize]
+    }
+
+    /// A node of the second level below: its block, and its number there.
+    fn part(&self, i: u32) -> (usize, usize) {
+        let i = i as usize;
+        (self.tree.levels[self.level - 2] + self.node * WIDTH + i / WIDTH, i % WIDTH)
+    }
+}
+
+impl NodeSource for Node<'_> {
+    fn sampled(&self) -> u32 {
+        self.sites.len().min(MOST_SAMPLED as usize) as u32
+    }
+
+    fn sampled_place(&self, i: u32) -> V3 {
+        let &[x, y, z, _] = self.sample(i);
+        V3 { x, y, z }
+    }
+
+    fn sampled_weight(&self, i: u32) -> f64 {
+        self.sample(i)[3] - self.tree.base_weight
+    }
+
+    fn parts(&self) -> u32 {
+        match self.sites.len() > MOST_SAMPLED as usize {
+            true => self.sites.len().div_ceil(WIDTH << (3 * (self.level - 2))) as u32,
+            false => 0,
+        }
+    }
+
+    fn part_box(&self, i: u32) -> NodeBox {
+        let (block, k) = self.part(i);
+        self.tree.boxes[block].get(k)
+    }
+
+    fn part_slab(&self, i: u32) -> NodeSlab {
+        let (block, k) = self.part(i);
+        self.tree.slabs[block].get(k)
+    }
+
+    fn part_weights(&self, i: u32) -> NodeWeights {
+        let (block, k) = self.part(i);
+        self.tree.weights[block].get(k)
     }
 }
 
@@ -308,20 +382,25 @@ impl Leaf {
     }
 }
 
+/// Vector `k` of eight.
+fn vector(of: &[[f64; WIDTH]; 3], k: usize) -> V3 {
+    V3 { x: of[0][k], y: of[1][k], z: of[2][k] }
+}
+
+fn set_vector(of: &mut [[f64; WIDTH]; 3], k: usize, v: V3) {
+    (of[0][k], of[1][k], of[2][k]) = (v.x, v.y, v.z);
+}
+
 impl Boxes {
-    fn of<'a>(sites: impl Fn(usize) -> &'a [[f64; 4]]) -> Self {
-        let mut boxes = Self { lo: [[NOWHERE; WIDTH]; 3], hi: [[NOWHERE; WIDTH]; 3] };
-        for k in 0..WIDTH {
-            let sites = sites(k);
-            if sites.is_empty() {
-                continue;
-            }
-            for axis in 0..3 {
-                boxes.lo[axis][k] = sites.iter().fold(f64::INFINITY, |lo, site| lo.min(site[axis]));
-                boxes.hi[axis][k] = sites.iter().fold(f64::NEG_INFINITY, |hi, site| hi.max(site[axis]));
-            }
-        }
-        boxes
+    const NONE: Self = Self { lo: [[NOWHERE; WIDTH]; 3], hi: [[NOWHERE; WIDTH]; 3] };
+
+    fn get(&self, k: usize) -> NodeBox {
+        NodeBox { lo: vector(&self.lo, k), hi: vector(&self.hi, k) }
+    }
+
+    fn set(&mut self, k: usize, bounds: NodeBox) {
+        set_vector(&mut self.lo, k, bounds.lo);
+        set_vector(&mut self.hi, k, bounds.hi);
     }
 
     /// The middle of box `k`.
@@ -331,46 +410,36 @@ impl Boxes {
 }
 
 impl Slabs {
-    fn of<'a>(sites: impl Fn(usize) -> &'a [[f64; 4]], base: f64) -> Self {
-        let mut slabs = Self {
-            normal: [[0.0; WIDTH]; 3],
-            lo: [0.0; WIDTH],
-            hi: [0.0; WIDTH],
-            largest_weight: [f64::NEG_INFINITY; WIDTH],
-        };
-        for k in 0..WIDTH {
-            let sites = sites(k);
-            if sites.is_empty() {
-                continue;
-            }
-            let (normal, lo, hi) = thinnest_slab(sites);
-            for axis in 0..3 {
-                slabs.normal[axis][k] = normal[axis];
-            }
-            (slabs.lo[k], slabs.hi[k]) = (lo, hi);
-            slabs.largest_weight[k] = sites.iter().fold(f64::NEG_INFINITY, |w, site| w.max(site[3] - base));
-        }
-        slabs
+    const NONE: Self = Self {
+        normal: [[0.0; WIDTH]; 3],
+        lo: [0.0; WIDTH],
+        hi: [0.0; WIDTH],
+        largest_weight: [f64::NEG_INFINITY; WIDTH],
+    };
+
+    fn get(&self, k: usize) -> NodeSlab {
+        let normal = vector(&self.normal, k);
+        NodeSlab { normal, lo: self.lo[k], hi: self.hi[k], largest: self.largest_weight[k] }
+    }
+
+    fn set(&mut self, k: usize, slab: NodeSlab) {
+        set_vector(&mut self.normal, k, slab.normal);
+        (self.lo[k], self.hi[k], self.largest_weight[k]) = (slab.lo, slab.hi, slab.largest);
     }
 }
 
 impl WeightBounds {
-    fn of<'a>(sites: impl Fn(usize) -> &'a [[f64; 4]], boxes: &Boxes, base: f64) -> Self {
-        // Where no node is, no weight is.
-        let mut bounds = Self { c: [-NOWHERE; WIDTH], g: [[0.0; WIDTH]; 3], q: [[0.0; WIDTH]; 3] };
-        for k in 0..WIDTH {
-            let sites = sites(k);
-            if sites.is_empty() {
-                continue;
-            }
-            let halves = std::array::from_fn(|axis| 0.5 * (boxes.hi[axis][k] - boxes.lo[axis][k]));
-            let (c, g, q) = fit_weights(sites, boxes.middle(k), halves, base);
-            bounds.c[k] = c;
-            for axis in 0..3 {
-                (bounds.g[axis][k], bounds.q[axis][k]) = (g[axis], q[axis]);
-            }
-        }
-        bounds
+    /// Where no node is, no weight is.
+    const NONE: Self = Self { c: [-NOWHERE; WIDTH], g: [[0.0; WIDTH]; 3], q: [[0.0; WIDTH]; 3] };
+
+    fn get(&self, k: usize) -> NodeWeights {
+        NodeWeights { offset: self.c[k], slope: vector(&self.g, k), curvature: vector(&self.q, k) }
+    }
+
+    fn set(&mut self, k: usize, weights: NodeWeights) {
+        self.c[k] = weights.offset;
+        set_vector(&mut self.g, k, weights.slope);
+        set_vector(&mut self.q, k, weights.curvature);
     }
 }
 

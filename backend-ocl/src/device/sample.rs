@@ -19,8 +19,8 @@ pub(super) const MAY_FAIL: f64 = 0.05;
 /// Cells of the sample of those that are computed together: as many as a large GPU computes at two times, 0.3 ms.
 const SAMPLE_TOGETHER: usize = 4096;
 
-/// How many of the sample have to reach beyond what the first stage searches, or to need more room, for the host to make the tree; and to fail,
-/// where the tree is there, for all cells to begin in the stage of those that reach far.
+/// How many of the sample have to reach beyond what the first stage searches, or to need more room, for the tree alone to be searched; and to fail,
+/// where it is, for all cells to begin in the stage of those that reach far.
 const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
 
@@ -53,25 +53,24 @@ impl Device {
         self.together.filter(|_| whole)
     }
 
-    /// Whether the tree over the sites is to be searched, though no voxel is crowded: where enough of the `count` cells need more than the voxels
-    /// near their sites, as those of sites on a surface do, and of weights that curve. (Not asked of a domain.)
+    /// Gives up the table of offsets where enough of the `share` of cells need more than the voxels near their sites, as those of sites on a surface
+    /// do. (Not asked of a domain.)
     ///
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
     /// not completed with exact signs, either.
-    pub(crate) fn wants_tree(&mut self, request: &Request, sites: usize, count: usize) -> Result<bool> {
-        let Some(lanes) = self.lanes(request).filter(|_| self.domain.is_none() && count >= WORTH_A_SAMPLE) else {
-            return Ok(false);
-        };
-        self.clear(request, sites, count)?;
-        self.look_about(sites, 0..0)?;
-        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(0..count), SAMPLE_TOGETHER)?;
+    pub(super) fn choose_table(&mut self, lanes: usize, share: Range<usize>) -> Result<()> {
+        if self.shared.params.has_table == 0 || self.domain.is_some() || share.len() < WORTH_A_SAMPLE {
+            return Ok(());
+        }
+        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
         let mut beyond = first.beyond + first.boundary;
         if beyond <= WORTH_A_TREE && first.failed > WORTH_A_TREE {
             std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
             let open = Todo::Listed(first.failed as usize);
             beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.boundary;
         }
-        Ok(beyond > WORTH_A_TREE)
+        self.shared.params.has_table = u32::from(beyond <= WORTH_A_TREE);
+        Ok(())
     }
 
     /// Whether most cells of a range, where they are many, are not completed by the first stage.

@@ -82,8 +82,11 @@ impl Device {
         let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
+        if let Some(lanes) = together {
+            self.choose_table(lanes, share.clone())?;
+        }
         let begin = match together {
-            Some(lanes) if self.shared.params.has_tree != 0 && self.most_fail(lanes, share.clone())? => {
+            Some(lanes) if self.shared.params.has_table == 0 && self.most_fail(lanes, share.clone())? => {
                 Some((lanes, Stage::Far))
             }
             _ => together.map(|lanes| (lanes, Stage::First)),
@@ -194,7 +197,7 @@ impl Device {
                 now = Todo::Listed(counters.failed as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.failed);
                 counters.failed = 0;
-                let is_tree = self.shared.params.has_tree != 0;
+                let is_tree = self.shared.params.has_table == 0;
                 way = Way::Together(lanes, if is_tree && stage == Stage::First { Stage::Far } else { Stage::Exact });
             } else if counters.boundary > 0 {
                 now = Todo::Listed(counters.boundary as usize);
@@ -355,10 +358,7 @@ impl Device {
         let world = World {
             params: &shared.room,
             sites: &sites.sites,
-            voxels: &sites.offsets,
-            weights: &sites.weights,
-            bounds: &sites.bounds,
-            blocks: &sites.blocks,
+            voxels: &sites.voxels,
             boxes: &sites.boxes,
             slabs: &sites.slabs,
             weight_bounds: &sites.weight_bounds,

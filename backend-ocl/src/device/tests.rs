@@ -1,65 +1,82 @@
-//! What the device finds out about weights before it searches, held to all pairs of sites.
+//! The tree that the device makes over the sites, held to its sites.
 
 use super::Device;
-use crate::grid::SITES_PER_VOXEL;
-use crate::interface::data::{Block, SHELL_RADIUS};
 use crate::platform::choose;
 use laguerre_core::required::if_available;
+use laguerre_core::site_tree::{Boxes, Slabs, WIDTH, WeightBounds};
 use laguerre_core::{DeviceChoice, PowerDiagram, Precision, Request};
 
+type Place = fn([f64; 3]) -> [f64; 3];
 type Weight = fn([f64; 3]) -> f64;
 
-/// Weights of each kind, and how far vertices may be at least where they are the same for all cells but a shift, in voxels.
-const WEIGHTS: [(&str, Weight, f64); 5] = [
-    ("affine", |[x, y, z]| 0.7 * x - 0.4 * y + 0.1 * z, 2.5),
-    ("convex", |[x, y, z]| 0.2 * (x * x + y * y + z * z), 0.8),
-    ("with a step", |[x, y, z]| 0.3 * x - 0.25 * y * y + 0.2 * z * z + if x > 0.5 { 0.02 } else { 0.0 }, f64::MIN),
-    ("at random", |[x, y, z]| 0.01 * (1e4 * (x + 2.0 * y + 3.0 * z)).fract(), f64::MIN),
-    ("one heavy", |[x, y, z]| if x.max(y).max(z) < 0.1 { 0.09 } else { 0.0 }, f64::MIN),
+const SITES: u32 = 9000;
+
+/// Sites of each kind, with weights of each: spread evenly, on a surface, of four scales, and with a few at one place.
+const INPUTS: [(&str, Place, Weight); 5] = [
+    ("even", |p| p, |_| 0.0),
+    ("affine", |p| p, |[x, y, z]| 0.7 * x - 0.4 * y + 0.1 * z),
+    ("on a surface", |[x, y, _]| [x, y, 0.2 * x * x + 0.1 * y], |[x, y, _]| 0.3 * x * x - 0.25 * y * y),
+    ("of four scales", |p| p.map(|x| 0.3 + x * 10_f64.powi(-((1e4 * p[0]) as i32 % 4))), |p| (1e4 * p[1]).fract()),
+    ("coincident", |p| p.map(|x| (20.0 * x).floor() / 20.0), |p| if p[0] < 0.01 { 0.01 } else { 0.0 }),
 ];
 
 #[test]
-fn no_pair_of_sites_breaks_the_bounds_of_a_block() {
+fn what_bounds_a_node_holds_for_its_sites() {
     let Some(mut device) = open() else { return };
-    for (name, weight, least) in WEIGHTS {
-        let positions = sites(3000);
+    for (name, place, weight) in INPUTS {
+        let positions: Vec<[f64; 3]> = spread(SITES).into_iter().map(place).collect();
         let weights: Vec<f64> = positions.iter().map(|&p| weight(p)).collect();
-        let diagram = PowerDiagram::new(&positions, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        let diagram = PowerDiagram::new(&positions, &weights).unwrap().in_box([0.0; 3], [2.0; 3]).unwrap();
         let container = diagram.framed_container().unwrap();
         device.load(&diagram, &container, &Request::moments(), None).unwrap();
-        assert_eq!(device.sort(&diagram, &container).unwrap(), Some(positions.len()));
-        let grid = diagram.prepare_grid(SITES_PER_VOXEL).unwrap().sites;
-        let [nx, ny, nz] = grid.levels()[1].dims;
-        let mut blocks: Vec<Block> = Vec::new();
-        device.sites.blocks.read(&device.queue, (nx * ny * nz) as usize, &mut blocks).unwrap();
-        let width = grid.voxel_width();
-        for &[x, y, z, w] in grid.sites() {
-            let center = grid.voxel_of([x, y, z]);
-            let [bx, by, bz] = center.map(|i| i / 2);
-            let Block { slope: [gx, gy, gz], excess, growth, proved } = blocks[(bx + nx * (by + ny * bz)) as usize];
-            assert!(proved >= least * width, "{name}: {} voxels", proved / width);
-            let excess = excess - w + (gx * x + gy * y + gz * z);
-            for &[ox, oy, oz, other] in grid.sites() {
-                let d = [ox - x, oy - y, oz - z];
-                let square = d.iter().map(|d| d * d).sum::<f64>();
-                let more = other - w - (gx * d[0] + gy * d[1] + gz * d[2]);
-                let off = grid.voxel_of([ox, oy, oz]).iter().zip(center).map(|(&i, c)| i.abs_diff(c)).max();
-                if square == 0.0 {
-                    continue;
-                }
-                if off <= Some(SHELL_RADIUS) {
-                    assert!(more <= excess + growth * square, "{name}: {more} is above {excess} + {growth}·{square}");
-                } else {
-                    let bisector = (square - more) / (2.0 * square.sqrt());
-                    assert!(bisector >= proved, "{name}: a bisector at {bisector}, none was to be within {proved}");
+        let count = device.sort(&diagram, &container).unwrap().unwrap();
+
+        let mut places: Vec<[u64; 3]> = positions.iter().map(|p| p.map(f64::to_bits)).collect();
+        places.sort_unstable();
+        places.dedup();
+        assert_eq!(count, places.len(), "{name}");
+        let (mut sites, mut order) = (Vec::new(), Vec::new());
+        device.sites.sites.read(&device.queue, count, &mut sites).unwrap();
+        device.sites.order.read(&device.queue, count, &mut order).unwrap();
+        let frame = &container.frame;
+        for (site, &i) in sites.iter().zip(&order) {
+            assert_eq!(site[..3], frame.enter(positions[i as usize]), "{name}");
+        }
+        let mut once = order.clone();
+        once.sort_unstable();
+        once.dedup();
+        assert_eq!(once.len(), count, "{name}");
+
+        let params = device.shared.params;
+        let (mut boxes, mut slabs, mut bounds) = (Vec::<Boxes>::new(), Vec::<Slabs>::new(), Vec::<WeightBounds>::new());
+        device.sites.boxes.read(&device.queue, usize::MAX, &mut boxes).unwrap();
+        device.sites.slabs.read(&device.queue, usize::MAX, &mut slabs).unwrap();
+        device.sites.weight_bounds.read(&device.queue, usize::MAX, &mut bounds).unwrap();
+        for (i, &[x, y, z, w]) in sites.iter().enumerate() {
+            let (at, more) = ([x, y, z], w - params.smallest_weight);
+            for level in 0..=params.tree_top as usize {
+                let node = i / WIDTH.pow(level as u32 + 1);
+                let (block, k) = (params.tree_begin[level] as usize + node / WIDTH, node % WIDTH);
+                let (its_box, slab) = (&boxes[block], &slabs[block]);
+                assert!((0..3).all(|axis| its_box.lo[axis][k] <= at[axis] && at[axis] <= its_box.hi[axis][k]));
+                let height: f64 = (0..3).map(|axis| slab.normal[axis][k] * at[axis]).sum();
+                assert!(slab.lo[k] <= height && height <= slab.hi[k], "{name}, level {level}");
+                assert!(more <= slab.largest_weight[k], "{name}, level {level}");
+                if params.equal_weights == 0 {
+                    let (bound, middle) = (&bounds[block], its_box.middle(k));
+                    let term = |axis: usize| {
+                        let u = at[axis] - middle[axis];
+                        (bound.g[axis][k] + bound.q[axis][k] * u) * u
+                    };
+                    assert!(more <= bound.c[k] + (term(0) + term(1) + term(2)), "{name}, level {level}");
                 }
             }
         }
     }
 }
 
-/// Sites spread evenly, but not regularly.
-fn sites(count: u32) -> Vec<[f64; 3]> {
+/// Points spread evenly, but not regularly.
+fn spread(count: u32) -> Vec<[f64; 3]> {
     let steps = [0.819_172_513_396_164_5, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
     (1..=count).map(|i| steps.map(|step| (f64::from(i) * step).fract())).collect()
 }

@@ -8,23 +8,14 @@ pub(crate) const SHELL_RADIUS: u32 = 6;
 pub(crate) const SHELLS: u32 = 2197;
 pub(crate) const INNER_SHELLS: u32 = 27;
 
-/// Sites in a node of the pyramid from which on the sharp test costs less than what it saves.
-pub(crate) const WORTH_SHARP_TEST: u32 = 8;
-
 /// Sites from all over that a cell is cut by where it reaches to other parts of the domain.
 pub(crate) const SAMPLE: u32 = 512;
 
 /// Room for a cell that is too large for local memory, in units of 8 bytes.
 pub(crate) const VAST_WORDS: u32 = 75_000;
 
-/// Levels of the pyramid at most.
-pub(crate) const MOST_LEVELS: usize = 32;
-
 /// Levels of the tree at most.
 pub(crate) const MOST_TREE_LEVELS: usize = 12;
-
-/// The level of the pyramid whose nodes are the blocks of `blocks.cl`, where there are so many.
-pub(crate) const BLOCK_LEVEL: u32 = 1;
 
 /// Work-items of a group where sites are sorted, and the elements that each of them scans.
 pub(crate) const GRID_GROUP: u32 = 256;
@@ -46,7 +37,7 @@ pub(crate) struct Params {
     /// Initial cell: the box, or the domain's grid.
     pub(crate) box_lo: [f64; 3],
     pub(crate) box_hi: [f64; 3],
-    /// Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by, largest weight of all.
+    /// Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by; largest and smallest weight of all.
     pub(crate) grid_lo: [f64; 3],
     pub(crate) grid_width: f64,
     pub(crate) grid_per_width: f64,
@@ -68,15 +59,14 @@ pub(crate) struct Params {
     /// Where the records of this batch will stand among all.
     pub(crate) facet_base: u64,
     pub(crate) grid_dims: [u32; 3],
-    pub(crate) top_level: u32,
-    pub(crate) level_begin: [u32; MOST_LEVELS],
     pub(crate) domain_dims: [u32; 3],
     pub(crate) has_domain: u32,
-    /// The tree over the sites, if there is one (`SiteTree`): where the blocks of each level begin, the root's level, the number of sites.
+    /// The tree over the sites (`SiteTree`): where the blocks of each level begin, the root's level, the number of sites.
     pub(crate) tree_begin: [u32; MOST_TREE_LEVELS],
     pub(crate) tree_top: u32,
     pub(crate) tree_sites: u32,
-    pub(crate) has_tree: u32,
+    /// 1: the table of offsets is gone through first.
+    pub(crate) has_table: u32,
     /// What to compute: the flags of `integrate_cell`.
     pub(crate) flags: u32,
     /// 1: all weights are the same.
@@ -88,8 +78,6 @@ pub(crate) struct Params {
     pub(crate) degree: u32,
     /// Room for records of cells near the surface.
     pub(crate) near_room: u32,
-    /// Zero.
-    pub(crate) unused: u32,
 }
 
 /// Range of the sites of one group, or of all.
@@ -100,20 +88,6 @@ pub(crate) struct Range {
     pub(crate) hi: [f64; 3],
     pub(crate) smallest_weight: f64,
     pub(crate) largest_weight: f64,
-}
-
-/// What bounds the search about the sites of a block, where weights differ and there are no trees (`blocks.cl`). For a site x of weight w,
-/// with W = excess − w + slope·x and κ = growth:
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Block {
-    /// g: distances to vertices are measured from x − g/2, and weights compared less g·x.
-    pub(crate) slope: [f64; 3],
-    /// Sites of the table of offsets at distance d weigh, so compared, at most W + κ d² more.
-    pub(crate) excess: f64,
-    pub(crate) growth: f64,
-    /// How far the vertices of a cell may be for no site beyond the table to cut it.
-    pub(crate) proved: f64,
 }
 
 /// What the cells of a run count.

@@ -1,6 +1,6 @@
 //! The kernels in double precision, and their parameters. What they do is said where their text is.
 
-use super::data::{Block, Counters, Params, Range};
+use super::data::{Counters, Params, Range};
 use super::table::kernels;
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::FacetSecond;
@@ -12,13 +12,8 @@ kernels! {
         input params: Params,
         /// Sorted sites: x, y, z, weight.
         input sites: [f64; 4],
-        /// Where the sites of each voxel begin; one more at the end.
-        input voxels: u32,
-        /// Largest weight of each node, level after level.
-        input weights: f64,
-        /// What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
-        input bounds: [f64; 4],
-        input blocks: Block,
+        /// Where the sites of each voxel begin and end, where the table of offsets is gone through.
+        input voxels: [u32; 2],
         /// The tree over the sites, block by block.
         input boxes: Boxes,
         input slabs: Slabs,
@@ -85,13 +80,33 @@ kernels! {
         output marks: u32,
     }
 
-    kernel CountSites = count_sites {
+    kernel RankSites = rank_sites {
         input params: Params,
         input placed: [f64; 4],
         value count: u32,
-        output place: [u32; 2],
-        atomic counts: u32,
-        output crowded: u32,
+        /// Of each turn of the curve and octant its rank, and the turn within it.
+        input turns: [u8; 2],
+        value levels: u32,
+        value finer: u32,
+        output ranks: u64,
+        output slots: u32,
+    }
+
+    kernel CountDigits = count_digits {
+        input ranks: u64,
+        value count: u32,
+        value shift: u32,
+        output counts: u32,
+    }
+
+    kernel PlaceDigits = place_digits {
+        input ranks: u64,
+        input slots: u32,
+        value count: u32,
+        value shift: u32,
+        input starts: u32,
+        output new_ranks: u64,
+        output new_slots: u32,
     }
 
     kernel ScanBlocks = scan_blocks {
@@ -106,65 +121,42 @@ kernels! {
         input sums: u32,
     }
 
-    kernel PlaceSites = place_sites {
-        value count: u32,
-        input place: [u32; 2],
-        input starts: u32,
-        output slots: u32,
-    }
-
-    kernel SortVoxels = sort_voxels {
+    kernel SettleRuns = settle_runs {
         input placed: [f64; 4],
-        value voxels: u32,
-        input starts: u32,
+        input ranks: u64,
+        value count: u32,
+        value most: u32,
         output slots: u32,
         output kept: u32,
+        output is_long: u32,
     }
 
     kernel GatherSites = gather_sites {
         input placed: [f64; 4],
-        value voxels: u32,
-        input starts: u32,
         input slots: u32,
-        input offsets: u32,
+        input places: u32,
+        value count: u32,
         output sites: [f64; 4],
         output order: u32,
-        output weights: f64,
     }
 
-    kernel RaiseLevel = raise_level {
-        output weights: f64,
-        value begin: u32,
-        value nx: u32,
-        value ny: u32,
-        value nz: u32,
-        value below: u32,
-        value below_nx: u32,
-        value below_ny: u32,
-        value below_nz: u32,
-    }
-
-    kernel FitBlocks = fit_blocks {
+    kernel FindVoxels = find_voxels {
         input params: Params,
         input sites: [f64; 4],
-        input voxels: u32,
         value count: u32,
-        output bounds: [f64; 4],
+        output voxels: [u32; 2],
+        output crowded: u32,
     }
 
-    kernel RaiseBounds = raise_bounds {
+    kernel BoundNodes = bound_nodes {
         input params: Params,
-        output bounds: [f64; 4],
+        input sites: [f64; 4],
         value level: u32,
-    }
-
-    kernel BoundBlocks = bound_blocks {
-        input params: Params,
-        input sites: [f64; 4],
-        input voxels: u32,
-        input bounds: [f64; 4],
-        value count: u32,
-        output blocks: Block,
+        /// Blocks of the level.
+        value blocks: u32,
+        output boxes: Boxes,
+        output slabs: Slabs,
+        output weight_bounds: WeightBounds,
     }
 
     kernel MeasureClearances = measure_clearances {

@@ -1,9 +1,6 @@
 // The entry point where one work-item computes a cell.
 
 #import "search.cl"
-#if WITH_TREE
-#import "tree_alone.cl"
-#endif
 #import "output.cl"
 
 // Computes `count` cells: those of `list` from `first` on, or without a list every `stride`th site from `first` on; every `apart`th work-item
@@ -21,16 +18,8 @@ __kernel void cells(CELLS_ARGUMENTS) {
     store.world = WORLD_OF_ARGUMENTS;
     store.tried = 0;
     store.last_tried = 0;
-#if WITH_TREE
     uint visited = 0;
-    uint status = complete_by_tree(&store, site, &visited);
-    const uint uncertified = store.uncertified;
-#else
-    Search search;
-    uint status = complete_cell(&store, &search, shells, site);
-    const uint visited = search.visited;
-    const uint uncertified = search.uncertified;
-#endif
+    uint status = complete_cell(&store, shells, site, &visited);
     if (status == COMPLETE) {
         status = refine(&store);
     }
@@ -87,7 +76,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         }
         return;
     }
-    outcome[i] = (status | ((store.exact != 0u) ? OUTCOME_EXACT : 0u)) | ((uncertified != 0u) ? OUTCOME_UNCERTIFIED : 0u);
+    outcome[i] = (status | ((store.exact != 0u) ? OUTCOME_EXACT : 0u)) | ((store.uncertified != 0u) ? OUTCOME_UNCERTIFIED : 0u);
     if (status != COMPLETE) {
         return;
     }

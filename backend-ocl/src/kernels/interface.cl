@@ -12,6 +12,9 @@
 // Sites in a leaf, and nodes in a block.
 #define WIDTH ((uint)(8))
 
+// Coordinate of the boxes of nodes that are not there: farther than any site, and its square is finite.
+#define NOWHERE ((real)(REAL(1e150)))
+
 // Eight sibling nodes: the tight boxes of their sites.
 typedef struct {
     // Minimum corners, axis by axis.
@@ -68,23 +71,14 @@ typedef struct {
 
 #define INNER_SHELLS ((uint)(27))
 
-// Sites in a node of the pyramid from which on the sharp test costs less than what it saves.
-#define WORTH_SHARP_TEST ((uint)(8))
-
 // Sites from all over that a cell is cut by where it reaches to other parts of the domain.
 #define SAMPLE ((uint)(512))
 
 // Room for a cell that is too large for local memory, in units of 8 bytes.
 #define VAST_WORDS ((uint)(75000))
 
-// Levels of the pyramid at most.
-#define MOST_LEVELS ((uint)(32))
-
 // Levels of the tree at most.
 #define MOST_TREE_LEVELS ((uint)(12))
-
-// The level of the pyramid whose nodes are the blocks of `blocks.cl`, where there are so many.
-#define BLOCK_LEVEL ((uint)(1))
 
 // Work-items of a group where sites are sorted, and the elements that each of them scans.
 #define GRID_GROUP ((uint)(256))
@@ -108,7 +102,7 @@ typedef struct {
     // Initial cell: the box, or the domain's grid.
     real box_lo[3];
     real box_hi[3];
-    // Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by, largest weight of all.
+    // Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by; largest and smallest weight of all.
     real grid_lo[3];
     real grid_width;
     real grid_per_width;
@@ -130,15 +124,14 @@ typedef struct {
     // Where the records of this batch will stand among all.
     ulong facet_base;
     uint grid_dims[3];
-    uint top_level;
-    uint level_begin[MOST_LEVELS];
     uint domain_dims[3];
     uint has_domain;
-    // The tree over the sites, if there is one (`SiteTree`): where the blocks of each level begin, the root's level, the number of sites.
+    // The tree over the sites (`SiteTree`): where the blocks of each level begin, the root's level, the number of sites.
     uint tree_begin[MOST_TREE_LEVELS];
     uint tree_top;
     uint tree_sites;
-    uint has_tree;
+    // 1: the table of offsets is gone through first.
+    uint has_table;
     // What to compute: the flags of `integrate_cell`.
     uint flags;
     // 1: all weights are the same.
@@ -150,8 +143,6 @@ typedef struct {
     uint degree;
     // Room for records of cells near the surface.
     uint near_room;
-    // Zero.
-    uint unused;
 } Params;
 
 // Range of the sites of one group, or of all.
@@ -161,18 +152,6 @@ typedef struct {
     real smallest_weight;
     real largest_weight;
 } Range;
-
-// What bounds the search about the sites of a block, where weights differ and there are no trees (`blocks.cl`). For a site x of weight w,
-// with W = excess − w + slope·x and κ = growth:
-typedef struct {
-    // g: distances to vertices are measured from x − g/2, and weights compared less g·x.
-    real slope[3];
-    // Sites of the table of offsets at distance d weigh, so compared, at most W + κ d² more.
-    real excess;
-    real growth;
-    // How far the vertices of a cell may be for no site beyond the table to cut it.
-    real proved;
-} Block;
 
 // What the cells of a run count.
 typedef struct {
@@ -200,13 +179,8 @@ typedef struct {
     __global const Params *params;
     // Sorted sites: x, y, z, weight.
     __global const real4 *sites;
-    // Where the sites of each voxel begin; one more at the end.
-    __global const uint *voxels;
-    // Largest weight of each node, level after level.
-    __global const real *weights;
-    // What `blocks.cl` knows of each node from blocks on, and of each block, where weights differ.
-    __global const real4 *bounds;
-    __global const Block *blocks;
+    // Where the sites of each voxel begin and end, where the table of offsets is gone through.
+    __global const uint2 *voxels;
     // The tree over the sites, block by block.
     __global const Boxes *boxes;
     __global const Slabs *slabs;
@@ -225,9 +199,6 @@ typedef struct {
     .params = params, \
     .sites = sites, \
     .voxels = voxels, \
-    .weights = weights, \
-    .bounds = bounds, \
-    .blocks = blocks, \
     .boxes = boxes, \
     .slabs = slabs, \
     .weight_bounds = weight_bounds, \
@@ -243,10 +214,7 @@ typedef struct {
 #define WORLD_ARGUMENTS \
     __global const Params *params, \
     __global const real4 *sites, \
-    __global const uint *voxels, \
-    __global const real *weights, \
-    __global const real4 *bounds, \
-    __global const Block *blocks, \
+    __global const uint2 *voxels, \
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
@@ -262,10 +230,7 @@ typedef struct {
 #define CELLS_ARGUMENTS \
     __global const Params *params, \
     __global const real4 *sites, \
-    __global const uint *voxels, \
-    __global const real *weights, \
-    __global const real4 *bounds, \
-    __global const Block *blocks, \
+    __global const uint2 *voxels, \
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
@@ -315,13 +280,30 @@ typedef struct {
     uint count, \
     __global uint *marks
 
-#define COUNT_SITES_ARGUMENTS \
+#define RANK_SITES_ARGUMENTS \
     __global const Params *params, \
     __global const real4 *placed, \
     uint count, \
-    __global uint2 *place, \
-    volatile __global uint *counts, \
-    __global uint *crowded
+    __global const uchar2 *turns, \
+    uint levels, \
+    uint finer, \
+    __global ulong *ranks, \
+    __global uint *slots
+
+#define COUNT_DIGITS_ARGUMENTS \
+    __global const ulong *ranks, \
+    uint count, \
+    uint shift, \
+    __global uint *counts
+
+#define PLACE_DIGITS_ARGUMENTS \
+    __global const ulong *ranks, \
+    __global const uint *slots, \
+    uint count, \
+    uint shift, \
+    __global const uint *starts, \
+    __global ulong *new_ranks, \
+    __global uint *new_slots
 
 #define SCAN_BLOCKS_ARGUMENTS \
     __global uint *data, \
@@ -333,59 +315,38 @@ typedef struct {
     uint count, \
     __global const uint *sums
 
-#define PLACE_SITES_ARGUMENTS \
-    uint count, \
-    __global const uint2 *place, \
-    __global const uint *starts, \
-    __global uint *slots
-
-#define SORT_VOXELS_ARGUMENTS \
+#define SETTLE_RUNS_ARGUMENTS \
     __global const real4 *placed, \
-    uint voxels, \
-    __global const uint *starts, \
+    __global const ulong *ranks, \
+    uint count, \
+    uint most, \
     __global uint *slots, \
-    __global uint *kept
+    __global uint *kept, \
+    __global uint *is_long
 
 #define GATHER_SITES_ARGUMENTS \
     __global const real4 *placed, \
-    uint voxels, \
-    __global const uint *starts, \
     __global const uint *slots, \
-    __global const uint *offsets, \
+    __global const uint *places, \
+    uint count, \
     __global real4 *sites, \
-    __global uint *order, \
-    __global real *weights
+    __global uint *order
 
-#define RAISE_LEVEL_ARGUMENTS \
-    __global real *weights, \
-    uint begin, \
-    uint nx, \
-    uint ny, \
-    uint nz, \
-    uint below, \
-    uint below_nx, \
-    uint below_ny, \
-    uint below_nz
-
-#define FIT_BLOCKS_ARGUMENTS \
+#define FIND_VOXELS_ARGUMENTS \
     __global const Params *params, \
     __global const real4 *sites, \
-    __global const uint *voxels, \
     uint count, \
-    __global real4 *bounds
+    __global uint2 *voxels, \
+    __global uint *crowded
 
-#define RAISE_BOUNDS_ARGUMENTS \
-    __global const Params *params, \
-    __global real4 *bounds, \
-    uint level
-
-#define BOUND_BLOCKS_ARGUMENTS \
+#define BOUND_NODES_ARGUMENTS \
     __global const Params *params, \
     __global const real4 *sites, \
-    __global const uint *voxels, \
-    __global const real4 *bounds, \
-    uint count, \
-    __global Block *blocks
+    uint level, \
+    uint blocks, \
+    __global Boxes *boxes, \
+    __global Slabs *slabs, \
+    __global WeightBounds *weight_bounds
 
 #define MEASURE_CLEARANCES_ARGUMENTS \
     __global const Params *params, \
@@ -421,7 +382,6 @@ typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];
 typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];
 typedef char size_of_Slabs[(sizeof(Slabs) == 384) ? 1 : -1];
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
-typedef char size_of_Params[(sizeof(Params) == 496) ? 1 : -1];
+typedef char size_of_Params[(sizeof(Params) == 360) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
-typedef char size_of_Block[(sizeof(Block) == 48) ? 1 : -1];
 typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];

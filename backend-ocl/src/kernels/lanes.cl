@@ -10,8 +10,7 @@
 // offsets, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others 8 %. WITH_TREE where the
 // tree is searched (`lanes_tree.cl`), WITH_FAR for cells that are completed by their vertices there.
 
-#import "lanes_cap.cl"
-#import "lanes_far.cl"
+#import "lanes_tree.cl"
 
 #if WITH_DOMAIN
 // How many voxels the surface meets of those that the box of the vertices, which are in single precision, and the site may; and the lowest
@@ -45,12 +44,12 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
 }
 #endif
 
-#if !WITH_TREE
+#if WITH_TABLE
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
 INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, Reach reach, uint *entry) {
     __global const Params *params = s->world.params;
-    const float limit = voxels_in_reach(s, square_reach(s, reach));
+    const float limit = voxels_in_reach(s, reach.extent);
     const uint below = (1u << s->lane) - 1u;
     uint found = 0;
     uint goes_on = 1;
@@ -69,13 +68,8 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
         const uint k = center[2] + (uint)oz;
         const float square = ((gx * gx) + (gy * gy)) + (gz * gz);
         const uint voxel = i + (params->grid_dims[0] * (j + (params->grid_dims[1] * k)));
-        uint is_near = ((own < SHELLS) && (square < limit))
+        const uint is_near = ((own < SHELLS) && (square < limit))
             && (((i < params->grid_dims[0]) && (j < params->grid_dims[1])) && (k < params->grid_dims[2]));
-#if WITH_WEIGHTS
-        if (is_near != 0u) {
-            is_near = voxel_reaches(s, reach, voxel, (float3)((float)ox + 0.5f, (float)oy + 0.5f, (float)oz + 0.5f) - f, square);
-        }
-#endif
         const uint all = lanes_with(is_near);
         const uint rank = found + popcount(all & below);
         if ((is_near != 0u) && (rank < LANES)) {
@@ -100,14 +94,13 @@ INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *c
 }
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
-INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *extent) {
+INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint own, uint *visited, float *extent) {
     CELL_SPACE Cell *cell = s->cell;
     __global const Params *params = s->world.params;
     const V3 p = s->site;
     const real per_width = params->grid_per_width;
     const V3 at = (V3){ .x = (p.x - params->grid_lo[0]) * per_width, .y = (p.y - params->grid_lo[1]) * per_width,
                         .z = (p.z - params->grid_lo[2]) * per_width };
-    // (The very voxel that the site is sorted into: what is known of its block is about the table of offsets from there.)
     const uint center[3] = { voxel_along(params, 0, p.x), voxel_along(params, 1, p.y), voxel_along(params, 2, p.z) };
     const float3 f = (float3)((float)(at.x - (real)center[0]), (float)(at.y - (real)center[1]), (float)(at.z - (real)center[2]));
     const uint below = (1u << s->lane) - 1u;
@@ -144,8 +137,9 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
         uint count = 0;
         if (s->lane < found) {
             const uint voxel = cell->marked[s->lane];
-            begin = s->world.voxels[voxel];
-            count = s->world.voxels[voxel + 1u] - begin;
+            const uint2 range = s->world.voxels[voxel];
+            begin = range.x;
+            count = range.y - range.x;
         }
         uint total = 0;
         uint place = 0;
@@ -175,7 +169,7 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
                     site[c] = cell->marked[at];
                     const real4 other = s->world.sites[site[c]];
                     const V3 way = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
-                    const uint its = key_of(s, way, other.w);
+                    const uint its = key_of(way);
                     key[c] = ((site[c] != own) && (its < key_limit(reach))) ? its : USED;
                 }
             }
@@ -194,25 +188,21 @@ INLINE uint complete_together(Store *s, __global const uchar4 *shells, uint own,
             break;
         }
     }
-#if WITH_WEIGHTS
-    const uint is_proved = (entry >= SHELLS) && (reach.span <= s->about.proved);
-#else
     const uint is_proved = entry > SHELLS;
-#endif
 #if WITH_DOMAIN
     if (reach.extent <= cell->outside) {
         *extent = reach.extent;
         return EMPTY;
     }
 #endif
-#if SEARCHES_FAR
+#if SEARCHES_BEYOND
     if (is_proved == 0u) {
         Store copy = *s;
-        uint more = 0;
-        const uint status = lanes_alike(search_far(&copy, center[0], center[1], center[2], own, is_sampled, &more));
-        *visited += more;
+        uint all = *visited;
+        const uint status = lanes_alike(complete_by_vertices(&copy, &all));
+        *visited = all;
         take_over(s, &copy);
-        *extent = reach_now(s).extent;
+        *extent = extent_of(farthest_of(s));
         return status;
     }
 #endif

@@ -76,7 +76,7 @@ OUTLINE uint sample_together(Store *given, uint own) {
     Store *s = &store;
     uint end = UNTOUCHED;
     for (uint i = 0; i < SAMPLE; i++) {
-        const uint site = sampled_site(s->world.params, s->world.voxels, i);
+        const uint site = sampled_site(s->world.params, i);
         if ((site == own) || (has_cut(s, site) != 0u)) {
             continue;
         }

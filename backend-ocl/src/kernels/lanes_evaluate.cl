@@ -3,9 +3,6 @@
 // the records of cells that are given to it WITH_SURFACE.
 
 #import "lanes.cl"
-#if WITH_TREE
-#import "lanes_tree.cl"
-#endif
 #import "lanes_near.cl"
 #import "lanes_integrate.cl"
 #import "output.cl"
@@ -63,14 +60,11 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if TAKES_NEAR
     take_cell(s, record);
 #else
-#if WITH_WEIGHTS && !WITH_TREE
-    s->about = about_site(s);
-#endif
     if (status == COMPLETE) {
-#if WITH_TREE
-        status = complete_by_tree(s, &visited, &extent);
+#if WITH_TABLE
+        status = complete_by_table(s, shells, site, &visited, &extent);
 #else
-        status = complete_together(s, shells, site, &visited, &extent);
+        status = complete_by_tree(s, &visited, &extent);
 #endif
     }
 #endif

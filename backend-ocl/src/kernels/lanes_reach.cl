@@ -1,6 +1,5 @@
 // How far a cell reaches that LANES work-items compute together, which sites can cut it, and in what order they do.
 
-#import "reach.cl"
 #import "lanes_clip.cl"
 
 // An upper bound of the distance of the farthest vertex from a place in the frame of the site (`farthest_vertex`, in single precision).
@@ -21,51 +20,12 @@ INLINE float farthest_from(Store *s, float3 place) {
 }
 INLINE float farthest_of(Store *s) { return farthest_from(s, (float3)(0.0f, 0.0f, 0.0f)); }
 
-#if WITH_TREE
+#if !WITH_TABLE
 INLINE float extent_of(float farthest) { return farthest; }
 #else
-#if WITH_WEIGHTS
-INLINE About about_site(Store *s) {
-    const V3 p = s->site;
-    const Block block = block_about(s->world.params, s->world.blocks, p.x, p.y, p.z);
-    const V3 slope = v3(block.slope[0], block.slope[1], block.slope[2]);
-    const real left = REAL(1.0) - block.growth;
-    const float excess = convert_float_rtp(left * ((block.excess - s->weight) + v3_dot(slope, p)));
-    return (About){
-        .slope = slope,
-        .from = (float3)(-0.5f * (float)slope.x, -0.5f * (float)slope.y, -0.5f * (float)slope.z),
-        .excess = as_float(lanes_alike(as_uint(excess))),
-        .stretch = as_float(lanes_alike(as_uint(convert_float_rtp(REAL(1.0) / left)))),
-        .proved = as_float(lanes_alike(as_uint(convert_float_rtn(block.proved))))
-    };
-}
-#endif
-
-// What is carried from cut to cut: `extent`, for what is asked of the domain (0 where the cell is outside, which nothing reaches), and for what
-// is asked of other sites, where weights differ, `span`: the distance of the farthest vertex from x − g/2 (`Block`). Where they do not the
-// extent is the squared distance from which on no site can cut it, so that one number does for both (a register less in the inner loop).
-// A site's key is the smaller, the earlier it had better cut; those cannot that are not below the limit.
-#if WITH_WEIGHTS
-typedef struct {
-    float extent;
-    float span;
-} Reach;
-INLINE float extent_of(float farthest) { return farthest; }
-INLINE Reach reach_now(Store *s) {
-    const float span = farthest_from(s, s->about.from);
-    return (Reach){ .extent = (WITH_DOMAIN != 0) ? farthest_of(s) : span, .span = span };
-}
-INLINE Reach within(Reach reach, float outside) {
-    const uint is_outside = reach.extent <= outside;
-    return (Reach){ .extent = (is_outside != 0u) ? 0.0f : reach.extent, .span = (is_outside != 0u) ? 0.0f : reach.span };
-}
-INLINE uint key_limit(Reach reach) { return as_uint(reach.span); }
-INLINE uint key_of(Store *s, V3 way, real weight) { return as_uint(bisector_distance(way, weight - s->weight, s->about.slope)); }
-INLINE float square_reach(Store *s, Reach reach) {
-    const float far = reach_about(reach.span, s->about.excess) * s->about.stretch;
-    return (reach.extent == 0.0f) ? 0.0f : (far * far);
-}
-#else
+// What is carried from cut to cut, for what is asked of the domain (0 where the cell is outside, which nothing reaches) and of other sites: the
+// squared distance from which on no site can cut the cell. A site's key is the smaller, the earlier it had better cut; those cannot that are not
+// below the limit.
 typedef struct {
     float extent;
 } Reach;
@@ -73,16 +33,13 @@ INLINE float extent_of(float farthest) { return (4.0f * farthest) * (farthest * 
 INLINE Reach reach_now(Store *s) { return (Reach){ .extent = extent_of(farthest_of(s)) }; }
 INLINE Reach within(Reach reach, float outside) { return (Reach){ .extent = (reach.extent <= outside) ? 0.0f : reach.extent }; }
 INLINE uint key_limit(Reach reach) { return as_uint(reach.extent); }
-INLINE uint key_of(Store *s, V3 way, real weight) { return as_uint(convert_float_rtz(square_of(way))); }
-INLINE float square_reach(Store *s, Reach reach) { return reach.extent; }
-#endif
+INLINE uint key_of(V3 way) { return as_uint(convert_float_rtz(v3_dot(way, way))); }
 
 #if WITH_DOMAIN
-// Whether a vertex is so many voxels of the site grid away from the site, or from where the slope of the weights has it, and may be on the other
-// side of the surface.
+// Whether a vertex is so many voxels of the site grid away from the site, and may be on the other side of the surface.
 INLINE uint is_beyond(Store *s, Reach reach, real widths) {
     const float from = extent_of(convert_float_rtp(widths * s->world.params->grid_width));
-    return (as_float(key_limit(reach)) > from) && (reach.extent > s->cell->clear);
+    return (reach.extent > from) && (reach.extent > s->cell->clear);
 }
 #endif
 
@@ -91,18 +48,6 @@ INLINE float voxels_in_reach(Store *s, float reach) {
     const float in_voxels = (sqrt(reach) * (convert_float_rtp(s->world.params->grid_per_width) * ROUGH_SAFE)) + SHELL_SLACK;
     return (in_voxels * in_voxels) * 1.00001f;
 }
-
-#if WITH_WEIGHTS
-// Whether a site of a voxel can cut the cell; it is at the squared distance `square`, and its middle at `way`, in voxels.
-INLINE uint voxel_reaches(Store *s, Reach reach, uint voxel, float3 way, float square) {
-    const float width = (float)s->world.params->grid_width;
-    const float3 halved = s->about.from;
-    const float along = -2.0f * (((halved.x * way.x) + (halved.y * way.y)) + (halved.z * way.z));
-    const float across = 1.01f * ((fabs(halved.x) + fabs(halved.y)) + fabs(halved.z));
-    const float far = reach_about(reach.span, convert_float_rtp(s->world.weights[voxel] - s->weight) + (width * (across - along)));
-    return square < voxels_in_reach(s, far * far);
-}
-#endif
 
 // No key of a candidate.
 #define USED 0xFFFFFFFFu

@@ -22,9 +22,10 @@
 #define SETTLES_CLOSELY (WITH_FAR && !WITH_EXACT)
 #define COMPACTS (WITH_EXACT || SETTLES_CLOSELY)
 
-// Whether sites beyond the table of offsets are searched: few cells reach so far, and without a domain and weights hardly any (there a lattice, of
-// which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
-#define SEARCHES_FAR ((WITH_EXACT && !WITH_TREE) && ((WITH_DOMAIN || WITH_WEIGHTS) || WITH_ROOM))
+// Whether the tree is searched: where there is no table of offsets, or for what is beyond it; few cells reach so far, and without a domain hardly
+// any (there a lattice, of which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
+#define SEARCHES_BEYOND (WITH_TABLE && (WITH_EXACT && (WITH_DOMAIN || WITH_ROOM)))
+#define SEARCHES_TREE (!WITH_TABLE || SEARCHES_BEYOND)
 
 // Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more, in local memory (1) and in global (2).
 // What needs still more is left to the kernel that computes a cell with one work-item. (Of each directed edge the vertex is kept.)
@@ -89,10 +90,14 @@ typedef struct {
     // The half-spaces of a truncated cone.
     Plane cone[4];
 #endif
-#if WITH_TREE
+#if SEARCHES_TREE
     // Of the search (`tree_search.cl`).
     uint open[MOST_OPEN];
     uint leaf[MOST_LEAVES];
+#if SETTLES_CLOSELY
+    uint open_key[MOST_OPEN];
+    uint leaf_key[MOST_LEAVES];
+#endif
     uint candidate[MOST_CANDIDATES];
     uint candidate_key[MOST_CANDIDATES];
 #endif
@@ -110,19 +115,6 @@ typedef struct {
 typedef char vast_cell_fits[(sizeof(Cell) <= (8u * VAST_WORDS)) ? 1 : -1];
 #endif
 
-#if WITH_WEIGHTS && !WITH_TREE
-// What is known about a site's block (`Block`), as its cell has use for it.
-typedef struct {
-    // The slope g, and −g/2.
-    V3 slope;
-    float3 from;
-    // How much heavier sites of the table may be, so compared; and by what the cell reaches farther since this grows with their distance.
-    float excess;
-    float stretch;
-    float proved;
-} About;
-#endif
-
 typedef struct {
     World world;
     // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
@@ -131,9 +123,6 @@ typedef struct {
     CELL_SPACE Cell *cell;
     V3 site;
     real weight;
-#if WITH_WEIGHTS && !WITH_TREE
-    About about;
-#endif
     // The sorted index of the site.
     uint own;
     uint lane;

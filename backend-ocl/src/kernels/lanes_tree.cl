@@ -1,7 +1,10 @@
-// The search of the tree (`tree_search.cl`), where LANES work-items compute a cell together. Built with -D WITH_TREE.
+// The search of the tree (`tree_search.cl`), where LANES work-items compute a cell together.
 
 #import "lanes_cap.cl"
+#import "lanes_reach.cl"
 #import "tree_store.cl"
+
+#if SEARCHES_TREE
 
 INLINE uint store_lanes(Store *s) { return LANES; }
 INLINE uint store_lane(Store *s) { return s->lane; }
@@ -18,9 +21,25 @@ INLINE real store_lane_real(Store *s, real x, uint from) {
 INLINE void store_lanes_wait(Store *s) { lanes_wait(); }
 
 INLINE uint store_open_block(Store *s, uint i) { return s->cell->open[i]; }
-INLINE void store_set_open_block(Store *s, uint i, uint block) { s->cell->open[i] = block; }
 INLINE uint store_leaf(Store *s, uint i) { return s->cell->leaf[i]; }
-INLINE void store_set_leaf(Store *s, uint i, uint leaf) { s->cell->leaf[i] = leaf; }
+// (Where few cells search far there is no room for keys.)
+#if SETTLES_CLOSELY
+INLINE uint store_open_key(Store *s, uint i) { return s->cell->open_key[i]; }
+INLINE uint store_leaf_key(Store *s, uint i) { return s->cell->leaf_key[i]; }
+INLINE void store_set_open_block(Store *s, uint i, uint block, uint key) {
+    s->cell->open[i] = block;
+    s->cell->open_key[i] = key;
+}
+INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key) {
+    s->cell->leaf[i] = leaf;
+    s->cell->leaf_key[i] = key;
+}
+#else
+INLINE uint store_open_key(Store *s, uint i) { return 0u; }
+INLINE uint store_leaf_key(Store *s, uint i) { return 0u; }
+INLINE void store_set_open_block(Store *s, uint i, uint block, uint key) { s->cell->open[i] = block; }
+INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key) { s->cell->leaf[i] = leaf; }
+#endif
 INLINE uint store_candidate(Store *s, uint i) { return s->cell->candidate[i]; }
 INLINE uint store_candidate_key(Store *s, uint i) { return s->cell->candidate_key[i]; }
 INLINE void store_set_candidate(Store *s, uint i, uint site, uint key) {
@@ -129,3 +148,4 @@ INLINE uint complete_by_tree(Store *s, uint *visited, float *extent) {
     *extent = extent_of(farthest_of(s));
     return status;
 }
+#endif

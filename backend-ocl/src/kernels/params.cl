@@ -17,10 +17,7 @@ INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
 #define SAMPLE_FROM REAL(5.0)
 
 // Number i of that sample, as evenly spread over the sorted sites.
-INLINE uint sampled_site(__global const Params *params, __global const uint *voxels, uint i) {
-    const ulong sites = voxels[params->grid_dims[0] * (params->grid_dims[1] * params->grid_dims[2])];
-    return (uint)((i * sites) / SAMPLE);
-}
+INLINE uint sampled_site(__global const Params *params, uint i) { return (uint)(((ulong)i * params->tree_sites) / SAMPLE); }
 
 // What single precision may err by in a distance to a voxel, in units of a voxel: distances are below 16, and pads below 1e-9.
 #define SHELL_SLACK 1e-5f
@@ -42,21 +39,4 @@ INLINE float place_in_domain(__global const Params *params, uint axis, real x) {
 INLINE float slack_at(float place) { return VOXEL_SLACK + (fabs(place) * VOXEL_ROUNDING); }
 INLINE uint voxel_in_domain(__global const Params *params, uint axis, float place) {
     return (uint)clamp(place, 0.0f, (float)(params->domain_dims[axis] - 1u));
-}
-
-// How many blocks to each side have what the table of offsets holds about any voxel of one; and their level of the pyramid.
-#define NEAR_BLOCKS ((SHELL_RADIUS + ((1u << BLOCK_LEVEL) - 1u)) >> BLOCK_LEVEL)
-INLINE uint block_level(__global const Params *params) { return min(BLOCK_LEVEL, params->top_level); }
-
-// Nodes along an axis at a level of the pyramid.
-INLINE uint level_dim(__global const Params *params, uint axis, uint level) {
-    return (params->grid_dims[axis] + ((1u << level) - 1u)) >> level;
-}
-
-INLINE Block block_about(__global const Params *params, __global const Block *blocks, real x, real y, real z) {
-    const uint level = block_level(params);
-    const uint i = voxel_along(params, 0, x) >> level;
-    const uint j = voxel_along(params, 1, y) >> level;
-    const uint k = voxel_along(params, 2, z) >> level;
-    return blocks[i + (level_dim(params, 0, level) * (j + (level_dim(params, 1, level) * k)))];
 }

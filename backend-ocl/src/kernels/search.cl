@@ -1,40 +1,69 @@
-// The search for the sites that cut a cell. First the voxels around the cell's own, in the order of a table of offsets sorted by distance
-// (`search_shells`); then, where those do not prove the cell complete, the pyramid from its root (`search_rest`).
+// The search for the sites that cut a cell, where one work-item computes it: the tree (`tree_alone.cl`), or WITH_TABLE, where weights do not differ,
+// first the voxels around the cell's own, in the order of a table of offsets sorted by distance.
 //
 // Each work-item looks for its own next candidate, and then all of a group clip together: looking must cost little. So what it needs
 // is kept in registers, and distances to voxels are in single precision and units of a voxel.
 
-#import "pyramid.cl"
+#import "tree_alone.cl"
 
-// Whether a site's bisector is among the cell's half-spaces.
-OUTLINE uint has_cut(Store *s, uint site) {
-    for (uint f = 0; f < s->planes; f++) {
-        if (s->source[f] == site) {
-            return 1;
-        }
-    }
-    return 0;
+// Begins the cell of a site as the container's box.
+INLINE uint begin_alone(Store *s, uint site) {
+    __global const Params *params = s->world.params;
+    const real4 own = s->world.sites[site];
+    s->own = site;
+    s->uncertified = 0;
+    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
+    s->weight = own.w;
+    s->exact = 0;
+    s->is_fine = 0;
+    s->specials = 0;
+    s->caps = 0;
+    s->last_index = 0xFFFFFFFFu;
+    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
+    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
+    return begin(s, lo, hi);
 }
 
-// Cuts the cell by the bisector with a site.
+#if WITH_TABLE
+typedef struct {
+    // Upper bound of the distance to the farthest vertex.
+    real farthest;
+    uint visited;
+    uint is_capped;
+    // Whether sites from all over have cut it, which are not to cut it twice.
+    uint is_sampled;
+} Search;
+
+// Cuts the cell by the bisector with a site: `UNTOUCHED` where the search goes on, or how the cell ended.
 INLINE uint cut_by(Store *s, Search *search, uint site) {
-    if ((search->is_sampled != 0u) && (has_cut(s, site) != 0u)) {
+    if ((search->is_sampled != 0u) && (store_has_cut(s, site) != 0u)) {
         return UNTOUCHED;
     }
-    const real4 other = s->world.sites[site];
-    const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y, .z = other.z - search->position.z };
     search->visited++;
-    return clip(s, bisector(d, search->weight - other.w), site);
+    const uint status = clip(s, bisector(store_way_to(s, site), REAL(0.0)), site);
+    if (status == CUT) {
+        search->farthest = farthest_vertex(s);
+        return UNTOUCHED;
+    }
+    return status;
 }
 
 // Cuts off what of the cell is outside the domain: `UNTOUCHED` where the search goes on, or how the cell ended.
 OUTLINE uint cap_cell(Store *s, Search *search) {
     const uint status = cap_outside(s, CAP_FROM * s->world.params->grid_width);
     if (status == CUT) {
-        measure(s, search);
+        search->farthest = farthest_vertex(s);
         return UNTOUCHED;
     }
     return status;
+}
+
+// The distance from which on sites cannot cut the cell, or, so `enlarged` says, are left out; which `left_out` tells.
+INLINE real reach_of(Store *s, Search *search, uint *left_out) {
+    const real reach = security_reach(search->farthest, REAL(0.0));
+    const real enlarged = s->world.params->enlarged;
+    *left_out = (enlarged > REAL(0.0)) && (enlarged < REAL(1.0));
+    return (*left_out != 0u) ? (enlarged * reach) : reach;
 }
 
 // The same, once, for a cell that reaches far; where that does not help, after some sites from all over have made it end half-way to the other
@@ -47,17 +76,15 @@ OUTLINE uint cap_far(Store *s, Search *search) {
     }
     search->is_sampled = 1;
     for (uint i = 0; i < SAMPLE; i++) {
-        const uint site = sampled_site(s->world.params, s->world.voxels, i);
-        const real4 other = s->world.sites[site];
-        const V3 d = (V3){ .x = other.x - search->position.x, .y = other.y - search->position.y,
-                           .z = other.z - search->position.z };
-        if (((site == search->site) || site_is_out_of_reach(search, d, other.w)) || (out_of_reach(s, search, square_of(d), other.w) != 0u)) {
+        const uint site = sampled_site(s->world.params, i);
+        uint left_out = 0;
+        const V3 d = store_way_to(s, site);
+        const real reach = reach_of(s, search, &left_out);
+        if ((site == s->own) || (v3_dot(d, d) >= (reach * reach))) {
             continue;
         }
         status = cut_by(s, search, site);
-        if (status == CUT) {
-            measure(s, search);
-        } else if (status != UNTOUCHED) {
+        if (status != UNTOUCHED) {
             return status;
         }
     }
@@ -75,25 +102,22 @@ INLINE uint is_outside(Store *s, uint entry) {
 
 // Goes through the table of offsets. Returns `COMPLETE` where the cell is, `UNTOUCHED` where the rest of the sites has to be searched,
 // or how the cell ended.
-INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shells) {
+INLINE uint search_table(Store *s, Search *search, __global const uchar4 *shells) {
     __global const Params *params = s->world.params;
     __global const real4 *sites = s->world.sites;
-    __global const uint *voxels = s->world.voxels;
-    const V3 p = search->position;
-    const uint own = search->site;
-    const uint equal = params->equal_weights;
+    __global const uint2 *voxels = s->world.voxels;
+    const V3 p = s->site;
+    const uint own = s->own;
     const uint nx = params->grid_dims[0];
     const uint ny = params->grid_dims[1];
     const uint nz = params->grid_dims[2];
+    const uint cx = voxel_along(params, 0, p.x);
+    const uint cy = voxel_along(params, 1, p.y);
+    const uint cz = voxel_along(params, 2, p.z);
     const real per_width = params->grid_per_width;
-    const float fx = (float)(((p.x - params->grid_lo[0]) * per_width) - (real)search->center[0]);
-    const float fy = (float)(((p.y - params->grid_lo[1]) * per_width) - (real)search->center[1]);
-    const float fz = (float)(((p.z - params->grid_lo[2]) * per_width) - (real)search->center[2]);
-    // How much heavier a site of the table may be, and how far vertices may be for none beyond it to cut.
-    const Block about = search->about;
-    const real left = REAL(1.0) - about.growth;
-    const real extra = left * ((about.excess - search->weight) + v3_dot(search->slope, p));
-    const real enlarged = params->enlarged;
+    const float fx = (float)(((p.x - params->grid_lo[0]) * per_width) - (real)cx);
+    const float fy = (float)(((p.y - params->grid_lo[1]) * per_width) - (real)cy);
+    const float fz = (float)(((p.z - params->grid_lo[2]) * per_width) - (real)cz);
     uint entry = 0;
     uint next = 0;
     uint end = 0;
@@ -106,13 +130,8 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
                 return status;
             }
         }
-        // How far a site that can cut the cell may be; the same in units of a voxel, squared.
-        real reach = security_reach((real)search->span, extra) / left;
-        if (enlarged > REAL(0.0)) {
-            const real stop = enlarged * security_reach(search->farthest, REAL(0.0));
-            left_out = stop < reach;
-            reach = fmin(reach, stop);
-        }
+        // How far a site that can cut the cell may be, squared; the same in units of a voxel.
+        const real reach = reach_of(s, search, &left_out);
         const real reach_square = reach * reach;
         const float in_voxels = (float)(reach * per_width) + SHELL_SLACK;
         const float limit = (in_voxels * in_voxels) * 1.00001f;
@@ -121,14 +140,11 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
             if (next < end) {
                 const real4 other = sites[next];
                 const V3 d = (V3){ .x = other.x - p.x, .y = other.y - p.y, .z = other.z - p.z };
-                const real square = square_of(d);
                 const uint site = next;
                 next++;
-                if ((square < reach_square) && (site != own)) {
-                    if (equal || (!site_is_out_of_reach(search, d, other.w) && !out_of_reach(s, search, square, other.w))) {
-                        found = site;
-                        break;
-                    }
+                if ((v3_dot(d, d) < reach_square) && (site != own)) {
+                    found = site;
+                    break;
                 }
                 continue;
             }
@@ -152,97 +168,52 @@ INLINE uint search_shells(Store *s, Search *search, __global const uchar4 *shell
             const float gy = fmax(fmax((float)oy - fy, fy - (float)(oy + 1)), 0.0f);
             const float gz = fmax(fmax((float)oz - fz, fz - (float)(oz + 1)), 0.0f);
             // Below zero is beyond the end, too.
-            const uint i = search->center[0] + (uint)ox;
-            const uint j = search->center[1] + (uint)oy;
-            const uint k = search->center[2] + (uint)oz;
+            const uint i = cx + (uint)ox;
+            const uint j = cy + (uint)oy;
+            const uint k = cz + (uint)oz;
             if ((((((gx * gx) + (gy * gy)) + (gz * gz)) >= limit) || (i >= nx)) || ((j >= ny) || (k >= nz))) {
                 continue;
             }
-            const uint voxel = i + (nx * (j + (ny * k)));
-            next = voxels[voxel];
-            end = voxels[voxel + 1u];
-            if (!equal && can_skip_node(s, search, 0, i, j, k, 0)) {
-                next = end;
-            }
+            const uint2 range = voxels[i + (nx * (j + (ny * k)))];
+            next = range.x;
+            end = range.y;
         }
         if (found == 0xFFFFFFFFu) {
-            search->uncertified |= left_out;
-            return ((rest != 0u) || ((real)search->span > about.proved)) ? UNTOUCHED : COMPLETE;
+            s->uncertified |= left_out;
+            return (rest != 0u) ? UNTOUCHED : COMPLETE;
         }
         const uint status = cut_by(s, search, found);
-        if (status == CUT) {
-            measure(s, search);
-        } else if (status != UNTOUCHED) {
+        if (status != UNTOUCHED) {
             return status;
         }
     }
 }
 
-// Goes through the pyramid, but for the voxels of the table of offsets.
-OUTLINE uint search_rest(Store *s, Search *search) {
-    uint site;
-    while (next_in_pyramid(s, search, &site)) {
-        const uint status = cut_by(s, search, site);
-        if (status == CUT) {
-            measure(s, search);
-        } else if (status != UNTOUCHED) {
-            return status;
-        }
+// Cuts the cell that begins: `COMPLETE`, `UNTOUCHED` where the table does not prove it complete, or how it ended.
+INLINE uint search_near_table(Store *s, __global const uchar4 *shells, uint *visited) {
+    Search search = (Search){ .farthest = farthest_vertex(s), .visited = 0, .is_capped = s->world.params->has_domain == 0u, .is_sampled = 0 };
+    uint status = search_table(s, &search, shells);
+    if (status == UNTOUCHED) {
+        status = cap_once(s, &search);
     }
-    return COMPLETE;
+    *visited += search.visited;
+    return status;
 }
-
-// Begins the cell of a site as the container's box.
-INLINE uint begin_alone(Store *s, real4 own) {
-    __global const Params *params = s->world.params;
-    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
-    s->weight = own.w;
-    s->exact = 0;
-    s->is_fine = 0;
-    s->specials = 0;
-    s->caps = 0;
-    s->last_index = 0xFFFFFFFFu;
-    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
-    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
-    return begin(s, lo, hi);
-}
+#endif
 
 // Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
-INLINE uint complete_cell(Store *s, Search *search, __global const uchar4 *shells, uint site) {
-    __global const Params *params = s->world.params;
-    const real4 own = s->world.sites[site];
-    search->site = site;
-    search->position = (V3){ .x = own.x, .y = own.y, .z = own.z };
-    search->weight = own.w;
-    search->uncertified = 0;
-    search->visited = 0;
-    search->is_capped = params->has_domain == 0;
-    search->is_sampled = 0;
-    search->where = IN_PYRAMID;
-    search->next = 0;
-    search->end = 0;
-    search->level = params->top_level;
-    for (uint axis = 0; axis < 3u; axis++) {
-        search->node[axis] = 0;
-    }
-    search->center[0] = voxel_along(params, 0, own.x);
-    search->center[1] = voxel_along(params, 1, own.y);
-    search->center[2] = voxel_along(params, 2, own.z);
-    search->about = (Block){ .slope = { REAL(0.0), REAL(0.0), REAL(0.0) }, .excess = params->largest_weight, .growth = REAL(0.0), .proved = INFINITY };
-    if (params->equal_weights == 0u) {
-        search->about = block_about(params, s->world.blocks, own.x, own.y, own.z);
-    }
-    search->slope = v3(search->about.slope[0], search->about.slope[1], search->about.slope[2]);
-    uint status = begin_alone(s, own);
+INLINE uint complete_cell(Store *s, __global const uchar4 *shells, uint site, uint *visited) {
+    uint status = begin_alone(s, site);
     if (status != COMPLETE) {
         return status;
     }
-    measure(s, search);
-    status = search_shells(s, search, shells);
-    if (status == UNTOUCHED) {
-        status = cap_once(s, search);
-    }
-    return (status == UNTOUCHED) ? search_rest(s, search) : status;
+    const Vantage vantage = vantage_of(s);
+#if WITH_TABLE
+    status = search_near_table(s, shells, visited);
+#else
+    status = search_near(s, vantage, visited);
+#endif
+    return (status == UNTOUCHED) ? search_far(s, vantage, visited) : status;
 }
 
 // Computes all vertices in double precision, for the integrals.

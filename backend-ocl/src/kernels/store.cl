@@ -28,15 +28,15 @@ typedef struct {
     uint vertices;
     uint saved;
     uint exact;
-#if WITH_TREE
-    // Of the search (`tree_search.cl`): the sorted index of the site, and whether sites were left out that might cut the cell.
+    // Of the search: the sorted index of the site, and whether sites were left out that might cut the cell; of that of the tree.
     uint own;
     uint uncertified;
     uint open[MOST_OPEN];
+    uint open_key[MOST_OPEN];
     uint leaf[MOST_LEAVES];
+    uint leaf_key[MOST_LEAVES];
     uint candidate[MOST_CANDIDATES];
     uint candidate_key[MOST_CANDIDATES];
-#endif
     uint is_fine;
     // The half-space that was set last, and its index.
     uint last_index;

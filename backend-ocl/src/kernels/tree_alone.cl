@@ -1,9 +1,8 @@
-// The search of the tree (`tree_search.cl`), where one work-item computes a cell. Built with -D WITH_TREE.
+// The search of the tree (`tree_search.cl`), where one work-item computes a cell.
 
 // Whether weights differ is asked at run time.
 #define WITH_WEIGHTS 1
 
-#import "search.cl"
 #import "tree_store.cl"
 
 INLINE uint store_lanes(Store *s) { return 1u; }
@@ -18,9 +17,17 @@ INLINE real store_lane_real(Store *s, real x, uint from) { return x; }
 INLINE void store_lanes_wait(Store *s) {}
 
 INLINE uint store_open_block(Store *s, uint i) { return s->open[i]; }
-INLINE void store_set_open_block(Store *s, uint i, uint block) { s->open[i] = block; }
+INLINE uint store_open_key(Store *s, uint i) { return s->open_key[i]; }
+INLINE void store_set_open_block(Store *s, uint i, uint block, uint key) {
+    s->open[i] = block;
+    s->open_key[i] = key;
+}
 INLINE uint store_leaf(Store *s, uint i) { return s->leaf[i]; }
-INLINE void store_set_leaf(Store *s, uint i, uint leaf) { s->leaf[i] = leaf; }
+INLINE uint store_leaf_key(Store *s, uint i) { return s->leaf_key[i]; }
+INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key) {
+    s->leaf[i] = leaf;
+    s->leaf_key[i] = key;
+}
 INLINE uint store_candidate(Store *s, uint i) { return s->candidate[i]; }
 INLINE uint store_candidate_key(Store *s, uint i) { return s->candidate_key[i]; }
 INLINE void store_set_candidate(Store *s, uint i, uint site, uint key) {
@@ -51,7 +58,14 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
 INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);
 }
-INLINE uint store_has_cut(Store *s, uint j) { return has_cut(s, j); }
+OUTLINE uint store_has_cut(Store *s, uint j) {
+    for (uint f = 0; f < s->planes; f++) {
+        if (s->source[f] == j) {
+            return 1;
+        }
+    }
+    return 0;
+}
 INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
 INLINE uint store_cut_by(Store *s, uint j) {
     const real4 other = s->world.sites[j];
@@ -71,16 +85,3 @@ INLINE uint store_cut_outside(Store *s, real radius) {
 }
 
 #import "tree_search.cl"
-
-// Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
-INLINE uint complete_by_tree(Store *s, uint site, uint *visited) {
-    s->own = site;
-    s->uncertified = 0;
-    uint status = begin_alone(s, s->world.sites[site]);
-    if (status != COMPLETE) {
-        return status;
-    }
-    const Vantage vantage = vantage_of(s);
-    status = search_near(s, vantage, visited);
-    return (status == UNTOUCHED) ? search_far(s, vantage, visited) : status;
-}

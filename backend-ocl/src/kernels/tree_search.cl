@@ -10,6 +10,7 @@ INLINE real square_to_box(V3 lo, V3 hi, V3 place);
 INLINE real least_of_node(Store *s, Question question, uint level, uint node);
 INLINE Open open_root(Store *s);
 INLINE Open open_path(Store *s);
+INLINE uint take_last(Store *s, uint is_leaf, real limit, uint most, uint *count);
 HOT Open open_blocks(Store *s, Question question, uint with_own, Open given);
 HOT Vantage vantage_of(Store *s);
 INLINE real reach_of_site(Store *s, Vantage vantage, uint j);
@@ -27,7 +28,7 @@ INLINE uint larger_count(uint a, uint b);
 
 // core/src/cell/search_store.rs
 
-// core/src/cell/tree.rs
+// core/src/cell/quadratic.rs
 
 // Adds the least of `αt² + gt − (G + Q(t − m))(t − m)` for t from `lo` to `hi`, and the size of its terms. It is where the slope
 // is 0, if that is a minimum, and else at an end.
@@ -50,6 +51,8 @@ INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real c
     const real u = t - m;
     return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
 }
+
+// core/src/cell/tree.rs
 
 // How far `place` is from the range `[lo, hi]`, at least.
 INLINE real gap_along(real lo, real hi, real place) {
@@ -111,7 +114,7 @@ INLINE real least_of_node(Store *s, Question question, uint level, uint node) {
 
 // Opens the root alone.
 INLINE Open open_root(Store *s) {
-    store_set_open_block(s, 0, store_top_level(s) << LEVEL_SHIFT);
+    store_set_open_block(s, 0, store_top_level(s) << LEVEL_SHIFT, 0);
     store_lanes_wait(s);
     return (Open){ .blocks = 1, .leaves = 0 };
 }
@@ -122,21 +125,65 @@ INLINE Open open_path(Store *s) {
     Open open = (Open){ .blocks = 0, .leaves = 0 };
     uint level = store_top_level(s);
     while (level > 0) {
-        store_set_open_block(s, open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)));
+        store_set_open_block(s, open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)), 0);
         open.blocks += 1;
         level -= 1;
     }
     const uint first = own * WIDTH;
     while ((open.leaves < WIDTH) && (((first + open.leaves) * WIDTH) < store_sites(s))) {
-        store_set_leaf(s, open.leaves, first + open.leaves);
+        store_set_leaf(s, open.leaves, first + open.leaves, 0);
         open.leaves += 1;
     }
     store_lanes_wait(s);
     return open;
 }
 
+// Keeps of the last open blocks, or of the leaves at hand, those that may come to less than `limit`: so many at most, the last first, behind the
+// `count` that are left, which it lowers. Returns how many.
+INLINE uint take_last(Store *s, uint is_leaf, real limit, uint most, uint *count) {
+    const uint there = *count;
+    uint mine = 0;
+    uint key = NO_SITE;
+    if (store_lane(s) < there) {
+        const uint at = (there - 1) - store_lane(s);
+        if (is_leaf != 0) {
+            mine = store_leaf(s, at);
+            key = store_leaf_key(s, at);
+        } else {
+            mine = store_open_block(s, at);
+            key = store_open_key(s, at);
+        }
+    }
+    uint is_taken = (uint)(key <= store_key_above(s, limit));
+    const uint all = store_lanes_with(s, is_taken);
+    const uint rank = store_rank_in(s, all);
+    if (rank >= most) {
+        is_taken = 0;
+    }
+    const uint taken = store_lanes_with(s, is_taken);
+    const uint last = store_lanes_with(s, (uint)((is_taken != 0) && ((rank + 1) == most)));
+    uint looked = store_lanes(s);
+    if (last != 0) {
+        looked = store_first_of(s, last) + 1;
+    }
+    if (looked > there) {
+        looked = there;
+    }
+    *count = there - looked;
+    if (is_taken != 0) {
+        if (is_leaf != 0) {
+            store_set_leaf(s, (there - looked) + rank, mine, key);
+        } else {
+            store_set_open_block(s, (there - looked) + rank, mine, key);
+        }
+    }
+    store_lanes_wait(s);
+    return store_count_of(s, taken);
+}
+
 // Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
-// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for.
+// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for. Where the
+// power is asked for, the least of the blocks is the last.
 HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
     Open open = given;
     const uint lanes = store_lanes(s);
@@ -147,7 +194,11 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
             some = open.blocks;
         }
     }
-    open.blocks -= some;
+    if (question.is_power != 0) {
+        some = take_last(s, 0, question.limit, some, &open.blocks);
+    } else {
+        open.blocks -= some;
+    }
     const uint turn = store_lane(s) / WIDTH;
     uint is_there = 0;
     uint block = 0;
@@ -163,13 +214,20 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
     if (with_own == 0) {
         own = (store_own_site(s) / WIDTH) >> (3 * level);
     }
+    uint best = NO_SITE;
+    uint best_at = 0;
     uint k = store_lane(s) & (WIDTH - 1);
     while (k < WIDTH) {
         const uint node = first + k;
         uint is_block = 0;
         uint is_leaf = 0;
+        uint key = 0;
         if ((is_there != 0) && (node != own)) {
-            if (least_of_node(s, question, level, node) < question.limit) {
+            const real least = least_of_node(s, question, level, node);
+            if (question.is_power != 0) {
+                key = store_key_below(s, least);
+            }
+            if (least < question.limit) {
                 is_block = 1;
                 if (level == 0) {
                     is_block = 0;
@@ -180,16 +238,37 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
         const uint blocks = store_lanes_with(s, is_block);
         const uint leaves = store_lanes_with(s, is_leaf);
         if (is_block != 0) {
-            store_set_open_block(s, open.blocks + store_rank_in(s, blocks), ((level - 1) << LEVEL_SHIFT) | node);
+            const uint at = open.blocks + store_rank_in(s, blocks);
+            store_set_open_block(s, at, ((level - 1) << LEVEL_SHIFT) | node, key);
+            if (key < best) {
+                best = key;
+                best_at = at;
+            }
         }
         if (is_leaf != 0) {
-            store_set_leaf(s, open.leaves + store_rank_in(s, leaves), node);
+            store_set_leaf(s, open.leaves + store_rank_in(s, leaves), node, key);
         }
         open.blocks += store_count_of(s, blocks);
         open.leaves += store_count_of(s, leaves);
         k += lanes;
     }
     store_lanes_wait(s);
+    if (question.is_power != 0) {
+        const uint least = store_least_of_lanes(s, best);
+        if (least != NO_SITE) {
+            const uint at = store_lane_value(s, best_at, store_first_of(s, store_lanes_with(s, (uint)(best == least))));
+            const uint last = open.blocks - 1;
+            const uint nearest = store_open_block(s, at);
+            const uint other = store_open_block(s, last);
+            const uint other_key = store_open_key(s, last);
+            store_lanes_wait(s);
+            if (store_lane(s) == 0) {
+                store_set_open_block(s, at, other, other_key);
+                store_set_open_block(s, last, nearest, least);
+            }
+            store_lanes_wait(s);
+        }
+    }
     return open;
 }
 
@@ -510,17 +589,11 @@ HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
     Open open = open_root(s);
     *ties = 0;
     for (;;) {
-        if (open.leaves > 0) {
-            // As many leaves as there are lanes for their sites.
-            const uint lanes = store_lanes(s);
-            uint some = 1;
-            if (lanes > WIDTH) {
-                some = lanes / WIDTH;
-                if (some > open.leaves) {
-                    some = open.leaves;
-                }
-            }
-            open.leaves -= some;
+        // As many leaves as there are lanes for their sites.
+        const uint lanes = store_lanes(s);
+        const uint most = larger_count(lanes / WIDTH, 1);
+        if ((open.leaves >= most) || ((open.leaves > 0) && (open.blocks == 0))) {
+            const uint some = take_last(s, 1, question.limit, most, &open.leaves);
             uint i = store_lane(s);
             while (i < larger_count(some * WIDTH, lanes)) {
                 uint j = NO_SITE;

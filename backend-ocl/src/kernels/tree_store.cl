@@ -1,6 +1,6 @@
 // What the search (`tree_search.cl`) reads of sites and tree, wherever a cell lives.
 
-#import "reach.cl"
+#import "cell.cl"
 #import "tree_types.cl"
 
 INLINE uint store_sites(Store *s) { return s->world.params->tree_sites; }

@@ -49,10 +49,12 @@ typedef struct {
     real largest;
 } NodeSlab;
 
-// core/src/cell/tree.rs
+// core/src/cell/quadratic.rs
 
 // Roundings of a sum of some twenty terms, in units of the sum of their sizes.
 #define FEW_ROUNDINGS_OF_SUM ((real)(REAL(64.0) * UNIT_ROUNDOFF))
+
+// core/src/cell/tree.rs
 
 // Bits of an open block that say which of its level it is; those above say its level.
 #define LEVEL_SHIFT ((uint)(28))
@@ -132,3 +134,54 @@ typedef struct {
 #define LENGTHS_OF_LOST ((real)(REAL(1e10)))
 
 #define LEAST_LENGTH ((real)(REAL(1e-150)))
+
+// core/src/cell/node.rs
+
+// Sites of a sample, at most.
+#define MOST_SAMPLED ((uint)(64))
+
+// Sites from which on an affine, and a quadratic bound of weights are tried.
+#define ENOUGH_FOR_SLOPE ((uint)(6))
+
+#define ENOUGH_FOR_CURVATURE ((uint)(16))
+
+// A bound of higher degree is taken where it leaves less than this share of the range of weights.
+#define WORTH_A_DEGREE ((real)(REAL(0.6)))
+
+// What is added to the diagonal of the normal equations, as a share: flat sets of sites leave slopes open.
+#define RIDGE_SHARE ((real)(REAL(1e-6)))
+
+// Squarings of the matrix for the thinnest direction: any direction gives a true slab, a better one a thinner.
+#define SQUARINGS ((uint)(5))
+
+// The least that a width is taken for, and what no number of a bound exceeds.
+#define LEAST_WIDTH ((real)(REAL(1e-300)))
+
+#define LARGEST ((real)(REAL(1e300)))
+
+// Coefficients of an affine function, and of a quadratic one.
+#define AFFINE ((uint)(4))
+
+#define QUADRATIC ((uint)(7))
+
+// A symmetric matrix.
+typedef struct {
+    real xx;
+    real yy;
+    real zz;
+    real xy;
+    real yz;
+    real zx;
+} Symmetric;
+
+// Normal equations of so many coefficients at most.
+typedef struct {
+    real matrix[49];
+    real right[7];
+} Equations;
+
+// What a polynomial leaves of the sampled weights: the range.
+typedef struct {
+    real top;
+    real bottom;
+} Rest;

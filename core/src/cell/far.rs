@@ -1,9 +1,10 @@
 //! The second half of the search (`search.rs`): a cell that reaches far is completed vertex by vertex, by which site has the least power there.
 
+use super::quadratic::FEW_ROUNDINGS_OF_SUM;
 use super::search::Vantage;
 use super::search_store::{MOST_CANDIDATES, NO_SITE, SearchStore, WIDTH};
 use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
-use super::tree::{FEW_ROUNDINGS_OF_SUM, Open, Question, open_blocks, open_root};
+use super::tree::{Open, Question, open_blocks, open_root, take_last};
 use super::vector::{Real, V3, dot, larger, smaller, sub, v3};
 
 /// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
@@ -107,17 +108,11 @@ pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mu
     let mut open: Open = open_root(s);
     *ties = 0;
     loop {
-        if open.leaves > 0 {
-            // As many leaves as there are lanes for their sites.
-            let lanes: u32 = s.lanes();
-            let mut some: u32 = 1;
-            if lanes > WIDTH {
-                some = lanes / WIDTH;
-                if some > open.leaves {
-                    some = open.leaves;
-                }
-            }
-            open.leaves -= some;
+        // As many leaves as there are lanes for their sites.
+        let lanes: u32 = s.lanes();
+        let most: u32 = larger_count(lanes / WIDTH, 1);
+        if (open.leaves >= most) || ((open.leaves > 0) && (open.blocks == 0)) {
+            let some: u32 = take_last(s, 1, question.limit, most, &mut open.leaves);
             let mut i: u32 = s.lane();
             while i < larger_count(some * WIDTH, lanes) {
                 let mut j: u32 = NO_SITE;

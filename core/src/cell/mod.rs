@@ -31,12 +31,14 @@ mod facet;
 pub mod far;
 mod integrate;
 mod near;
+pub mod node;
 #[cfg(feature = "test-util")]
 pub mod parity;
 mod plain;
 #[cfg(test)]
 mod plain_search;
 mod plane;
+mod quadratic;
 mod quadrature;
 mod restrict;
 pub mod search;

@@ -15,8 +15,8 @@ use crate::site_tree::SiteTree;
 pub(super) struct PlainSearch<'a> {
     tree: &'a SiteTree,
     site: u32,
-    open: Vec<u32>,
-    leaves: Vec<u32>,
+    open: Vec<[u32; 2]>,
+    leaves: Vec<[u32; 2]>,
     candidates: Vec<[u32; 2]>,
 }
 
@@ -26,8 +26,8 @@ impl<'a> PlainSearch<'a> {
         Self {
             tree,
             site,
-            open: vec![0; MOST_OPEN as usize],
-            leaves: vec![0; MOST_LEAVES as usize],
+            open: vec![[0; 2]; MOST_OPEN as usize],
+            leaves: vec![[0; 2]; MOST_LEAVES as usize],
             candidates: vec![[0; 2]; MOST_CANDIDATES as usize],
         }
     }
@@ -143,19 +143,25 @@ impl SearchStore for PlainStore<'_> {
     }
 
     fn open_block(&self, i: u32) -> u32 {
-        self.search().open[i as usize]
+        self.search().open[i as usize][0]
     }
-    fn set_open_block(&mut self, i: u32, block: u32) {
+    fn open_key(&self, i: u32) -> u32 {
+        self.search().open[i as usize][1]
+    }
+    fn set_open_block(&mut self, i: u32, block: u32, key: u32) {
         if let Some(search) = &mut self.search {
-            search.open[i as usize] = block;
+            search.open[i as usize] = [block, key];
         }
     }
     fn leaf(&self, i: u32) -> u32 {
-        self.search().leaves[i as usize]
+        self.search().leaves[i as usize][0]
     }
-    fn set_leaf(&mut self, i: u32, leaf: u32) {
+    fn leaf_key(&self, i: u32) -> u32 {
+        self.search().leaves[i as usize][1]
+    }
+    fn set_leaf(&mut self, i: u32, leaf: u32, key: u32) {
         if let Some(search) = &mut self.search {
-            search.leaves[i as usize] = leaf;
+            search.leaves[i as usize] = [leaf, key];
         }
     }
     fn candidate(&self, i: u32) -> u32 {

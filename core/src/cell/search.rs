@@ -10,10 +10,11 @@
 //! `D² − ω_ij ≥ 2rD`; as `2rD ≤ λD² + r²/λ` for any `λ`, it suffices that `(1 − λ)D² − ω_ij ≥ r²/λ`, which is a sum over axes and so has a
 //! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
 
+use super::quadratic::FEW_ROUNDINGS_OF_SUM;
 use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH};
 use super::security::SAFE;
 use super::status::{COMPLETE, CUT, UNTOUCHED};
-use super::tree::{FEW_ROUNDINGS_OF_SUM, Open, Question, open_blocks, open_path};
+use super::tree::{Open, Question, open_blocks, open_path};
 use super::vector::{Real, V3, add, dot, larger, scale, smaller, sub, v3};
 
 /// Leaves whose sites become candidates at one time.

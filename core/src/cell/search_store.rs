@@ -109,12 +109,16 @@ pub trait SearchStore: CellStore {
 
     /// Open block `i` (see `search.rs`).
     fn open_block(&self, i: u32) -> u32;
-    /// Sets open block `i`.
-    fn set_open_block(&mut self, i: u32, block: u32);
+    /// Its key: that of the least that is asked for there; 0 where keys are not kept.
+    fn open_key(&self, i: u32) -> u32;
+    /// Sets open block `i` and its key.
+    fn set_open_block(&mut self, i: u32, block: u32, key: u32);
     /// Leaf `i` at hand.
     fn leaf(&self, i: u32) -> u32;
-    /// Sets leaf `i`.
-    fn set_leaf(&mut self, i: u32, leaf: u32);
+    /// Its key, as those of blocks.
+    fn leaf_key(&self, i: u32) -> u32;
+    /// Sets leaf `i` and its key.
+    fn set_leaf(&mut self, i: u32, leaf: u32, key: u32);
     /// Site of candidate `i`.
     fn candidate(&self, i: u32) -> u32;
     /// Its key.

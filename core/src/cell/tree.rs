@@ -1,10 +1,8 @@
 //! What the tree over the sites knows of those of a node: the least value there of what the search asks for.
 
-use super::search_store::{NodeBox, NodeSlab, NodeWeights, SearchStore, WIDTH};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, larger, scale, smaller, sub, v3};
-
-/// Roundings of a sum of some twenty terms, in units of the sum of their sizes.
-pub(super) const FEW_ROUNDINGS_OF_SUM: Real = 64.0 * UNIT_ROUNDOFF;
+use super::quadratic::{FEW_ROUNDINGS_OF_SUM, add_least};
+use super::search_store::{NO_SITE, NodeBox, NodeSlab, NodeWeights, SearchStore, WIDTH};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, larger, scale, sub, v3};
 
 /// Bits of an open block that say which of its level it is; those above say its level.
 const LEVEL_SHIFT: u32 = 28;
@@ -33,40 +31,6 @@ pub(super) struct Question {
 pub(super) struct Open {
     pub(super) blocks: u32,
     pub(super) leaves: u32,
-}
-
-/// Adds the least of `αt² + gt − (G + Q(t − m))(t − m)` for t from `lo` to `hi`, and the size of its terms. It is where the slope
-/// is 0, if that is a minimum, and else at an end.
-#[inline(always)]
-pub(super) fn add_least(
-    lo: Real,
-    hi: Real,
-    alpha: Real,
-    g: Real,
-    slope: Real,
-    curvature: Real,
-    sum: &mut Real,
-    size: &mut Real,
-) {
-    let m: Real = 0.5 * (lo + hi);
-    let width: Real = hi - m;
-    let steep: Real = alpha - curvature;
-    let still: Real = ((0.5 * (slope - g)) - (curvature * m)) / steep;
-    let t: Real = smaller(larger(still, lo), hi);
-    let mut least: Real = polynomial_at(t, m, alpha, g, slope, curvature);
-    if !(steep > 0.0) {
-        least =
-            smaller(polynomial_at(lo, m, alpha, g, slope, curvature), polynomial_at(hi, m, alpha, g, slope, curvature));
-    }
-    let far: Real = m.abs() + width;
-    *sum += least;
-    *size += (((alpha * far) + g.abs()) * far) + ((slope.abs() + (curvature.abs() * width)) * width);
-}
-
-#[inline(always)]
-fn polynomial_at(t: Real, m: Real, alpha: Real, g: Real, slope: Real, curvature: Real) -> Real {
-    let u: Real = t - m;
-    return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
 }
 
 /// How far `place` is from the range `[lo, hi]`, at least.
@@ -133,7 +97,7 @@ pub(super) fn least_of_node<S: SearchStore>(s: &S, question: Question, level: u3
 /// Opens the root alone.
 #[inline(always)]
 pub(super) fn open_root<S: SearchStore>(s: &mut S) -> Open {
-    s.set_open_block(0, s.top_level() << LEVEL_SHIFT);
+    s.set_open_block(0, s.top_level() << LEVEL_SHIFT, 0);
     s.lanes_wait();
     return Open { blocks: 1, leaves: 0 };
 }
@@ -145,21 +109,66 @@ pub(super) fn open_path<S: SearchStore>(s: &mut S) -> Open {
     let mut open: Open = Open { blocks: 0, leaves: 0 };
     let mut level: u32 = s.top_level();
     while level > 0 {
-        s.set_open_block(open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)));
+        s.set_open_block(open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)), 0);
         open.blocks += 1;
         level -= 1;
     }
     let first: u32 = own * WIDTH;
     while (open.leaves < WIDTH) && (((first + open.leaves) * WIDTH) < s.sites()) {
-        s.set_leaf(open.leaves, first + open.leaves);
+        s.set_leaf(open.leaves, first + open.leaves, 0);
         open.leaves += 1;
     }
     s.lanes_wait();
     return open;
 }
 
+/// Keeps of the last open blocks, or of the leaves at hand, those that may come to less than `limit`: so many at most, the last first, behind the
+/// `count` that are left, which it lowers. Returns how many.
+#[inline(always)]
+pub(super) fn take_last<S: SearchStore>(s: &mut S, is_leaf: u32, limit: Real, most: u32, count: &mut u32) -> u32 {
+    let there: u32 = *count;
+    let mut mine: u32 = 0;
+    let mut key: u32 = NO_SITE;
+    if s.lane() < there {
+        let at: u32 = (there - 1) - s.lane();
+        if is_leaf != 0 {
+            mine = s.leaf(at);
+            key = s.leaf_key(at);
+        } else {
+            mine = s.open_block(at);
+            key = s.open_key(at);
+        }
+    }
+    let mut is_taken: u32 = (key <= s.key_above(limit)) as u32;
+    let all: u32 = s.lanes_with(is_taken);
+    let rank: u32 = s.rank_in(all);
+    if rank >= most {
+        is_taken = 0;
+    }
+    let taken: u32 = s.lanes_with(is_taken);
+    let last: u32 = s.lanes_with(((is_taken != 0) && ((rank + 1) == most)) as u32);
+    let mut looked: u32 = s.lanes();
+    if last != 0 {
+        looked = s.first_of(last) + 1;
+    }
+    if looked > there {
+        looked = there;
+    }
+    *count = there - looked;
+    if is_taken != 0 {
+        if is_leaf != 0 {
+            s.set_leaf((there - looked) + rank, mine, key);
+        } else {
+            s.set_open_block((there - looked) + rank, mine, key);
+        }
+    }
+    s.lanes_wait();
+    return s.count_of(taken);
+}
+
 /// Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
-/// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for.
+/// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for. Where the
+/// power is asked for, the least of the blocks is the last.
 #[inline]
 pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_own: u32, given: Open) -> Open {
     let mut open: Open = given;
@@ -171,7 +180,11 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
             some = open.blocks;
         }
     }
-    open.blocks -= some;
+    if question.is_power != 0 {
+        some = take_last(s, 0, question.limit, some, &mut open.blocks);
+    } else {
+        open.blocks -= some;
+    }
     let turn: u32 = s.lane() / WIDTH;
     let mut is_there: u32 = 0;
     let mut block: u32 = 0;
@@ -187,13 +200,20 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
     if with_own == 0 {
         own = (s.own_site() / WIDTH) >> (3 * level);
     }
+    let mut best: u32 = NO_SITE;
+    let mut best_at: u32 = 0;
     let mut k: u32 = s.lane() & (WIDTH - 1);
     while k < WIDTH {
         let node: u32 = first + k;
         let mut is_block: u32 = 0;
         let mut is_leaf: u32 = 0;
+        let mut key: u32 = 0;
         if (is_there != 0) && (node != own) {
-            if least_of_node(s, question, level, node) < question.limit {
+            let least: Real = least_of_node(s, question, level, node);
+            if question.is_power != 0 {
+                key = s.key_below(least);
+            }
+            if least < question.limit {
                 is_block = 1;
                 if level == 0 {
                     is_block = 0;
@@ -204,15 +224,36 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
         let blocks: u32 = s.lanes_with(is_block);
         let leaves: u32 = s.lanes_with(is_leaf);
         if is_block != 0 {
-            s.set_open_block(open.blocks + s.rank_in(blocks), ((level - 1) << LEVEL_SHIFT) | node);
+            let at: u32 = open.blocks + s.rank_in(blocks);
+            s.set_open_block(at, ((level - 1) << LEVEL_SHIFT) | node, key);
+            if key < best {
+                best = key;
+                best_at = at;
+            }
         }
         if is_leaf != 0 {
-            s.set_leaf(open.leaves + s.rank_in(leaves), node);
+            s.set_leaf(open.leaves + s.rank_in(leaves), node, key);
         }
         open.blocks += s.count_of(blocks);
         open.leaves += s.count_of(leaves);
         k += lanes;
     }
     s.lanes_wait();
+    if question.is_power != 0 {
+        let least: u32 = s.least_of_lanes(best);
+        if least != NO_SITE {
+            let at: u32 = s.lane_value(best_at, s.first_of(s.lanes_with((best == least) as u32)));
+            let last: u32 = open.blocks - 1;
+            let nearest: u32 = s.open_block(at);
+            let other: u32 = s.open_block(last);
+            let other_key: u32 = s.open_key(last);
+            s.lanes_wait();
+            if s.lane() == 0 {
+                s.set_open_block(at, other, other_key);
+                s.set_open_block(last, nearest, least);
+            }
+            s.lanes_wait();
+        }
+    }
     return open;
 }

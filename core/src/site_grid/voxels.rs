@@ -31,7 +31,12 @@ impl Voxels {
 
     /// Coarse voxels over `sites` sites within `[lo, hi]`, for [`over_part`](Self::over_part).
     pub fn coarse(lo: [f64; 3], hi: [f64; 3], sites: usize) -> Self {
-        Self::new(lo, hi, (sites as f64 / SITES_PER_COARSE_VOXEL).min(MOST_COARSE_VOXELS))
+        Self::new(lo, hi, Self::most_coarse(sites) as f64)
+    }
+
+    /// How many of these there are at most.
+    pub fn most_coarse(sites: usize) -> usize {
+        (sites as f64 / SITES_PER_COARSE_VOXEL).clamp(1.0, MOST_COARSE_VOXELS) as usize
     }
 
     /// Over `sites` sites within `[lo, hi]`, with about `sites_per_voxel` in each that has any, where of these coarse voxels `filled` have.

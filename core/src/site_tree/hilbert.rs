@@ -90,7 +90,7 @@ fn along_curve([x, y, z]: [u32; 3]) -> u64 {
 
 /// For each turn of the curve and octant its rank, and the turn within it. A turn is three times the octant where the curve enters, and the axis
 /// along which it goes through (Hamilton & Rau-Chaplin 2008).
-const TURNS: [[(u8, u8); 8]; 24] = turns();
+pub const TURNS: [[(u8, u8); 8]; 24] = turns();
 
 const fn turns() -> [[(u8, u8); 8]; 24] {
     const fn gray(i: u8) -> u8 {

@@ -33,13 +33,17 @@ const FILES: [&str; 16] = [
 ];
 
 /// The files of the search for the sites that cut a cell.
-const SEARCH_FILES: [&str; 4] = ["search_store", "tree", "search", "far"];
+const SEARCH_FILES: [&str; 5] = ["search_store", "quadratic", "tree", "search", "far"];
+
+/// The files of what bounds the nodes of the tree, which know no cell; the last has types of its own.
+const NODE_FILES: [&str; 3] = ["vector", "quadratic", "node"];
 
 /// Generated files: constants and structs, which the store is made of; functions, which use it; and what holds the functions of a device
 /// against the host's, on both.
 const TYPES: &str = "backend-ocl/src/kernels/cell_types.cl";
 const FUNCTIONS: &str = "backend-ocl/src/kernels/cell.cl";
 const SEARCH_TYPES: &str = "backend-ocl/src/kernels/tree_types.cl";
+const NODES: &str = "backend-ocl/src/kernels/nodes.cl";
 const SEARCH: &str = "backend-ocl/src/kernels/tree_search.cl";
 const KERNELS: &str = "backend-ocl/src/kernels";
 const PARITY: &str = "backend-ocl/src/kernels/parity.cl";
@@ -51,7 +55,7 @@ const INTERFACES: [Interface; 2] = [
         modules: &["data", "kernels", "parity"],
         borrowed: &[
             ("core/src/site_grid.rs", &["CROWDED"]),
-            ("core/src/site_tree.rs", &["WIDTH", "Boxes", "WeightBounds", "Slabs"]),
+            ("core/src/site_tree.rs", &["WIDTH", "NOWHERE", "Boxes", "WeightBounds", "Slabs"]),
             ("core/src/assemble.rs", &["FacetRecord"]),
         ],
         target: "backend-ocl/src/kernels/interface.cl",
@@ -99,12 +103,15 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
     let units = units_of(&FILES)?;
     let [types, functions] = translate(&units)?;
     let [search_types, search] = translate(&units_of(&SEARCH_FILES)?)?;
+    let [_, nodes] = translate(&units_of(&NODE_FILES)?)?;
+    let [node_types, _] = translate(&units_of(&["node"])?)?;
     let parity::Parity { kernels, table } = parity::parity(&units)?;
-    let files: [(_, &[&str], _); 6] = [
+    let files: [(_, &[&str], _); 7] = [
         (TYPES, &["<prelude>"], types),
         (FUNCTIONS, &["<store>", "\"world.cl\"", "\"further.cl\""], functions),
-        (SEARCH_TYPES, &["\"cell_types.cl\""], search_types),
+        (SEARCH_TYPES, &["\"cell_types.cl\""], format!("{search_types}{node_types}")),
         (SEARCH, &["\"cell.cl\"", "\"tree_store.cl\""], search),
+        (NODES, &["\"tree_types.cl\"", "\"node_source.cl\""], nodes),
         (PARITY, &["\"parity_state.cl\""], kernels),
         (PARITY_TABLE, &[], table),
     ];
@@ -112,6 +119,7 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
     let mut files = files.map(|(name, imports, text)| (name, cell(imports, text))).to_vec();
     refuse_second_names(root, &units_of(&FILES)?)?;
     refuse_second_names(root, &units_of(&SEARCH_FILES)?)?;
+    refuse_second_names(root, &units_of(&NODE_FILES)?)?;
     for Interface { modules, borrowed, target } in INTERFACES {
         let borrowed = borrowed.iter().map(|(path, names)| interface::only(read(root, path)?, names));
         let borrowed = borrowed.collect::<Result<Vec<_>, _>>()?;

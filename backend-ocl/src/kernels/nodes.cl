@@ -1,0 +1,387 @@
+// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
+
+#import "tree_types.cl"
+#import "node_source.cl"
+
+INLINE V3 v3(real x, real y, real z);
+INLINE V3 add(V3 a, V3 b);
+INLINE V3 sub(V3 a, V3 b);
+INLINE V3 scale(real t, V3 a);
+INLINE real v3_dot(V3 a, V3 b);
+INLINE V3 v3_cross(V3 a, V3 b);
+INLINE real norm_1(V3 a);
+INLINE real norm_max(V3 a);
+INLINE real smaller(real a, real b);
+INLINE real larger(real a, real b);
+INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
+INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE V3 least_corner(V3 a, V3 b);
+INLINE V3 largest_corner(V3 a, V3 b);
+HOT NodeBox box_of_node(Store *s);
+INLINE Symmetric square_of_matrix(Symmetric m);
+HOT V3 thinnest_direction(Store *s);
+INLINE real largest_along(NodeBox bounds, V3 n);
+HOT NodeSlab slab_of_node(Store *s, NodeBox bounds);
+INLINE real rise(NodeWeights w, V3 u);
+HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w);
+HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, uint unknowns);
+INLINE void add_largest(real lo, real hi, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size);
+HOT NodeWeights weights_of_node(Store *s, NodeBox bounds);
+
+// core/src/cell/vector.rs
+
+// The vector (x, y, z).
+INLINE V3 v3(real x, real y, real z) {
+    return (V3){ .x = x, .y = y, .z = z };
+}
+
+// a + b.
+INLINE V3 add(V3 a, V3 b) {
+    return v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+
+// a − b.
+INLINE V3 sub(V3 a, V3 b) {
+    return v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+// t·a.
+INLINE V3 scale(real t, V3 a) {
+    return v3(t * a.x, t * a.y, t * a.z);
+}
+
+// a·b.
+INLINE real v3_dot(V3 a, V3 b) {
+    return ((a.x * b.x) + (a.y * b.y)) + (a.z * b.z);
+}
+
+// a×b. Exactly −(b×a) also in floating point.
+INLINE V3 v3_cross(V3 a, V3 b) {
+    return v3((a.y * b.z) - (a.z * b.y), (a.z * b.x) - (a.x * b.z), (a.x * b.y) - (a.y * b.x));
+}
+
+// Sum of the components' magnitudes, at least the Euclidean norm.
+INLINE real norm_1(V3 a) {
+    return (fabs(a.x) + fabs(a.y)) + fabs(a.z);
+}
+
+// Largest magnitude of a component.
+INLINE real norm_max(V3 a) {
+    real m = fabs(a.x);
+    if (fabs(a.y) > m) {
+        m = fabs(a.y);
+    }
+    if (fabs(a.z) > m) {
+        m = fabs(a.z);
+    }
+    return m;
+}
+
+// The smaller of two numbers.
+INLINE real smaller(real a, real b) {
+    if (b < a) {
+        return b;
+    }
+    return a;
+}
+
+// The larger of two numbers.
+INLINE real larger(real a, real b) {
+    if (b > a) {
+        return b;
+    }
+    return a;
+}
+
+// core/src/cell/quadratic.rs
+
+// Adds the least of `αt² + gt − (G + Q(t − m))(t − m)` for t from `lo` to `hi`, and the size of its terms. It is where the slope
+// is 0, if that is a minimum, and else at an end.
+INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size) {
+    const real m = REAL(0.5) * (lo + hi);
+    const real width = hi - m;
+    const real steep = alpha - curvature;
+    const real still = ((REAL(0.5) * (slope - g)) - (curvature * m)) / steep;
+    const real t = smaller(larger(still, lo), hi);
+    real least = polynomial_at(t, m, alpha, g, slope, curvature);
+    if (!(steep > REAL(0.0))) {
+        least = smaller(polynomial_at(lo, m, alpha, g, slope, curvature), polynomial_at(hi, m, alpha, g, slope, curvature));
+    }
+    const real far = fabs(m) + width;
+    *sum += least;
+    *size += ((((alpha * far) + fabs(g)) * far) + ((fabs(slope) + (fabs(curvature) * width)) * width));
+}
+
+INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature) {
+    const real u = t - m;
+    return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
+}
+
+// core/src/cell/node.rs
+
+INLINE V3 least_corner(V3 a, V3 b) {
+    return v3(smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z));
+}
+
+INLINE V3 largest_corner(V3 a, V3 b) {
+    return v3(larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z));
+}
+
+// The box of a node's sites.
+HOT NodeBox box_of_node(Store *s) {
+    NodeBox bounds = (NodeBox){ .lo = store_sampled_place(s, 0), .hi = store_sampled_place(s, 0) };
+    uint i = 1;
+    while ((store_parts(s) == 0) && (i < store_sampled(s))) {
+        bounds.lo = least_corner(bounds.lo, store_sampled_place(s, i));
+        bounds.hi = largest_corner(bounds.hi, store_sampled_place(s, i));
+        i += 1;
+    }
+    i = 0;
+    while (i < store_parts(s)) {
+        const NodeBox its = store_part_box(s, i);
+        bounds.lo = least_corner(bounds.lo, its.lo);
+        bounds.hi = largest_corner(bounds.hi, its.hi);
+        i += 1;
+    }
+    return bounds;
+}
+
+INLINE Symmetric square_of_matrix(Symmetric m) {
+    return (Symmetric){ .xx = ((m.xx * m.xx) + (m.xy * m.xy)) + (m.zx * m.zx), .yy = ((m.xy * m.xy) + (m.yy * m.yy)) + (m.yz * m.yz), .zz = ((m.zx * m.zx) + (m.yz * m.yz)) + (m.zz * m.zz), .xy = ((m.xx * m.xy) + (m.xy * m.yy)) + (m.zx * m.yz), .yz = ((m.xy * m.zx) + (m.yy * m.yz)) + (m.yz * m.zz), .zx = ((m.zx * m.xx) + (m.yz * m.xy)) + (m.zz * m.zx) };
+}
+
+// A unit vector across the thinnest direction of the sampled sites: the longest of what their spread leaves of its trace, where the powers of that
+// matrix lead.
+HOT V3 thinnest_direction(Store *s) {
+    const uint count = store_sampled(s);
+    V3 mean = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    uint i = 0;
+    while (i < count) {
+        mean = add(mean, store_sampled_place(s, i));
+        i += 1;
+    }
+    mean = scale(REAL(1.0) / ((real)count), mean);
+    Symmetric spread = (Symmetric){ .xx = REAL(0.0), .yy = REAL(0.0), .zz = REAL(0.0), .xy = REAL(0.0), .yz = REAL(0.0), .zx = REAL(0.0) };
+    i = 0;
+    while (i < count) {
+        const V3 d = sub(store_sampled_place(s, i), mean);
+        spread.xx += (d.x * d.x);
+        spread.yy += (d.y * d.y);
+        spread.zz += (d.z * d.z);
+        spread.xy += (d.x * d.y);
+        spread.yz += (d.y * d.z);
+        spread.zx += (d.z * d.x);
+        i += 1;
+    }
+    Symmetric power = (Symmetric){ .xx = spread.yy + spread.zz, .yy = spread.zz + spread.xx, .zz = spread.xx + spread.yy, .xy = -spread.xy, .yz = -spread.yz, .zx = -spread.zx };
+    i = 0;
+    while (i < SQUARINGS) {
+        const real unit = REAL(1.0) / ((power.xx + power.yy) + power.zz);
+        power = square_of_matrix((Symmetric){ .xx = power.xx * unit, .yy = power.yy * unit, .zz = power.zz * unit, .xy = power.xy * unit, .yz = power.yz * unit, .zx = power.zx * unit });
+        i += 1;
+    }
+    const V3 along = v3(((power.xx * REAL(0.577)) + (power.xy * REAL(0.5771))) + (power.zx * REAL(0.5772)), ((power.xy * REAL(0.577)) + (power.yy * REAL(0.5771))) + (power.yz * REAL(0.5772)), ((power.zx * REAL(0.577)) + (power.yz * REAL(0.5771))) + (power.zz * REAL(0.5772)));
+    const real length = sqrt(v3_dot(along, along));
+    // (Not a number where the sites are one.)
+    if ((length > REAL(0.0)) && (length < LARGEST)) {
+        return scale(REAL(1.0) / length, along);
+    }
+    return v3(REAL(1.0), REAL(0.0), REAL(0.0));
+}
+
+// The largest `n·x` of a box.
+INLINE real largest_along(NodeBox bounds, V3 n) {
+    return (larger(n.x * bounds.lo.x, n.x * bounds.hi.x) + larger(n.y * bounds.lo.y, n.y * bounds.hi.y)) + larger(n.z * bounds.lo.z, n.z * bounds.hi.z);
+}
+
+// A slab that holds a node's sites, whose box is known.
+HOT NodeSlab slab_of_node(Store *s, NodeBox bounds) {
+    const V3 normal = thinnest_direction(s);
+    NodeSlab slab = (NodeSlab){ .normal = normal, .lo = LARGEST, .hi = -LARGEST, .largest = REAL(0.0) };
+    uint i = 0;
+    while ((store_parts(s) == 0) && (i < store_sampled(s))) {
+        const real height = v3_dot(normal, store_sampled_place(s, i));
+        slab.lo = smaller(slab.lo, height);
+        slab.hi = larger(slab.hi, height);
+        slab.largest = larger(slab.largest, store_sampled_weight(s, i));
+        i += 1;
+    }
+    i = 0;
+    while (i < store_parts(s)) {
+        // By its box alone, or by its slab and what the box has across the slab's normal.
+        const NodeSlab its = store_part_slab(s, i);
+        const NodeBox its_box = store_part_box(s, i);
+        const real share = v3_dot(normal, its.normal);
+        const V3 rest = sub(normal, scale(share, its.normal));
+        const real top = larger(share * its.lo, share * its.hi) + largest_along(its_box, rest);
+        const real bottom = smaller(share * its.lo, share * its.hi) - largest_along(its_box, scale(-REAL(1.0), rest));
+        slab.hi = larger(slab.hi, smaller(top, largest_along(its_box, normal)));
+        slab.lo = smaller(slab.lo, larger(bottom, -largest_along(its_box, scale(-REAL(1.0), normal))));
+        slab.largest = larger(slab.largest, its.largest);
+        i += 1;
+    }
+    const V3 farthest = v3(larger(fabs(bounds.lo.x), fabs(bounds.hi.x)), larger(fabs(bounds.lo.y), fabs(bounds.hi.y)), larger(fabs(bounds.lo.z), fabs(bounds.hi.z)));
+    const real outward = FEW_ROUNDINGS_OF_SUM * norm_1(farthest);
+    slab.lo = slab.lo - outward;
+    slab.hi = slab.hi + outward;
+    return slab;
+}
+
+// A polynomial without its constant at the way `u` from where it is about.
+INLINE real rise(NodeWeights w, V3 u) {
+    return (((w.slope.x + (w.curvature.x * u.x)) * u.x) + ((w.slope.y + (w.curvature.y * u.y)) * u.y)) + ((w.slope.z + (w.curvature.z * u.z)) * u.z);
+}
+
+HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w) {
+    Rest rest = (Rest){ .top = -LARGEST, .bottom = LARGEST };
+    uint i = 0;
+    while (i < store_sampled(s)) {
+        const real its = store_sampled_weight(s, i) - rise(w, sub(store_sampled_place(s, i), middle));
+        rest.top = larger(rest.top, its);
+        rest.bottom = smaller(rest.bottom, its);
+        i += 1;
+    }
+    return rest;
+}
+
+// The polynomial of so many coefficients that fits the sampled weights best, its constant 0; all 0 where there is none.
+HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, uint unknowns) {
+    const uint count = store_sampled(s);
+    Equations e = (Equations){ .matrix = { 0 }, .right = { 0 } };
+    uint i = 0;
+    while (i < count) {
+        const V3 u = scale(REAL(1.0) / width, sub(store_sampled_place(s, i), middle));
+        const real w = store_sampled_weight(s, i);
+        real terms[7] = { 0 };
+        terms[0] = REAL(1.0);
+        terms[1] = u.x;
+        terms[2] = u.y;
+        terms[3] = u.z;
+        terms[4] = u.x * u.x;
+        terms[5] = u.y * u.y;
+        terms[6] = u.z * u.z;
+        uint row = 0;
+        while (row < unknowns) {
+            uint column = 0;
+            while (column < unknowns) {
+                e.matrix[((row * QUADRATIC) + column)] += (terms[row] * terms[column]);
+                column += 1;
+            }
+            e.right[row] += (terms[row] * w);
+            row += 1;
+        }
+        i += 1;
+    }
+    uint row = 0;
+    while (row < unknowns) {
+        e.matrix[((row * QUADRATIC) + row)] += (RIDGE_SHARE * ((real)count));
+        row += 1;
+    }
+    // Gauss–Jordan; positive definite, so that no pivot is sought.
+    uint pivot = 0;
+    while (pivot < unknowns) {
+        const real inverse = REAL(1.0) / e.matrix[((pivot * QUADRATIC) + pivot)];
+        row = 0;
+        while (row < unknowns) {
+            if (row != pivot) {
+                const real share = e.matrix[((row * QUADRATIC) + pivot)] * inverse;
+                uint column = pivot;
+                while (column < unknowns) {
+                    e.matrix[((row * QUADRATIC) + column)] -= (share * e.matrix[((pivot * QUADRATIC) + column)]);
+                    column += 1;
+                }
+                e.right[row] -= (share * e.right[pivot]);
+            }
+            row += 1;
+        }
+        pivot += 1;
+    }
+    real largest = REAL(0.0);
+    row = 0;
+    while (row < unknowns) {
+        e.right[row] = e.right[row] / (e.matrix[((row * QUADRATIC) + row)] * width);
+        if (row >= AFFINE) {
+            e.right[row] = e.right[row] / width;
+        }
+        // (What is not a number is not below.)
+        if (!(fabs(e.right[row]) < LARGEST)) {
+            largest = LARGEST;
+        }
+        row += 1;
+    }
+    NodeWeights fit = (NodeWeights){ .offset = REAL(0.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .curvature = v3(REAL(0.0), REAL(0.0), REAL(0.0)) };
+    if (largest < LARGEST) {
+        fit.slope = v3(e.right[1], e.right[2], e.right[3]);
+        if (unknowns == QUADRATIC) {
+            fit.curvature = v3(e.right[4], e.right[5], e.right[6]);
+        }
+    }
+    return fit;
+}
+
+// Adds the largest of a part's bound less the node's, along an axis, to `sum`; `lo` and `hi` from the node's middle.
+INLINE void add_largest(real lo, real hi, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size) {
+    real least = REAL(0.0);
+    add_least(lo, hi, curvature, slope, its_slope, its_curvature, &least, size);
+    *sum -= least;
+    // (`add_least` counts the sizes of steep polynomials; a negative α, too.)
+    *size += ((REAL(2.0) * (fabs(curvature) * larger(fabs(lo), fabs(hi)))) * larger(fabs(lo), fabs(hi)));
+}
+
+// An upper bound of the weights of a node's sites, whose box is known: of least degree that is tighter by enough.
+HOT NodeWeights weights_of_node(Store *s, NodeBox bounds) {
+    const V3 middle = scale(REAL(0.5), add(bounds.lo, bounds.hi));
+    const V3 halves = scale(REAL(0.5), sub(bounds.hi, bounds.lo));
+    const real width = larger(larger(larger(halves.x, halves.y), halves.z), LEAST_WIDTH);
+    NodeWeights best = (NodeWeights){ .offset = REAL(0.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .curvature = v3(REAL(0.0), REAL(0.0), REAL(0.0)) };
+    Rest rest = rest_of_sampled(s, middle, best);
+    uint unknowns = AFFINE;
+    if (store_sampled(s) < ENOUGH_FOR_SLOPE) {
+        unknowns = QUADRATIC + 1;
+    }
+    const real all = rest.top - rest.bottom;
+    real range = all;
+    while ((unknowns <= QUADRATIC) && (all > REAL(0.0))) {
+        const NodeWeights fit = fit_of_sampled(s, middle, width, unknowns);
+        const Rest left = rest_of_sampled(s, middle, fit);
+        if ((left.top - left.bottom) < (WORTH_A_DEGREE * range)) {
+            rest = left;
+            range = left.top - left.bottom;
+            best = fit;
+        }
+        unknowns += (QUADRATIC - AFFINE);
+        if (store_sampled(s) < ENOUGH_FOR_CURVATURE) {
+            unknowns = QUADRATIC + 1;
+        }
+    }
+    real top = rest.top;
+    real size = REAL(0.0);
+    uint i = 0;
+    while ((store_parts(s) == 0) && (i < store_sampled(s))) {
+        size = larger(size, store_sampled_weight(s, i));
+        i += 1;
+    }
+    if (store_parts(s) > 0) {
+        top = -LARGEST;
+    }
+    while (i < store_parts(s)) {
+        const NodeWeights its = store_part_weights(s, i);
+        const NodeBox its_box = store_part_box(s, i);
+        const V3 lo = sub(its_box.lo, middle);
+        const V3 hi = sub(its_box.hi, middle);
+        real its_top = its.offset;
+        real its_size = fabs(its.offset);
+        add_largest(lo.x, hi.x, best.slope.x, best.curvature.x, its.slope.x, its.curvature.x, &its_top, &its_size);
+        add_largest(lo.y, hi.y, best.slope.y, best.curvature.y, its.slope.y, its.curvature.y, &its_top, &its_size);
+        add_largest(lo.z, hi.z, best.slope.z, best.curvature.z, its.slope.z, its.curvature.z, &its_top, &its_size);
+        top = larger(top, its_top);
+        size = larger(size, its_size);
+        i += 1;
+    }
+    // The middle is rounded, here and where the bound is evaluated.
+    const V3 steep = v3(fabs(best.slope.x) + (REAL(2.0) * (fabs(best.curvature.x) * halves.x)), fabs(best.slope.y) + (REAL(2.0) * (fabs(best.curvature.y) * halves.y)), fabs(best.slope.z) + (REAL(2.0) * (fabs(best.curvature.z) * halves.z)));
+    const real off = (REAL(4.0) * UNIT_ROUNDOFF) * (((steep.x * larger(fabs(bounds.lo.x), fabs(bounds.hi.x))) + (steep.y * larger(fabs(bounds.lo.y), fabs(bounds.hi.y)))) + (steep.z * larger(fabs(bounds.lo.z), fabs(bounds.hi.z))));
+    size += ((fabs(top) + (steep.x * halves.x)) + ((steep.y * halves.y) + (steep.z * halves.z)));
+    best.offset = (top + (FEW_ROUNDINGS_OF_SUM * size)) + off;
+    return best;
+}

@@ -5,13 +5,13 @@ use crate::buffer::Room;
 use crate::interface::data::{GRID_GROUP, Range, SCAN_EACH};
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, MarkVoxels, PlaceDigits, RankSites,
-    ScanBlocks, SettleRuns,
+    ScanBlocks, SettleRuns, TightenSlabs,
 };
 use crate::params::Shared;
 use crate::program::GridKernels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_grid::Voxels;
-use laguerre_core::site_tree::{Boxes, Slabs, TURNS, WIDTH, WeightBounds, level_begins};
+use laguerre_core::site_tree::{Boxes, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -271,6 +271,16 @@ impl Sites {
                     weight_bounds: &self.weight_bounds,
                 },
             )?;
+            if TIGHT_LEVELS.contains(&level) {
+                let nodes = sites.div_ceil(WIDTH << (3 * level));
+                let Self { sites, slabs, .. } = &*self;
+                kernels.tighten_slabs.run(
+                    queue,
+                    nodes * GROUP,
+                    GROUP,
+                    TightenSlabs { params: &shared.room, sites, level: level as u32, slabs },
+                )?;
+            }
         }
         Ok(())
     }

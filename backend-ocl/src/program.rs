@@ -5,7 +5,7 @@ use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, Cells, CountDigits, EnterSites, FindVoxels, GatherSites, LookAbout, MarkVoxels,
-    MeasureClearances, PlaceDigits, RankSites, ScanBlocks, SettleRuns,
+    MeasureClearances, PlaceDigits, RankSites, ScanBlocks, SettleRuns, TightenSlabs,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -42,6 +42,7 @@ pub(crate) struct GridKernels {
     pub(crate) gather_sites: Kernel<GatherSites<'static>>,
     pub(crate) find_voxels: Kernel<FindVoxels<'static>>,
     pub(crate) bound_nodes: Kernel<BoundNodes<'static>>,
+    pub(crate) tighten_slabs: Kernel<TightenSlabs<'static>>,
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
     pub(crate) look_about: Kernel<LookAbout<'static>>,
 }
@@ -61,6 +62,7 @@ impl GridKernels {
             gather_sites: Kernel::new(&program)?,
             find_voxels: Kernel::new(&program)?,
             bound_nodes: Kernel::new(&program)?,
+            tighten_slabs: Kernel::new(&program)?,
             measure_clearances: Kernel::new(&program)?,
             look_about: Kernel::new(&program)?,
         })

@@ -17,6 +17,10 @@ use slope::fit_slope;
 /// Sites in a leaf, and nodes in a block.
 pub const WIDTH: usize = 8;
 
+/// Levels whose slabs are found from all sites of a node: of those below the sample is all of them, and those above are opened anyway. (From the
+/// parts' slabs, about curved surfaces, they are twice as thick.)
+pub const TIGHT_LEVELS: std::ops::Range<usize> = 2..6;
+
 /// Coordinate of the boxes of nodes that are not there: farther than any site, and its square is finite.
 pub(crate) const NOWHERE: f64 = 1e150;
 
@@ -295,7 +299,11 @@ impl SiteTree {
                     let source = Node { tree: &*self, sites: of_node, level, node };
                     let bounds = box_of_node(&source);
                     boxes.set(k, bounds);
-                    slabs.set(k, slab_of_node(&source, bounds));
+                    let mut slab = slab_of_node(&source, bounds);
+                    if TIGHT_LEVELS.contains(&level) {
+                        (slab.lo, slab.hi) = heights(of_node, slab.normal);
+                    }
+                    slabs.set(k, slab);
                     if has_weights {
                         weights.set(k, weights_of_node(&source, bounds));
                     }
@@ -380,6 +388,17 @@ impl Leaf {
         }
         leaf
     }
+}
+
+/// The least and the largest `normal·p` of sites, rounded outward.
+fn heights(sites: &[[f64; 4]], normal: V3) -> (f64, f64) {
+    let (mut lo, mut hi, mut size) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+    for &[x, y, z, _] in sites {
+        let height = normal.x * x + normal.y * y + normal.z * z;
+        (lo, hi, size) = (lo.min(height), hi.max(height), size.max(x.abs() + y.abs() + z.abs()));
+    }
+    let outward = 8.0 * f64::EPSILON * size;
+    (lo - outward, hi + outward)
 }
 
 /// Vector `k` of eight.

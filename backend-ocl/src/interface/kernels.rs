@@ -159,6 +159,13 @@ kernels! {
         output weight_bounds: WeightBounds,
     }
 
+    kernel TightenSlabs = tighten_slabs {
+        input params: Params,
+        input sites: [f64; 4],
+        value level: u32,
+        output slabs: Slabs,
+    }
+
     kernel MeasureClearances = measure_clearances {
         input params: Params,
         input surface_table: u32,

@@ -49,3 +49,43 @@ __kernel void bound_nodes(BOUND_NODES_ARGUMENTS) {
         set_vector(weight_bounds[block].q, k, weights.curvature);
     }
 }
+
+// The slabs of a level's nodes from all their sites: a group of work-items for each node.
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void tighten_slabs(TIGHTEN_SLABS_ARGUMENTS) {
+    __local real lo[GRID_GROUP];
+    __local real hi[GRID_GROUP];
+    __local real size[GRID_GROUP];
+    const uint own = get_local_id(0);
+    const uint node = get_group_id(0);
+    const uint shift = 3u * (level + 1u);
+    __global Slabs *slab = slabs + (params->tree_begin[level] + (node / WIDTH));
+    const uint k = node % WIDTH;
+    const V3 normal = vector_of(slab->normal, k);
+    const ulong begin = (ulong)node << shift;
+    const ulong end = min((ulong)params->tree_sites, begin + (1ul << shift));
+    real least = INFINITY;
+    real most = -INFINITY;
+    real largest = REAL(0.0);
+    for (ulong i = begin + own; i < end; i += GRID_GROUP) {
+        const V3 place = (V3){ .x = sites[i].x, .y = sites[i].y, .z = sites[i].z };
+        const real height = v3_dot(normal, place);
+        least = fmin(least, height);
+        most = fmax(most, height);
+        largest = fmax(largest, norm_1(place));
+    }
+    lo[own] = least;
+    hi[own] = most;
+    size[own] = largest;
+    for (uint distance = GRID_GROUP / 2u; distance > 0u; distance >>= 1) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (own < distance) {
+            lo[own] = fmin(lo[own], lo[own + distance]);
+            hi[own] = fmax(hi[own], hi[own + distance]);
+            size[own] = fmax(size[own], size[own + distance]);
+        }
+    }
+    if (own == 0u) {
+        slab->lo[k] = lo[0] - (FEW_ROUNDINGS_OF_SUM * size[0]);
+        slab->hi[k] = hi[0] + (FEW_ROUNDINGS_OF_SUM * size[0]);
+    }
+}

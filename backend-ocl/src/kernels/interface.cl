@@ -348,6 +348,12 @@ typedef struct {
     __global Slabs *slabs, \
     __global WeightBounds *weight_bounds
 
+#define TIGHTEN_SLABS_ARGUMENTS \
+    __global const Params *params, \
+    __global const real4 *sites, \
+    uint level, \
+    __global Slabs *slabs
+
 #define MEASURE_CLEARANCES_ARGUMENTS \
     __global const Params *params, \
     __global const uint *surface_table, \

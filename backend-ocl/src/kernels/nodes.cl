@@ -24,7 +24,7 @@ INLINE real largest_along(NodeBox bounds, V3 n);
 HOT NodeSlab slab_of_node(Store *s, NodeBox bounds);
 INLINE real rise(NodeWeights w, V3 u);
 HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w);
-HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, uint unknowns);
+HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns);
 INLINE void add_largest(real lo, real hi, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size);
 HOT NodeWeights weights_of_node(Store *s, NodeBox bounds);
 
@@ -245,13 +245,13 @@ HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w) {
 }
 
 // The polynomial of so many coefficients that fits the sampled weights best, its constant 0; all 0 where there is none.
-HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, uint unknowns) {
+HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns) {
     const uint count = store_sampled(s);
     Equations e = (Equations){ .matrix = { 0 }, .right = { 0 } };
     uint i = 0;
     while (i < count) {
         const V3 u = scale(REAL(1.0) / width, sub(store_sampled_place(s, i), middle));
-        const real w = store_sampled_weight(s, i);
+        const real w = store_sampled_weight(s, i) - base;
         real terms[7] = { 0 };
         terms[0] = REAL(1.0);
         terms[1] = u.x;
@@ -272,7 +272,7 @@ HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, uint unknowns) {
         }
         i += 1;
     }
-    uint row = 0;
+    uint row = 1;
     while (row < unknowns) {
         e.matrix[((row * QUADRATIC) + row)] += (RIDGE_SHARE * ((real)count));
         row += 1;
@@ -341,8 +341,10 @@ HOT NodeWeights weights_of_node(Store *s, NodeBox bounds) {
     }
     const real all = rest.top - rest.bottom;
     real range = all;
+    // (Of weights that are large and differ by little, the ridge would leave more than they differ by.)
+    const real base = REAL(0.5) * (rest.top + rest.bottom);
     while ((unknowns <= QUADRATIC) && (all > REAL(0.0))) {
-        const NodeWeights fit = fit_of_sampled(s, middle, width, unknowns);
+        const NodeWeights fit = fit_of_sampled(s, middle, width, base, unknowns);
         const Rest left = rest_of_sampled(s, middle, fit);
         if ((left.top - left.bottom) < (WORTH_A_DEGREE * range)) {
             rest = left;

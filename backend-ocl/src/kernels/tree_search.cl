@@ -253,7 +253,8 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
         k += lanes;
     }
     store_lanes_wait(s);
-    if (question.is_power != 0) {
+    // (Few are all opened next.)
+    if ((question.is_power != 0) && ((open.blocks * WIDTH) > lanes)) {
         const uint least = store_least_of_lanes(s, best);
         if (least != NO_SITE) {
             const uint at = store_lane_value(s, best_at, store_first_of(s, store_lanes_with(s, (uint)(best == least))));

@@ -148,8 +148,8 @@ typedef struct {
 // A bound of higher degree is taken where it leaves less than this share of the range of weights.
 #define WORTH_A_DEGREE ((real)(REAL(0.6)))
 
-// What is added to the diagonal of the normal equations, as a share: flat sets of sites leave slopes open.
-#define RIDGE_SHARE ((real)(REAL(1e-6)))
+// What is added to the diagonal of the normal equations for slopes and curvatures, as a share: flat sets of sites leave them open.
+#define RIDGE_SHARE ((real)(REAL(1e-9)))
 
 // Squarings of the matrix for the thinnest direction: any direction gives a true slab, a better one a thinner.
 #define SQUARINGS ((uint)(5))

@@ -18,8 +18,8 @@ const ENOUGH_FOR_CURVATURE: u32 = 16;
 /// A bound of higher degree is taken where it leaves less than this share of the range of weights.
 const WORTH_A_DEGREE: Real = 0.6;
 
-/// What is added to the diagonal of the normal equations, as a share: flat sets of sites leave slopes open.
-const RIDGE_SHARE: Real = 1e-6;
+/// What is added to the diagonal of the normal equations for slopes and curvatures, as a share: flat sets of sites leave them open.
+const RIDGE_SHARE: Real = 1e-9;
 
 /// Squarings of the matrix for the thinnest direction: any direction gives a true slab, a better one a thinner.
 const SQUARINGS: u32 = 5;
@@ -245,13 +245,13 @@ fn rest_of_sampled<S: NodeSource>(s: &S, middle: V3, w: NodeWeights) -> Rest {
 
 /// The polynomial of so many coefficients that fits the sampled weights best, its constant 0; all 0 where there is none.
 #[inline]
-fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, unknowns: u32) -> NodeWeights {
+fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unknowns: u32) -> NodeWeights {
     let count: u32 = s.sampled();
     let mut e: Equations = Equations { matrix: [0.0; 49], right: [0.0; 7] };
     let mut i: u32 = 0;
     while i < count {
         let u: V3 = scale(1.0 / width, sub(s.sampled_place(i), middle));
-        let w: Real = s.sampled_weight(i);
+        let w: Real = s.sampled_weight(i) - base;
         let mut terms: [Real; 7] = [0.0; 7];
         terms[0] = 1.0;
         terms[1] = u.x;
@@ -272,7 +272,7 @@ fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, unknowns: u32) 
         }
         i += 1;
     }
-    let mut row: u32 = 0;
+    let mut row: u32 = 1;
     while row < unknowns {
         e.matrix[((row * QUADRATIC) + row) as usize] += RIDGE_SHARE * (count as Real);
         row += 1;
@@ -353,8 +353,10 @@ pub fn weights_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeWeights {
     }
     let all: Real = rest.top - rest.bottom;
     let mut range: Real = all;
+    // (Of weights that are large and differ by little, the ridge would leave more than they differ by.)
+    let base: Real = 0.5 * (rest.top + rest.bottom);
     while (unknowns <= QUADRATIC) && (all > 0.0) {
-        let fit: NodeWeights = fit_of_sampled(s, middle, width, unknowns);
+        let fit: NodeWeights = fit_of_sampled(s, middle, width, base, unknowns);
         let left: Rest = rest_of_sampled(s, middle, fit);
         if (left.top - left.bottom) < (WORTH_A_DEGREE * range) {
             rest = left;

@@ -239,7 +239,8 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
         k += lanes;
     }
     s.lanes_wait();
-    if question.is_power != 0 {
+    // (Few are all opened next.)
+    if (question.is_power != 0) && ((open.blocks * WIDTH) > lanes) {
         let least: u32 = s.least_of_lanes(best);
         if least != NO_SITE {
             let at: u32 = s.lane_value(best_at, s.first_of(s.lanes_with((best == least) as u32)));

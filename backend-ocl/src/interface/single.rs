@@ -3,7 +3,7 @@
 
 use super::table::kernels;
 
-/// Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds: fewer than where there are `blocks.cl`.
+/// Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds.
 pub(crate) const SHELL_RADIUS: u32 = 4;
 
 /// Entries of the table of offsets, and how many of them are about the own voxel.

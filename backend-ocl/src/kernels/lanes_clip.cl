@@ -60,18 +60,26 @@ OUTLINE uint begin_together(CELL_SPACE Cell *cell, uint lane, V3 lo, V3 hi) {
     return status;
 }
 
-// A half-space in single precision; the size of its normal, and what its offset rounds off.
+// A half-space in single precision, in the frame of the rough places; the size of its normal, and what its offset rounds off.
 typedef struct {
     float4 plane;
     float size;
     float slack;
 } Trial;
 
-INLINE Trial trial_of(Plane plane) {
+INLINE Trial trial_of(Store *s, Plane plane) {
+#if HAS_ORIGIN
+    const V3 from = origin_of(s->cell);
+    const real d = plane.d + v3_dot(plane.n, from);
+    const float off = convert_float_rtp((REAL(8.0) * UNIT_ROUNDOFF) * (fabs(plane.d) + (norm_1(plane.n) * norm_1(from))));
+#else
+    const real d = plane.d;
+    const float off = 0.0f;
+#endif
     return (Trial){
-        .plane = (float4)((float)plane.n.x, (float)plane.n.y, (float)plane.n.z, (float)plane.d),
+        .plane = (float4)((float)plane.n.x, (float)plane.n.y, (float)plane.n.z, (float)d),
         .size = convert_float_rtp(norm_1(plane.n)),
-        .slack = ((ROUGH * fabs((float)plane.d)) + ROUGH_UNDERFLOW) * ROUGH_SAFE
+        .slack = (((ROUGH * fabs((float)d)) + off) + ROUGH_UNDERFLOW) * ROUGH_SAFE
     };
 }
 
@@ -316,7 +324,7 @@ INLINE uint cut_together(Store *s, Plane plane, uint source) {
         s->cell->source[s->planes] = source;
     }
     lanes_wait();
-    return clip_together(s, trial_of(plane));
+    return clip_together(s, trial_of(s, plane));
 }
 
 // Whether a site's bisector is among the cell's half-spaces.

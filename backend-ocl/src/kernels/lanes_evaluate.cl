@@ -1,12 +1,24 @@
-// The entry point of `lanes.cl`: as `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group. What is left
-// to that kernel is listed as `boundary`, what is left to this one WITH_EXACT as `failed`; `undecided` lists
-// the records of cells that are given to it WITH_SURFACE.
+// A cell computed by LANES work-items together: the vertices are shared out among them when a half-space is tried, the new
+// vertices when it cuts, the candidates when the next one is looked for, the tetrahedra when the cell is integrated. It gives the same
+// cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells
+// that need more room than there is, or exact arithmetic that is the host's, and those that the surface cuts where facets are asked for, are
+// left to that kernel.
+//
+// Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
+// nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
+// inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_FAR for cells that are completed by their vertices (`lanes_tree.cl`),
+// WITH_EXACT for what is open in either, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others
+// 8 %. WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
+//
+// What is left to the other kernel is listed as `boundary`, what is left to a later stage as `failed`; `undecided` lists the records of cells that are
+// given to the stage WITH_SURFACE.
 
-#import "lanes.cl"
+#import "lanes_table.cl"
 #import "lanes_near.cl"
 #import "lanes_integrate.cl"
 #import "output.cl"
 
+// As `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group.
 __kernel void cells(CELLS_ARGUMENTS) {
 #if WITH_ROOM != 2
     __local Cell cells[CELLS];
@@ -52,6 +64,16 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->corners = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
+#if !WITH_TABLE
+    const Vantage vantage = vantage_of(s);
+#endif
+#if HAS_ORIGIN
+    // (Within the box, where the cell is.)
+    cell->origin[0] = (float)fmin(fmax(vantage.center.x, lo.x), hi.x);
+    cell->origin[1] = (float)fmin(fmax(vantage.center.y, lo.y), hi.y);
+    cell->origin[2] = (float)fmin(fmax(vantage.center.z, lo.z), hi.z);
+    lanes_wait();
+#endif
     uint status = begin_together(cell, s->lane, lo, hi);
     s->planes = 6;
     s->vertices = 8;
@@ -64,7 +86,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if WITH_TABLE
         status = complete_by_table(s, shells, site, &visited, &extent);
 #else
-        status = complete_by_tree(s, &visited, &extent);
+        status = complete_by_tree(s, vantage, &visited, &extent);
 #endif
     }
 #endif

@@ -1,8 +1,40 @@
 // The integrals of a cell that LANES work-items compute together.
 
-#import "lanes.cl"
+#import "lanes_reach.cl"
 #import "lanes_sums.cl"
 #import "lanes_surface.cl"
+
+#if WITH_DOMAIN
+// How many voxels the surface meets of those that the box of the vertices, which are in single precision, and the site may; and the lowest
+// of them.
+INLINE uint surface_near_box(Store *s, Voxel *lo) {
+    const float per_width = ROUGH_SAFE * convert_float_rtp(s->world.params->domain_per_width);
+    float3 below = (float3)(0.0f, 0.0f, 0.0f);
+    float3 above = below;
+    UNROLLED_WORDS
+    for (uint word = 0; word < WORDS; word++) {
+        const uint v = (word * LANES) + s->lane;
+        if (v < s->vertices) {
+            const float4 p = s->cell->rough[v];
+            below = fmax(below, (float3)(p.w - p.x, p.w - p.y, p.w - p.z));
+            above = fmax(above, (float3)(p.w + p.x, p.w + p.y, p.w + p.z));
+        }
+    }
+    const float down[3] = { lanes_largest(below.x), lanes_largest(below.y), lanes_largest(below.z) };
+    const float up[3] = { lanes_largest(above.x), lanes_largest(above.y), lanes_largest(above.z) };
+    const real site[3] = { s->site.x, s->site.y, s->site.z };
+    uint low[3];
+    uint high[3];
+    for (uint k = 0; k < 3u; k++) {
+        const float at = place_in_domain(s->world.params, k, site[k]);
+        // (Twice: once for the sums, once for the products.)
+        low[k] = voxel_in_domain(s->world.params, k, at - ((((down[k] * ROUGH_SAFE) * per_width) * ROUGH_SAFE) + slack_at(at)));
+        high[k] = voxel_in_domain(s->world.params, k, at + ((((up[k] * ROUGH_SAFE) * per_width) * ROUGH_SAFE) + slack_at(at)));
+    }
+    *lo = (Voxel){ .i = low[0], .j = low[1], .k = low[2] };
+    return store_surface_voxels(s, *lo, (Voxel){ .i = high[0], .j = high[1], .k = high[2] });
+}
+#endif
 
 // The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`.
 INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums) {

@@ -27,6 +27,13 @@
 #define SEARCHES_BEYOND (WITH_TABLE && (WITH_EXACT && (WITH_DOMAIN || WITH_ROOM)))
 #define SEARCHES_TREE (!WITH_TABLE || SEARCHES_BEYOND)
 
+// Whether the rough places of vertices are in the frame of where the weights' slope has the cell, and not in that of its site, which may be many
+// cells away: single precision loses what that is farther. (Of a million cells with weights 0.9 |x|² 26 % had open signs.)
+#define HAS_ORIGIN (WITH_WEIGHTS && !WITH_DOMAIN)
+
+// Whether open blocks and leaves have keys: in the stages that search far, but for that with exact signs, which has no room.
+#define KEEPS_KEYS (WITH_FAR && (!WITH_EXACT || WITH_ROOM))
+
 // Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more, in local memory (1) and in global (2).
 // What needs still more is left to the kernel that computes a cell with one work-item. (Of each directed edge the vertex is kept.)
 #if WITH_ROOM == 2
@@ -94,12 +101,16 @@ typedef struct {
     // Of the search (`tree_search.cl`).
     uint open[MOST_OPEN];
     uint leaf[MOST_LEAVES];
-#if SETTLES_CLOSELY
+#if KEEPS_KEYS
     uint open_key[MOST_OPEN];
     uint leaf_key[MOST_LEAVES];
 #endif
     uint candidate[MOST_CANDIDATES];
     uint candidate_key[MOST_CANDIDATES];
+#endif
+#if HAS_ORIGIN
+    // Where rough places are from, as the way from the site.
+    float origin[3];
 #endif
     // Box of the vertices: minimum corner, maximum corner, largest error radius.
     real corner[7];
@@ -234,6 +245,12 @@ INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->cell->triplet[pl
 #define ROUGH (10.0f / (float)(1 << 24))
 #define ROUGH_UNDERFLOW 1e-33f
 
+#if HAS_ORIGIN
+INLINE V3 origin_of(CELL_SPACE const Cell *cell) { return (V3){ .x = cell->origin[0], .y = cell->origin[1], .z = cell->origin[2] }; }
+#else
+INLINE V3 origin_of(CELL_SPACE const Cell *cell) { return (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }; }
+#endif
+
 INLINE V3 store_position(Store *s, uint v) {
     if (s->view == BOX_CORNERS) {
         CELL_SPACE const real *corner = s->cell->corner + (3u * v);
@@ -245,7 +262,12 @@ INLINE V3 store_position(Store *s, uint v) {
         return (V3){ .x = p.x, .y = p.y, .z = p.z };
     }
     const float4 p = s->cell->rough[place];
+#if HAS_ORIGIN
+    const V3 from = origin_of(s->cell);
+    return (V3){ .x = from.x + p.x, .y = from.y + p.y, .z = from.z + p.z };
+#else
     return (V3){ .x = p.x, .y = p.y, .z = p.z };
+#endif
 }
 INLINE real store_radius(Store *s, uint v) {
     if (s->view == BOX_CORNERS) {
@@ -260,12 +282,18 @@ INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
         s->cell->fine[place] = (real4)(position.x, position.y, position.z, radius);
         return;
     }
+#if HAS_ORIGIN
+    // (And what it is off in double precision when it is in the site's frame again.)
+    radius += (REAL(2.0) * UNIT_ROUNDOFF) * ((fabs(position.x) + fabs(position.y)) + fabs(position.z));
+    const V3 from = origin_of(s->cell);
+    position = (V3){ .x = position.x - from.x, .y = position.y - from.y, .z = position.z - from.z };
+#endif
     const float4 p = (float4)((float)position.x, (float)position.y, (float)position.z, 0.0f);
     const float largest = fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z));
     s->cell->rough[place] = (float4)(p.x, p.y, p.z, ((convert_float_rtp(radius) + (ROUGH * largest)) + ROUGH_UNDERFLOW) * ROUGH_SAFE);
 }
 
-// For the host's way of asking; here `farthest_of` (`lanes.cl`) does.
+// For the host's way of asking; here `farthest_of` (`lanes_reach.cl`) does.
 INLINE V3 store_farthest(Store *s) { return (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }; }
 
 INLINE void store_note_exact(Store *s) { s->exact = 1; }

@@ -178,7 +178,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
                     cell->plane[s->planes] = plane;
                 }
                 lanes_wait();
-                status = clip_together(s, trial_of(plane));
+                status = clip_together(s, trial_of(s, plane));
                 touched |= (i == 3u) && (status == CUT);
             }
             if (((status != CUT) && (status != UNTOUCHED)) && (status != EMPTY)) {

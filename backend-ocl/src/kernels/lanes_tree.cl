@@ -22,8 +22,7 @@ INLINE void store_lanes_wait(Store *s) { lanes_wait(); }
 
 INLINE uint store_open_block(Store *s, uint i) { return s->cell->open[i]; }
 INLINE uint store_leaf(Store *s, uint i) { return s->cell->leaf[i]; }
-// (Where few cells search far there is no room for keys.)
-#if SETTLES_CLOSELY
+#if KEEPS_KEYS
 INLINE uint store_open_key(Store *s, uint i) { return s->cell->open_key[i]; }
 INLINE uint store_leaf_key(Store *s, uint i) { return s->cell->leaf_key[i]; }
 INLINE void store_set_open_block(Store *s, uint i, uint block, uint key) {
@@ -50,7 +49,8 @@ INLINE void store_set_candidate(Store *s, uint i, uint site, uint key) {
 // (In single precision: in double, with its two roots, each call took 1,800 cycles, of 210,000 that a search of white noise took.)
 INLINE real store_square_of_reach(Store *s, V3 center) {
 #if WITH_WEIGHTS
-    const float3 place = (float3)((float)center.x, (float)center.y, (float)center.z);
+    const V3 from = origin_of(s->cell);
+    const float3 place = (float3)((float)(center.x - from.x), (float)(center.y - from.y), (float)(center.z - from.z));
     const float far = (farthest_from(s, place) + (ROUGH * ((fabs(place.x) + fabs(place.y)) + fabs(place.z)))) * ROUGH_SAFE;
 #else
     const float far = farthest_of(s);
@@ -129,11 +129,11 @@ OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
 #endif
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
-INLINE uint complete_by_tree(Store *s, uint *visited, float *extent) {
-    uint status = search_near(s, vantage_of(s), visited);
+INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *extent) {
+    uint status = search_near(s, vantage, visited);
     if (status == UNTOUCHED) {
 #if WITH_FAR && !WITH_EXACT
-        status = search_far(s, vantage_of(s), visited);
+        status = search_far(s, vantage, visited);
         status = (status == UNCERTAIN) ? OPEN : status;
 #elif WITH_FAR
         Store copy = *s;

@@ -4,7 +4,7 @@
 
 // backend-ocl/src/interface/single.rs
 
-// Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds: fewer than where there are `blocks.cl`.
+// Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds.
 #define SHELL_RADIUS ((uint)(4))
 
 // Entries of the table of offsets, and how many of them are about the own voxel.

@@ -1,55 +1,73 @@
-// A cell computed by LANES work-items together: the vertices are shared out among them when a half-space is tried, the new
-// vertices when it cuts, the candidates when the next one is looked for, the tetrahedra when the cell is integrated. It gives the same
-// cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells
-// that need more room than there is, or exact arithmetic that is the host's, and those that the surface cuts where facets are asked for, are
-// left to that kernel.
-//
-// Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
-// nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
-// inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_EXACT for what is open in either or reaches beyond the table of
-// offsets, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others 8 %. WITH_TREE where the
-// tree is searched (`lanes_tree.cl`), WITH_FAR for cells that are completed by their vertices there.
+// The search of the table of offsets, where LANES work-items compute a cell together and weights do not differ: the voxels around the cell's own,
+// nearest first. What it does not prove complete the tree does (`lanes_tree.cl`).
 
 #import "lanes_tree.cl"
 
+#if WITH_TABLE
+// What is carried from cut to cut, for what is asked of the domain (0 where the cell is outside, which nothing reaches) and of other sites: the
+// squared distance from which on no site can cut the cell. A site's key is the smaller, the earlier it had better cut; those cannot that are not
+// below the limit.
+INLINE float reach_now(Store *s) { return extent_of(farthest_of(s)); }
+INLINE float within(float reach, float outside) { return (reach <= outside) ? 0.0f : reach; }
+INLINE uint key_limit(float reach) { return as_uint(reach); }
+INLINE uint key_of(V3 way) { return as_uint(convert_float_rtz(v3_dot(way, way))); }
+
 #if WITH_DOMAIN
-// How many voxels the surface meets of those that the box of the vertices, which are in single precision, and the site may; and the lowest
-// of them.
-INLINE uint surface_near_box(Store *s, Voxel *lo) {
-    const float per_width = ROUGH_SAFE * convert_float_rtp(s->world.params->domain_per_width);
-    float3 below = (float3)(0.0f, 0.0f, 0.0f);
-    float3 above = below;
-    UNROLLED_WORDS
-    for (uint word = 0; word < WORDS; word++) {
-        const uint v = (word * LANES) + s->lane;
-        if (v < s->vertices) {
-            const float4 p = s->cell->rough[v];
-            below = fmax(below, (float3)(p.w - p.x, p.w - p.y, p.w - p.z));
-            above = fmax(above, (float3)(p.w + p.x, p.w + p.y, p.w + p.z));
-        }
-    }
-    const float down[3] = { lanes_largest(below.x), lanes_largest(below.y), lanes_largest(below.z) };
-    const float up[3] = { lanes_largest(above.x), lanes_largest(above.y), lanes_largest(above.z) };
-    const real site[3] = { s->site.x, s->site.y, s->site.z };
-    uint low[3];
-    uint high[3];
-    for (uint k = 0; k < 3u; k++) {
-        const float at = place_in_domain(s->world.params, k, site[k]);
-        // (Twice: once for the sums, once for the products.)
-        low[k] = voxel_in_domain(s->world.params, k, at - ((((down[k] * ROUGH_SAFE) * per_width) * ROUGH_SAFE) + slack_at(at)));
-        high[k] = voxel_in_domain(s->world.params, k, at + ((((up[k] * ROUGH_SAFE) * per_width) * ROUGH_SAFE) + slack_at(at)));
-    }
-    *lo = (Voxel){ .i = low[0], .j = low[1], .k = low[2] };
-    return store_surface_voxels(s, *lo, (Voxel){ .i = high[0], .j = high[1], .k = high[2] });
+// Whether a vertex is so many voxels of the site grid away from the site, and may be on the other side of the surface.
+INLINE uint is_beyond(Store *s, float reach, real widths) {
+    const float from = extent_of(convert_float_rtp(widths * s->world.params->grid_width));
+    return (reach > from) && (reach > s->cell->clear);
 }
 #endif
 
-#if WITH_TABLE
+// A squared distance in voxels, for comparison with those between voxels.
+INLINE float voxels_in_reach(Store *s, float reach) {
+    const float in_voxels = (sqrt(reach) * (convert_float_rtp(s->world.params->grid_per_width) * ROUGH_SAFE)) + SHELL_SLACK;
+    return (in_voxels * in_voxels) * 1.00001f;
+}
+
+// No key of a candidate.
+#define USED 0xFFFFFFFFu
+
+// Cuts by those of two sites for each lane that are in reach, nearest first: `UNTOUCHED`, or how the cell ended.
+INLINE uint cut_by_nearest(Store *s, const uint *site, uint *key, uint is_sampled, float *reach, uint *visited) {
+    for (;;) {
+        const uint mine = min(key[0], key[1]);
+        const uint nearest = ~lanes_most(~mine);
+        if (nearest >= key_limit(*reach)) {
+            return UNTOUCHED;
+        }
+        // (No index, so that all stays in registers.)
+        const uint from = lowest_bit(lanes_with(mine == nearest));
+        const uint is_first = key[0] == mine;
+        const uint beyond = lane_value((is_first != 0u) ? site[0] : site[1], from);
+        if (s->lane == from) {
+            key[0] = (is_first != 0u) ? USED : key[0];
+            key[1] = (is_first != 0u) ? key[1] : USED;
+        }
+        if ((is_sampled != 0u) && (has_cut(s, beyond) != 0u)) {
+            continue;
+        }
+        *visited += 1u;
+        // Each lane makes the half-space for itself.
+        const uint status = cut_together(s, bisector_with(s, beyond), beyond);
+        if (status == CUT) {
+            *reach = reach_now(s);
+#if WITH_DOMAIN
+            // (Which ends the search without a way out of here of its own.)
+            *reach = within(*reach, s->cell->outside);
+#endif
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+}
+
 // The voxels within reach that come next in the table of offsets, up to LANES, into `marked`, as places in the grid; returns how many.
 // `entry` is the next to be looked at: SHELLS where the table has ended, more where all others are out of reach.
-INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, Reach reach, uint *entry) {
+INLINE uint gather_voxels(Store *s, __global const uchar4 *shells, const uint *center, float3 f, float reach, uint *entry) {
     __global const Params *params = s->world.params;
-    const float limit = voxels_in_reach(s, reach.extent);
+    const float limit = voxels_in_reach(s, reach);
     const uint below = (1u << s->lane) - 1u;
     uint found = 0;
     uint goes_on = 1;
@@ -104,7 +122,7 @@ INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint own,
     const uint center[3] = { voxel_along(params, 0, p.x), voxel_along(params, 1, p.y), voxel_along(params, 2, p.z) };
     const float3 f = (float3)((float)(at.x - (real)center[0]), (float)(at.y - (real)center[1]), (float)(at.z - (real)center[2]));
     const uint below = (1u << s->lane) - 1u;
-    Reach reach = reach_now(s);
+    float reach = reach_now(s);
 #if WITH_DOMAIN && WITH_EXACT
     uint is_capped = 0;
 #endif
@@ -190,8 +208,8 @@ INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint own,
     }
     const uint is_proved = entry > SHELLS;
 #if WITH_DOMAIN
-    if (reach.extent <= cell->outside) {
-        *extent = reach.extent;
+    if (reach <= cell->outside) {
+        *extent = reach;
         return EMPTY;
     }
 #endif
@@ -206,7 +224,7 @@ INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint own,
         return status;
     }
 #endif
-    *extent = reach.extent;
+    *extent = reach;
     return (is_proved != 0u) ? COMPLETE : ((WITH_EXACT != 0) ? LEFT : BEYOND);
 }
 #endif

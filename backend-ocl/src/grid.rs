@@ -2,7 +2,7 @@
 //! each other for the curve, by the host.
 
 use crate::buffer::Room;
-use crate::interface::data::{GRID_GROUP, Range, SCAN_EACH};
+use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, Range, SCAN_EACH, SORT_EACH};
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, MarkVoxels, PlaceDigits, RankSites,
     ScanBlocks, SettleRuns, TightenSlabs,
@@ -25,10 +25,8 @@ pub(crate) const SITES_PER_VOXEL: f64 = 2.0;
 pub(crate) const GROUP: usize = GRID_GROUP as usize;
 const SCANNED: usize = GROUP * SCAN_EACH as usize;
 
-/// Elements that a group sorts, bits of a digit, and its values (`order.cl`).
-const SORTED: usize = 8 * GROUP;
-const DIGIT_BITS: u32 = 4;
-const DIGITS: usize = 16;
+/// Elements that a group sorts.
+const SORTED: usize = GROUP * SORT_EACH as usize;
 
 /// Levels of the curve that divide voxels, of which each has a few sites; levels at most, three bits of a rank each; and how many sites may have
 /// one rank, when only the levels are more that are gone through, and when all are.
@@ -224,7 +222,7 @@ impl Sites {
         for shift in (0..3 * levels).step_by(DIGIT_BITS as usize) {
             let counts = &*digits;
             kernels.count_digits.run(queue, groups * GROUP, GROUP, CountDigits { ranks, count, shift, counts })?;
-            scan(queue, kernels, counts, DIGITS * groups, sums)?;
+            scan(queue, kernels, counts, DIGITS as usize * groups, sums)?;
             kernels.place_digits.run(
                 queue,
                 groups * GROUP,
@@ -303,7 +301,7 @@ impl Sites {
         }
         self.ranks.iter_mut().try_for_each(|ranks| ranks.grow(context, n))?;
         self.slots.iter_mut().try_for_each(|slots| slots.grow(context, n))?;
-        self.digits.grow(context, DIGITS * n.div_ceil(SORTED))?;
+        self.digits.grow(context, DIGITS as usize * n.div_ceil(SORTED))?;
         self.kept.grow(context, n + 1)?;
         self.sites.grow(context, n)?;
         self.order.grow(context, n)?;

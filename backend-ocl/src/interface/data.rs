@@ -21,6 +21,11 @@ pub(crate) const MOST_TREE_LEVELS: usize = 12;
 pub(crate) const GRID_GROUP: u32 = 256;
 pub(crate) const SCAN_EACH: u32 = 8;
 
+/// The elements that each of them sorts at a time; bits of a digit, and how many values it has.
+pub(crate) const SORT_EACH: u32 = 8;
+pub(crate) const DIGIT_BITS: u32 = 4;
+pub(crate) const DIGITS: u32 = 16;
+
 /// Sums that are written for each cell: volume and first moment; with any flag all others, and last the integral where it is asked for.
 pub(crate) const FEW_SUMS: u32 = 4;
 pub(crate) const ALL_SUMS: u32 = 18;

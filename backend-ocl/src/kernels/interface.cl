@@ -85,6 +85,13 @@ typedef struct {
 
 #define SCAN_EACH ((uint)(8))
 
+// The elements that each of them sorts at a time; bits of a digit, and how many values it has.
+#define SORT_EACH ((uint)(8))
+
+#define DIGIT_BITS ((uint)(4))
+
+#define DIGITS ((uint)(16))
+
 // Sums that are written for each cell: volume and first moment; with any flag all others, and last the integral where it is asked for.
 #define FEW_SUMS ((uint)(4))
 

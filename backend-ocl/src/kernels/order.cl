@@ -3,11 +3,6 @@
 
 #import "params.cl"
 
-// Elements that each work-item sorts at a time, bits of a digit, and its values.
-#define SORT_EACH 8u
-#define DIGIT_BITS 4u
-#define DIGITS 16u
-
 // The finest cell along an axis that holds x.
 INLINE uint cell_along(__global const Params *params, uint axis, real x, uint finer) {
     const uint voxel = voxel_along(params, axis, x);
@@ -36,6 +31,18 @@ __kernel void rank_sites(RANK_SITES_ARGUMENTS) {
     }
     ranks[i] = rank;
     slots[i] = i;
+}
+
+// The sum of what the work-items of a group before this one have, of which this one has `total`; `sum` becomes the sums up to each.
+INLINE uint sum_before(__local uint *sum, uint own, uint total) {
+    sum[own] = total;
+    for (uint step = 1; step < GRID_GROUP; step <<= 1) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        const uint before = (own >= step) ? sum[own - step] : 0u;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        sum[own] += before;
+    }
+    return sum[own] - total;
 }
 
 INLINE uint digit_of(ulong rank, uint shift) { return (uint)(rank >> shift) & (DIGITS - 1u); }
@@ -81,15 +88,9 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void place_digi
         place[(own * DIGITS) + k] = (ushort)total;
         total += here;
     }
-    sum[own] = total;
-    for (uint step = 1; step < GRID_GROUP; step <<= 1) {
-        barrier(CLK_LOCAL_MEM_FENCE);
-        const uint before = (own >= step) ? sum[own - step] : 0u;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sum[own] += before;
-    }
+    const uint before = sum_before(sum, own, total);
     for (uint k = 0; k < DIGITS; k++) {
-        place[(own * DIGITS) + k] += (ushort)(sum[own] - total);
+        place[(own * DIGITS) + k] += (ushort)before;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (own < DIGITS) {
@@ -116,14 +117,7 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void scan_block
         data[e] = total;
         total += here;
     }
-    sum[own] = total;
-    for (uint step = 1; step < GRID_GROUP; step <<= 1) {
-        barrier(CLK_LOCAL_MEM_FENCE);
-        const uint before = (own >= step) ? sum[own - step] : 0u;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sum[own] += before;
-    }
-    const uint before = sum[own] - total;
+    const uint before = sum_before(sum, own, total);
     for (uint e = first; e < min(first + SCAN_EACH, count); e++) {
         data[e] += before;
     }

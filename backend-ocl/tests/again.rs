@@ -92,7 +92,7 @@ fn everything() -> Request {
 }
 
 /// The loops: from fluids to optimal transport.
-fn cases() -> [Case; 6] {
+fn cases() -> [Case; 7] {
     let ball = Some(icosphere(3).domain());
     let moving = |step| sites([0.8; 3], 0.02 * step as f64);
     [
@@ -146,6 +146,18 @@ fn cases() -> [Case; 6] {
             sites: |step| {
                 let mut sites = sites([0.8; 3], 0.001 * step as f64);
                 sites[..1000].iter_mut().flatten().for_each(|x| *x = 0.3 + 1e-4 * *x);
+                sites
+            },
+            weights: no_weights,
+            request: everything,
+            is_crowded: false,
+        },
+        Case {
+            name: "a thousand sites nearer to each other than the device tells",
+            domain: None,
+            sites: |step| {
+                let mut sites = sites([0.8; 3], 0.001 * step as f64);
+                sites[..1000].iter_mut().flatten().for_each(|x| *x = 0.3 + 1e-9 * *x);
                 sites
             },
             weights: no_weights,

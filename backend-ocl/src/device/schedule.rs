@@ -208,7 +208,10 @@ impl Device {
                     for_host.extend(self.callers(&now)?);
                     break;
                 }
+                // Cells that reach far outside the domain are for the stage that can cut them off.
+                let cuts_outside = self.domain.is_some() && self.shared.params.has_table == 0 && !is_second;
                 way = match way {
+                    Way::Together(lanes, _) if cuts_outside && !request.facets => Way::Together(lanes, Stage::Exact),
                     // (Facets of cells that the surface cuts are not computed together.)
                     Way::Together(lanes, Stage::Far | Stage::Exact) if !request.facets => {
                         Way::Together(lanes, Stage::Wide)

@@ -109,8 +109,11 @@ INLINE uint store_cut_outside(Store *s, real radius) {
     const uint status = lanes_alike(cap_together(&copy, radius));
     take_over(s, &copy);
     return status;
-#else
+#elif WITH_FACETS
     return OPEN;
+#else
+    // (No stage before that with exact signs can do more for it.)
+    return LEFT;
 #endif
 #else
     return UNTOUCHED;

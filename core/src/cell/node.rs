@@ -2,7 +2,7 @@
 //!
 //! Directions and slopes are those of a sample of the sites: any give a true bound. What the bound then has to hold is found from the sites where
 //! the sample is all of them, and else from the bounds of the nodes two levels below, so that a tree's cost is that of its sites. (From those one level
-//! below slabs about curved surfaces are twice as thick: the jittered sphere took 17 % more.)
+//! below, cells of the vertices of a scanned surface took 20 % more time on the CPU.)
 
 use super::quadratic::{FEW_ROUNDINGS_OF_SUM, add_least};
 use super::search_store::{NodeBox, NodeSlab, NodeWeights};

@@ -1853,11 +1853,15 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
 
 // Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
 // integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
-// can make as much of nothing as the whole cell is, the quotient tells nothing (it was −1,147,767 for a hair of 1e-15 across).
+// can make as much of nothing as the whole cell is, no more is believed than 0 and 1 (it was −1,147,767 for a hair of 1e-15 across).
 HOT uint is_undivided(CellSums sums, CellSums whole, int *winding) {
     const real quotient = sums.volume / whole.volume;
     const real noise = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
-    if (!(fabs(quotient) < MOST_WINDINGS) || !(noise < whole.volume)) {
+    if (!(fabs(quotient) < MOST_WINDINGS)) {
+        return 0;
+    }
+    const bool is_usual = (quotient > -REAL(0.5)) && (quotient < REAL(1.5));
+    if (!(noise < whole.volume) && !is_usual) {
         return 0;
     }
     int inner = (int)(fabs(quotient) + REAL(0.5));

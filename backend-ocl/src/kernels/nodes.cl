@@ -100,16 +100,18 @@ INLINE real larger(real a, real b) {
 INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size) {
     const real m = REAL(0.5) * (lo + hi);
     const real width = hi - m;
-    const real steep = alpha - curvature;
-    const real still = ((REAL(0.5) * (slope - g)) - (curvature * m)) / steep;
+    const real bend = alpha - curvature;
+    const real still = ((REAL(0.5) * (slope - g)) - (curvature * m)) / bend;
     const real t = smaller(larger(still, lo), hi);
     real least = polynomial_at(t, m, alpha, g, slope, curvature);
-    if (!(steep > REAL(0.0))) {
+    if (!(bend > REAL(0.0))) {
         least = smaller(polynomial_at(lo, m, alpha, g, slope, curvature), polynomial_at(hi, m, alpha, g, slope, curvature));
     }
     const real far = fabs(m) + width;
     *sum += least;
-    *size += ((((alpha * far) + fabs(g)) * far) + ((fabs(slope) + (fabs(curvature) * width)) * width));
+    // (Seen from afar a small box is narrower than the rounding of where it is, by as much of which its weights may differ.)
+    const real steep = fabs(slope) + ((REAL(2.0) * fabs(curvature)) * width);
+    *size += ((((alpha * far) + fabs(g)) * far) + (steep * far));
 }
 
 INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature) {

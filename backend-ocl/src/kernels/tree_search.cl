@@ -35,16 +35,18 @@ INLINE uint larger_count(uint a, uint b);
 INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size) {
     const real m = REAL(0.5) * (lo + hi);
     const real width = hi - m;
-    const real steep = alpha - curvature;
-    const real still = ((REAL(0.5) * (slope - g)) - (curvature * m)) / steep;
+    const real bend = alpha - curvature;
+    const real still = ((REAL(0.5) * (slope - g)) - (curvature * m)) / bend;
     const real t = smaller(larger(still, lo), hi);
     real least = polynomial_at(t, m, alpha, g, slope, curvature);
-    if (!(steep > REAL(0.0))) {
+    if (!(bend > REAL(0.0))) {
         least = smaller(polynomial_at(lo, m, alpha, g, slope, curvature), polynomial_at(hi, m, alpha, g, slope, curvature));
     }
     const real far = fabs(m) + width;
     *sum += least;
-    *size += ((((alpha * far) + fabs(g)) * far) + ((fabs(slope) + (fabs(curvature) * width)) * width));
+    // (Seen from afar a small box is narrower than the rounding of where it is, by as much of which its weights may differ.)
+    const real steep = fabs(slope) + ((REAL(2.0) * fabs(curvature)) * width);
+    *size += ((((alpha * far) + fabs(g)) * far) + (steep * far));
 }
 
 INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature) {
@@ -107,7 +109,8 @@ INLINE real least_of_node(Store *s, Question question, uint level, uint node) {
     size += (store_own_excess(s) + fabs(weights.offset));
     sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
     if (question.is_power != 0) {
-        sum = larger(sum, beyond - (largest - store_own_excess(s)));
+        const real rounding = FEW_ROUNDINGS_OF_SUM * (fabs(largest) + store_own_excess(s));
+        sum = larger(sum, (beyond - (largest - store_own_excess(s))) - rounding);
     }
     return sum;
 }
@@ -154,7 +157,7 @@ INLINE uint take_last(Store *s, uint is_leaf, real limit, uint most, uint *count
             key = store_open_key(s, at);
         }
     }
-    uint is_taken = (uint)(key <= store_key_above(s, limit));
+    uint is_taken = (uint)((store_lane(s) < there) && (key <= store_key_above(s, limit)));
     const uint all = store_lanes_with(s, is_taken);
     const uint rank = store_rank_in(s, all);
     if (rank >= most) {

@@ -20,17 +20,19 @@ pub(super) fn add_least(
 ) {
     let m: Real = 0.5 * (lo + hi);
     let width: Real = hi - m;
-    let steep: Real = alpha - curvature;
-    let still: Real = ((0.5 * (slope - g)) - (curvature * m)) / steep;
+    let bend: Real = alpha - curvature;
+    let still: Real = ((0.5 * (slope - g)) - (curvature * m)) / bend;
     let t: Real = smaller(larger(still, lo), hi);
     let mut least: Real = polynomial_at(t, m, alpha, g, slope, curvature);
-    if !(steep > 0.0) {
+    if !(bend > 0.0) {
         least =
             smaller(polynomial_at(lo, m, alpha, g, slope, curvature), polynomial_at(hi, m, alpha, g, slope, curvature));
     }
     let far: Real = m.abs() + width;
     *sum += least;
-    *size += (((alpha * far) + g.abs()) * far) + ((slope.abs() + (curvature.abs() * width)) * width);
+    // (Seen from afar a small box is narrower than the rounding of where it is, by as much of which its weights may differ.)
+    let steep: Real = slope.abs() + ((2.0 * curvature.abs()) * width);
+    *size += (((alpha * far) + g.abs()) * far) + (steep * far);
 }
 
 #[inline(always)]

@@ -105,12 +105,16 @@ const MOST_WINDINGS: Real = 1e9;
 
 /// Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
 /// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
-/// can make as much of nothing as the whole cell is, the quotient tells nothing (it was −1,147,767 for a hair of 1e-15 across).
+/// can make as much of nothing as the whole cell is, no more is believed than 0 and 1 (it was −1,147,767 for a hair of 1e-15 across).
 #[inline]
 pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -> u32 {
     let quotient: Real = sums.volume / whole.volume;
     let noise: Real = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
-    if !(quotient.abs() < MOST_WINDINGS) || !(noise < whole.volume) {
+    if !(quotient.abs() < MOST_WINDINGS) {
+        return 0;
+    }
+    let is_usual: bool = (quotient > -0.5) && (quotient < 1.5);
+    if !(noise < whole.volume) && !is_usual {
         return 0;
     }
     let mut inner: i32 = (quotient.abs() + 0.5) as i32;

@@ -89,7 +89,8 @@ pub(super) fn least_of_node<S: SearchStore>(s: &S, question: Question, level: u3
     size += s.own_excess() + weights.offset.abs();
     sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
     if question.is_power != 0 {
-        sum = larger(sum, beyond - (largest - s.own_excess()));
+        let rounding: Real = FEW_ROUNDINGS_OF_SUM * (largest.abs() + s.own_excess());
+        sum = larger(sum, (beyond - (largest - s.own_excess())) - rounding);
     }
     return sum;
 }
@@ -139,7 +140,7 @@ pub(super) fn take_last<S: SearchStore>(s: &mut S, is_leaf: u32, limit: Real, mo
             key = s.open_key(at);
         }
     }
-    let mut is_taken: u32 = (key <= s.key_above(limit)) as u32;
+    let mut is_taken: u32 = ((s.lane() < there) && (key <= s.key_above(limit))) as u32;
     let all: u32 = s.lanes_with(is_taken);
     let rank: u32 = s.rank_in(all);
     if rank >= most {

@@ -379,8 +379,9 @@ impl<'a> Seen<'a> {
             powers = least_weighted_powers(boxes, bounds, self.position, self.own, way);
             for k in 0..WIDTH {
                 let gap = over[k] + under[k];
-                let slab = (gap * gap) * (1.0 - ROUNDINGS) - (self.slabs.largest_weight[k] - self.own);
-                powers[k] = larger(powers[k], slab);
+                let largest = self.slabs.largest_weight[k];
+                let slab = (gap * gap) * (1.0 - ROUNDINGS) - (largest - self.own);
+                powers[k] = larger(powers[k], slab - ROUNDINGS * (largest.abs() + self.own));
             }
             return powers;
         }

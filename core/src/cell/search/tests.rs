@@ -3,6 +3,7 @@
 use super::super::far::search_far;
 use super::super::search_store::SearchStore;
 use super::super::status::UNCERTAIN;
+use super::super::tree::least_of_node;
 use super::super::{CellSums, PlainSearch, PlainStore, VOLUME_ONLY, begin, bisector, clip, integrate_cell};
 use super::*;
 use crate::site_tree::SiteTree;
@@ -20,7 +21,13 @@ fn inputs() -> Vec<Input> {
     let map = |f: &dyn Fn(&[f64; 3]) -> [f64; 3]| even.iter().map(f).collect::<Vec<_>>();
     let weigh = |f: &dyn Fn(&[f64; 3]) -> f64| even.iter().map(f).collect::<Vec<_>>();
     let lattice = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(|k| f64::from(k) / 3.5 - 0.9)).collect();
-    vec![
+    // Seen from the others a leaf of the sites at the middle is a point, and its weights differ: of one of these numbers the heaviest is the last of a leaf.
+    let steep = (17..25).map(|n| {
+        let middle = (0..n).map(|k| [f64::from(k) * 1e-18, 0.0, 0.0]);
+        let weights = (0..n).map(|k| 0.3 * f64::from(k) / f64::from(n)).chain(std::iter::repeat_n(0.0, 400));
+        ("steep in a point", middle.chain(even.iter().copied()).collect(), weights.collect())
+    });
+    let mut inputs: Vec<Input> = vec![
         ("even", even.clone(), Vec::new()),
         ("cluster", map(&|p| p.map(|x| x * square(p) * square(p))), Vec::new()),
         ("plane", map(&|p| [p[0], p[1], 0.1]), Vec::new()),
@@ -39,7 +46,9 @@ fn inputs() -> Vec<Input> {
             vec![0.0, 0.25, 0.25, 0.25, 0.2],
         ),
         ("one heavy", even.clone(), (0..400).map(|i| if i == 7 { 0.3 } else { 0.0 }).collect()),
-    ]
+    ];
+    inputs.extend(steep);
+    inputs
 }
 
 /// The volume of a finished cell.
@@ -106,6 +115,30 @@ fn the_search_finds_all_sites_that_cut() {
                         );
                     }
                     Err(_) => assert_eq!(name, "sphere"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_site_of_a_node_comes_to_less_than_its_bound() {
+    for (name, positions, weights) in inputs() {
+        let tree = SiteTree::new(&positions, &weights);
+        for site in (0..tree.len() as u32).step_by(31) {
+            let store = begun(&tree, site);
+            for place in [v3(0.0, 0.0, 0.0), v3(0.3, -0.2, 0.1), v3(-1.5, 1.0, 1.2)] {
+                let question = Question { square: 1.0, slope: v3(0.0, 0.0, 0.0), limit: 0.0, place, is_power: 1 };
+                for level in 0..=tree.top_level() as u32 {
+                    let width = WIDTH.pow(level + 1);
+                    for node in 0..(tree.len() as u32).div_ceil(width) {
+                        let bound = least_of_node(&store, question, level, node);
+                        for j in node * width..((node + 1) * width).min(tree.len() as u32) {
+                            let way = sub(place, store.way_to(j));
+                            let power = dot(way, way) - store.excess_of(j);
+                            assert!(bound <= power + 1e-15 * power.abs(), "{name}: {bound} above {power} of {j}");
+                        }
+                    }
                 }
             }
         }

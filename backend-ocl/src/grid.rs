@@ -172,6 +172,9 @@ impl Sites {
             }
             finer = most_finer;
         }
+        scan(queue, kernels, &self.kept, n + 1, &mut self.sums)?;
+        let Self { placed, slots: [slots, _], kept: places, sites, order, .. } = &*self;
+        kernels.gather_sites.run(queue, n, GROUP, GatherSites { placed, slots, places, count, sites, order })?;
         self.kept.read_from(queue, n, 1, &mut self.on_host.number)?;
         let sites = self.on_host.number[0];
         shared.params.has_table = u32::from(range.smallest_weight == range.largest_weight);
@@ -197,8 +200,8 @@ impl Sites {
         Ok(Some(sites as usize))
     }
 
-    /// Puts the sites into the order of the curve, as far as so many levels tell, of which `finer` divide voxels; `flag` becomes 1 where more than
-    /// `most` have one rank.
+    /// Puts the slots into the order of the curve, as far as so many levels tell, of which `finer` divide voxels, and marks in `kept` those that have a
+    /// cell; `flag` becomes 1 where more than `most` have one rank.
     fn put_in_order(
         &mut self,
         context: &Context,
@@ -235,11 +238,7 @@ impl Sites {
         kept.fill_with(context, queue, 0, n + 1)?;
         flag.fill_with(context, queue, 0, 1)?;
         let is_long = &*flag;
-        kernels.settle_runs.run(queue, n, GROUP, SettleRuns { placed, ranks, count, most, slots, kept, is_long })?;
-        scan(queue, kernels, kept, n + 1, sums)?;
-        let Self { sites, order, .. } = self;
-        let (slots, placed, places) = (&self.slots[0], &self.placed, &self.kept);
-        kernels.gather_sites.run(queue, n, GROUP, GatherSites { placed, slots, places, count, sites, order })
+        kernels.settle_runs.run(queue, n, GROUP, SettleRuns { placed, ranks, count, most, slots, kept, is_long })
     }
 
     /// Makes the tree over the sites that are in order.

@@ -88,7 +88,6 @@ impl Params {
         self.grid_lo = voxels.lo;
         self.grid_width = voxels.width;
         self.grid_per_width = 1.0 / voxels.width;
-        self.grid_pad = voxels.pad;
         self.grid_dims = voxels.dims;
         self.weigh(range);
     }

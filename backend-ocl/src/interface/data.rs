@@ -42,11 +42,10 @@ pub(crate) struct Params {
     /// Initial cell: the box, or the domain's grid.
     pub(crate) box_lo: [f64; 3],
     pub(crate) box_hi: [f64; 3],
-    /// Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by; largest and smallest weight of all.
+    /// Site grid: minimum corner, width of the voxels and its inverse; largest and smallest weight of all.
     pub(crate) grid_lo: [f64; 3],
     pub(crate) grid_width: f64,
     pub(crate) grid_per_width: f64,
-    pub(crate) grid_pad: [f64; 3],
     pub(crate) largest_weight: f64,
     pub(crate) smallest_weight: f64,
     /// Domain grid: minimum corner, width of the voxels and its inverse.

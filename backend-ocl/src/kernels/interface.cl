@@ -109,11 +109,10 @@ typedef struct {
     // Initial cell: the box, or the domain's grid.
     real box_lo[3];
     real box_hi[3];
-    // Site grid: minimum corner, width of the voxels and its inverse, what rounding can misplace a site by; largest and smallest weight of all.
+    // Site grid: minimum corner, width of the voxels and its inverse; largest and smallest weight of all.
     real grid_lo[3];
     real grid_width;
     real grid_per_width;
-    real grid_pad[3];
     real largest_weight;
     real smallest_weight;
     // Domain grid: minimum corner, width of the voxels and its inverse.
@@ -395,6 +394,6 @@ typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];
 typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];
 typedef char size_of_Slabs[(sizeof(Slabs) == 384) ? 1 : -1];
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
-typedef char size_of_Params[(sizeof(Params) == 360) ? 1 : -1];
+typedef char size_of_Params[(sizeof(Params) == 336) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
 typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];

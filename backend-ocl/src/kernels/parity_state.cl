@@ -52,17 +52,7 @@ OUTLINE uint parity_store(Store *s, Input *in) {
     s->world.sites = sites;
     s->tried = 0;
     s->last_tried = 0;
-    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
-    s->weight = own.w;
-    s->exact = 0;
-    s->is_fine = 0;
-    s->specials = 0;
-    s->caps = 0;
-    s->last_index = 0xFFFFFFFFu;
-    __global const Params *params = s->world.params;
-    const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
-    const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
-    uint status = begin(s, lo, hi);
+    uint status = begin_alone(s, 0);
     Plane plane = (Plane){ 0 };
     for (uint i = 1; i <= NEIGHBORS; i++) {
         const real4 other = sites[i];

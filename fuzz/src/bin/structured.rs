@@ -1,6 +1,6 @@
-//! `structured CASES [SEED [THREADS [uneven]]]`: structured cases from a seed, full of ties or of uneven sites, as fast as they go. Says how
-//! many a second, how many fail for which kind of reason, and of each kind the first few in their smallest form, to be pasted into
-//! `conformance/src/regressions.rs`.
+//! `structured CASES [SEED [THREADS [uneven]]]`: structured cases from a seed, full of ties or of uneven sites, as fast as they go. `CASES` is
+//! how many, or `FIRST..END`: `7..8` is case 7 alone. Says how many a second, how many fail for which kind of reason, and of each kind the first
+//! few in their smallest form, to be pasted into `conformance/src/regressions.rs`.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,24 +26,24 @@ const TOLD: usize = 3;
 /// Between two lines of progress.
 const PAUSE: Duration = Duration::from_secs(60);
 
-const USAGE: &str = "usage: structured CASES [SEED [THREADS [uneven]]]; the first three are whole numbers";
+const USAGE: &str = "usage: structured CASES [SEED [THREADS [uneven]]]; the first three are whole numbers, the first may be FIRST..END";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let numbers: Result<Vec<u64>, _> = words.iter().take(3).map(|word| word.parse()).collect();
-    let (Ok(numbers), true) = (numbers, words.len() < 4 || words[3..] == ["uneven"]) else {
+    let whole = |at: usize, usual: u64| words.get(at).map_or(Some(usual), |word| word.parse().ok());
+    let cases = words.first().and_then(|word| match word.split_once("..") {
+        Some((first, end)) => Some(first.parse().ok()?..end.parse().ok()?),
+        None => Some(0..word.parse().ok()?),
+    });
+    let known = words.len() < 4 || words[3..] == ["uneven"];
+    let (Some(cases), Some(seed), Some(threads), true) = (cases, whole(1, 1), whole(2, 1), known) else {
         eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
-    let Some(&cases) = numbers.first() else {
-        eprintln!("{USAGE}");
-        return ExitCode::from(2);
-    };
-    let (seed, threads) = (numbers.get(1).copied().unwrap_or(1), numbers.get(2).copied().unwrap_or(1));
     let make = if words.len() == 4 { uneven_case } else { tied_case };
     // Panics are caught and told with their case.
     std::panic::set_hook(Box::new(|_| {}));
-    let (next, done, told) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::new(Instant::now()));
+    let (next, done, told) = (AtomicU64::new(cases.start), AtomicU64::new(0), Mutex::new(Instant::now()));
     let failed = Mutex::new(BTreeMap::<String, usize>::new());
     let start = Instant::now();
     let work = || {
@@ -53,10 +53,10 @@ fn main() -> ExitCode {
         };
         loop {
             let first = next.fetch_add(CHUNK, Ordering::Relaxed);
-            if first >= cases {
+            if first >= cases.end {
                 return;
             }
-            for index in first..cases.min(first + CHUNK) {
+            for index in first..cases.end.min(first + CHUNK) {
                 let case = make(seed, index);
                 if let Err(reason) = verdict(&case, &*backend) {
                     let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -81,7 +81,7 @@ fn main() -> ExitCode {
     let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
     println!("{done} cases of seed {seed} in {seconds:.1} s, {:.0} a second", done as f64 / seconds);
     failed.iter().for_each(|(kind, count)| println!("{count} failed: {kind}"));
-    if failed.is_empty() && done == cases { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if failed.is_empty() && done == cases.end.saturating_sub(cases.start) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// A reason without its numbers.

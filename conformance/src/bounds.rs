@@ -43,6 +43,14 @@ pub const ROUNDINGS: f64 = 16.0;
 /// A cell thinner than so many displacements of its planes may be called empty.
 pub const FLAT: f64 = 8.0;
 
+/// Area of a facet, in units of u·D², that may not be believed where it is negative. What is negative is believed beyond the bound of its own
+/// rounding alone, and that knows the vertices of the cones, which no law of the scene does. It is at most the way from a vertex to a foot,
+/// 2√3 D by sums of magnitudes, times what both are off. A vertex is refined where its planes' determinant is below a 512th of the product of
+/// their norms; above, Cramer's rule leaves 32·512 roundings of three offsets and a position, D each: 65,536 u·D. A foot is refined where the
+/// sine of its planes' angle is below a 512th; above, there are 512 times 8 roundings of the foot (2√3 D) and 4 of the reference point (√3 D):
+/// 17,736 u·D. The displacement of the planes and the cross product are hundreds.
+pub const NOT_BELIEVED: f64 = 3e5;
+
 /// How planes of two evaluations that are compared differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Planes {
@@ -151,21 +159,45 @@ impl<'a> Bounds<'a> {
         (6.0 * PI * self.reach[i] * self.cell_rounding(i) * self.condition(i)).sqrt()
     }
 
+    /// Area of a negative facet of cell `i` that may be missing there (length²): [`NOT_BELIEVED`].
+    pub fn not_believed(&self, i: usize) -> f64 {
+        NOT_BELIEVED * U * self.reach[i].powi(2)
+    }
+
+    /// The negative facets that others have with cell `i` and `i` may not believe: the other cell, and the magnitude of the area (length²).
+    pub fn not_believed_facets(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let most = self.not_believed(i);
+        let has = move |j: usize| self.rows[i].iter().any(|f| f.neighbor == j);
+        self.rows.iter().enumerate().filter(move |(j, _)| !has(*j)).filter_map(move |(j, row)| {
+            let facet = row.iter().find(|f| f.neighbor == i && f.area < 0.0 && -f.area <= most)?;
+            Some((j, -facet.area))
+        })
+    }
+
     /// How far a bisector of site `i` may be off (length).
     pub fn displacement(&self, i: usize) -> f64 {
         self.displacement[i]
     }
 
     /// Bound of the sum of all volumes (length³): the promise ([`bound_of_volumes`]). A container of less volume than the rounding of a cell
-    /// leaves nothing that may not be called empty.
+    /// leaves nothing that may not be called empty, nor a digit of a cell that an oblique bisector cuts: the tetrahedra over the foot of the
+    /// reference point on that bisector reach far out of the needle.
     pub fn volume_sum(&self) -> f64 {
         let volume = self.scene.room.volume();
         let reach = self.reach.iter().copied().fold(0.0, f64::max);
         let cells = || (0..self.scene.len()).map(|i| self.cell_rounding(i));
         let is_needle = volume <= cells().fold(0.0, f64::max);
-        let nothing = if is_needle && self.output.count(CellStatus::Empty) > 0 { volume } else { 0.0 };
+        let nothing = if is_needle { volume } else { 0.0 };
         let grid = self.scene.room.grid_volume(self.scene.len());
         bound_of_volumes(volume, self.scene.room.area(), reach, grid) + nothing
+    }
+
+    /// What of negative volumes may be missing in cells that are called empty (length³), where the surface goes around something the wrong way. A
+    /// negative volume is believed beyond the sum of the bounds of its pieces alone: no less tells it from the rounding of a sliver, which comes
+    /// to half of that. Up to there it is within its cell's rounding. Only where the surface goes through a cell can it have one.
+    pub fn volume_of_empty(&self) -> f64 {
+        let empty = (0..self.scene.len()).filter(|&i| self.output.status[i] == CellStatus::Empty);
+        empty.filter(|&i| self.scene.surface_in_cell(i) > 0.0).map(|i| self.cell_rounding(i)).sum()
     }
 
     /// By what angle the bisector of sites `i` and `j` is turned, and by what share of it their distance is off: coordinates
@@ -181,18 +213,16 @@ impl<'a> Bounds<'a> {
         (off(i) + off(j)) / self.scene.site(i).distance(self.scene.site(j))
     }
 
-    /// Bound of the sum of all boundaries' areas (length²): the promise, and the roundings of all cells. A cell that is called
-    /// empty, being below its rounding, takes its boundary with it: that is no more than the facets that others share with it, if
-    /// the sides lean over them, by the smallest angle of its planes at least.
+    /// Bound of the sum of all boundaries' areas (length²): the promise, and the roundings of all cells.
     pub fn area_sum(&self) -> f64 {
-        let mut seen = vec![0.0; self.scene.len()];
-        self.rows.iter().flatten().for_each(|f| seen[f.neighbor] += f.area);
-        let empty = |i: &usize| self.output.status[*i] == CellStatus::Empty && seen[*i] > 0.0;
-        let hidden = |i: usize| seen[i] * self.condition(i);
-        let cells = 0..self.scene.len();
-        CLOSURE * self.scene.room.area()
-            + cells.clone().map(|i| self.facet_rounding(i)).sum::<f64>()
-            + cells.filter(empty).map(hidden).sum::<f64>()
+        CLOSURE * self.scene.room.area() + (0..self.scene.len()).map(|i| self.facet_rounding(i)).sum::<f64>()
+    }
+
+    /// Area of the surface that lies in cells that are called empty (length²). One whose volume is below its rounding takes its boundary with it,
+    /// which need not be small: a cell may have nothing but a slab between folds, or the edge of a wedge.
+    pub fn area_of_empty(&self) -> f64 {
+        let empty = (0..self.scene.len()).filter(|&i| self.output.status[i] == CellStatus::Empty);
+        empty.map(|i| self.scene.surface_in_cell(i)).sum()
     }
 }
 

@@ -39,7 +39,8 @@ pub fn same_cells(scene: &Scene, reference: &Output, other: &Output, planes: Pla
                     continue;
                 }
                 let bound = bounds.area(i).max(bounds.area(j)).max(nothing);
-                same_facet(a, b, bound, bounds.reach(i)).map_err(|reason| format!("facet {i}-{j}: {reason}"))?;
+                same_facet(a, b, bound, scene.site(i), bounds.reach(i))
+                    .map_err(|reason| format!("facet {i}-{j}: {reason}"))?;
             }
         }
         if let (Some(a), Some(b), false) = (&reference.boundary, &other.boundary, open) {
@@ -111,18 +112,23 @@ pub fn pairs(a: &[Facet], b: &[Facet]) -> BTreeMap<usize, [Option<Facet>; 2]> {
 }
 
 /// Holds two views of a facet against each other, one absent where its area was below its bound: areas within `bound`,
-/// first moments within `bound · reach`.
+/// first moments about `site` within `bound · reach`. (Moments, not barycenters: where negative areas cancel most of a facet, its barycenter is
+/// the quotient of what is left, anywhere, and the two areas' difference counts with its distance.)
 ///
 /// # Errors
 /// How they differ.
-pub fn same_facet(a: Option<Facet>, b: Option<Facet>, bound: f64, reach: f64) -> Verdict {
+pub fn same_facet(a: Option<Facet>, b: Option<Facet>, bound: f64, site: DVec3, reach: f64) -> Verdict {
     let area = |facet: Option<Facet>| facet.map_or(0.0, |f| f.area);
     let (x, y) = (area(a), area(b));
     ensure!((x - y).abs() <= bound, "areas {x:e} and {y:e} differ by {:e}, bound {bound:e}", (x - y).abs());
     if let (Some(a), Some(b)) = (a, b) {
-        let moment = x.min(y) * a.barycenter.distance(b.barycenter);
+        let [p, q] = [a, b].map(|facet| facet.barycenter);
+        let moment = (x * (p - site)).distance(y * (q - site));
         let bound = bound * reach;
-        ensure!(moment <= bound, "barycenters {} and {} of area {x:e}, bound {bound:e}", a.barycenter, b.barycenter);
+        ensure!(
+            moment <= bound,
+            "barycenters {p} and {q} of areas {x:e} and {y:e}: off by {moment:e}, bound {bound:e}"
+        );
         let off = (a.distance - b.distance).abs();
         ensure!(off <= FACET * reach, "distances {} and {}", a.distance, b.distance);
     }

@@ -95,6 +95,33 @@ impl Scene {
         2.0 * (q - p).dot(x - 0.5 * (p + q)) - (self.weight(i) - self.weight(j))
     }
 
+    /// Area of the surface within the power cell of site `i` (length²): each triangle cut by the bisectors with all other sites, in floating
+    /// point and with nothing of the library. What lies on a bisector is the site's of lower index.
+    pub fn surface_in_cell(&self, i: usize) -> f64 {
+        let mesh = self.room.mesh();
+        let within = |triangle: &[u32; 3]| {
+            let mut polygon: Vec<DVec3> = triangle.iter().map(|&v| DVec3::from(mesh.vertices[v as usize])).collect();
+            for j in (0..self.len()).filter(|&j| j != i) {
+                let heights: Vec<f64> = polygon.iter().map(|&x| self.power_difference(x, i, j)).collect();
+                let inside = |h: f64| h < 0.0 || (h == 0.0 && i < j);
+                let mut rest = Vec::with_capacity(polygon.len() + 1);
+                for (k, (&x, &h)) in polygon.iter().zip(&heights).enumerate() {
+                    let next = (k + 1) % polygon.len();
+                    if inside(h) {
+                        rest.push(x);
+                    }
+                    if inside(h) != inside(heights[next]) {
+                        rest.push(x + (polygon[next] - x) * (h / (h - heights[next])));
+                    }
+                }
+                polygon = rest;
+            }
+            let fan = polygon.windows(2).skip(1).map(|edge| (edge[0] - polygon[0]).cross(edge[1] - polygon[0]));
+            0.5 * fan.sum::<DVec3>().length()
+        };
+        mesh.triangles.iter().map(within).sum()
+    }
+
     /// For each site the lowest index of a site at the same position: itself, unless it is a duplicate.
     pub fn twins(&self) -> Vec<usize> {
         let mut first = HashMap::new();
@@ -151,4 +178,29 @@ pub fn rows(output: &Output) -> Vec<Vec<Facet>> {
         distance: facets.distance[f],
     };
     facets.offsets.windows(2).map(|row| (row[0]..row[1]).map(facet).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domains::{Pose, Shape, room};
+    use crate::sites::Random;
+
+    #[test]
+    fn cells_share_the_surface() {
+        let mut random = Random::new(1);
+        for shape in [Shape::Box, Shape::Cavity, Shape::FoldedStar(2), Shape::FoldedComb(6)] {
+            let room = room(shape, Pose::Turned);
+            let lo = DVec3::from(room.bounding_box().0);
+            let mut positions: Vec<[f64; 3]> = (0..20).map(|_| (lo + room.extents() * random.point()).into()).collect();
+            // Two of one place: the first has all.
+            positions[19] = positions[0];
+            let weights = (0..19).map(|_| 0.01 * random.unit()).chain([0.0]).collect::<Vec<_>>();
+            let scene = Scene { positions, weights, room };
+            let parts: Vec<f64> = (0..20).map(|i| scene.surface_in_cell(i)).collect();
+            let (sum, area) = (parts.iter().sum::<f64>(), scene.room.area());
+            assert!((sum - area).abs() <= 1e-13 * area, "{shape:?}: {sum}, not {area}");
+            assert!(parts[19] == 0.0 && parts.iter().filter(|part| **part > 0.0).count() > 5, "{shape:?}: {parts:?}");
+        }
+    }
 }

@@ -22,8 +22,8 @@ pub fn positive(backend: &dyn Backend, case: &Case) -> Verdict {
     sanity::hold(backend, case, are_positive)
 }
 
-/// Facet (i, j) is facet (j, i): the same area and barycenter. Not where it lies in the surface, nor in the plane of
-/// a flat cell.
+/// Facet (i, j) is facet (j, i): the same area and first moment. Not where it lies in the surface, nor in the plane of
+/// a flat cell. A negative one may be missing on one side while it is below what may be not believed there.
 pub fn are_mutual(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     for (i, row) in bounds.rows().iter().enumerate() {
         for facet in row {
@@ -31,14 +31,17 @@ pub fn are_mutual(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
             let back = bounds.rows()[j].iter().find(|f| f.neighbor == i).copied();
             let reach = bounds.reach(i).max(bounds.reach(j));
             let least = bounds.least_facet_rounding(i).max(bounds.least_facet_rounding(j));
-            if same_facet(Some(*facet), back, least, reach).is_ok() || undecided(scene, i, j, bounds) {
+            if same_facet(Some(*facet), back, least, scene.site(i), reach).is_ok() || undecided(scene, i, j, bounds) {
                 continue;
             }
             let mut bound = bounds.area(i).max(bounds.area(j));
             if output.status[j] == CellStatus::Empty {
                 bound = bound.max(bounds.facet_of_empty(j));
             }
-            same_facet(Some(*facet), back, bound, reach)
+            if back.is_none() && facet.area < 0.0 {
+                bound = bound.max(bounds.not_believed(j));
+            }
+            same_facet(Some(*facet), back, bound, scene.site(i), reach)
                 .map_err(|reason| format!("facets {i}-{j} and {j}-{i}: {reason}"))?;
         }
     }

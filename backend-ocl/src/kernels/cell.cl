@@ -1074,7 +1074,7 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
     uint v = 0;
     while (v < store_vertices(s)) {
         const Triplet t = store_triplet(s, v);
-        const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + (UNIT_ROUNDOFF * reach) };
+        const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
         const Side a = side(s, t.a, center);
         const Side b = side(s, t.b, center);
         const Side c = side(s, t.c, center);

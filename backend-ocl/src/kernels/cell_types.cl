@@ -318,6 +318,11 @@ typedef struct {
 // spoke, whose sides are at right angles, 3 for its product with each foot. Both lengths of the bound are sums of magnitudes.
 #define ROUNDINGS_ACROSS ((real)(REAL(8.0)))
 
+// Roundings of the plane of a triangle of the surface, in units of its reach: 1 for each coordinate relative to the site, 5 for the plane. The
+// planes of two triangles at an edge are not displaced alike, also where both lie in one plane: what a facet loses to one cone it does not gain
+// from the next. Where a cell is a few roundings wide there is nothing larger.
+#define ROUNDINGS_OF_SURFACE ((real)(REAL(8.0)))
+
 // What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
 #define SHARE_OF_NOTHING ((real)(REAL(0.125)))
 

@@ -2,25 +2,23 @@
 //!
 //! 1. **Near** (`group.rs`). The eight sites of a leaf look about together: leaves come nearest first, chunk by chunk, and with each chunk a bound
 //!    of all sites that are not listed yet. A cell takes the sites of a chunk nearest first, until the bound proves that no other can cut it.
-//! 2. **Far** (`far.rs`). A cell that reaches beyond what is worth listing is completed vertex by vertex: which site has the least power there?
+//! 2. **Far** (`core/src/cell/far.rs`, as on devices). A cell that reaches beyond what is worth listing is completed vertex by vertex: which site has
+//!    the least power there?
 //!
-//! # What is proved, and from where
-//! Weights that are affine in the site's place only move all cells, by minus half their slope `g`. So a cell is measured from `y = p_i − g/2`, and
-//! weights are compared less the slope: with `ω_ij = w_j − w_i − g·(p_j − p_i)` and `D = |p_j − p_i|` the difference of powers at `y` is
-//! `h_j(y) − h_i(y) = D² − ω_ij`, and it changes by at most `2D` a length. Site `j` cannot cut what is within `r` of `y` if
-//! `D² − ω_ij ≥ 2rD`; as `2rD ≤ λD² + r²/λ` for any `λ`, it suffices that `(1 − λ)D² − ω_ij ≥ r²/λ`, which is a sum over axes and so has a
-//! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
+//! What is proved, and from where, is said in `core/src/cell/search.rs`.
 
 #![allow(clippy::needless_range_loop, reason = "loops over eight lanes of several arrays at once")]
 
-mod far;
 mod group;
+mod store;
 
+use crate::cell::bound::reach_of_bisector;
+use crate::cell::far::search_far;
 use crate::cell::{self, CellStore, EMPTY, Real, UNIT_ROUNDOFF, V3, bisector, v3};
 use crate::diagram::Prepared;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
-use far::Descent;
 use group::Group;
+use store::{MOST_ASKED, Room, Searched};
 
 /// Sites that a cell visits before it is completed by its vertices.
 const MOST_NEAR: u32 = 200;
@@ -58,7 +56,7 @@ type Candidate = u64;
 pub struct Search<'a> {
     prepared: &'a Prepared,
     group: Group<'a>,
-    descent: Descent,
+    room: Box<Room>,
     reaches: Vec<Reaches>,
     candidates: Vec<Candidate>,
 }
@@ -106,7 +104,7 @@ impl<'a> Search<'a> {
         Self {
             prepared,
             group: Group::new(&prepared.sites),
-            descent: Descent::default(),
+            room: Box::default(),
             reaches: Vec::new(),
             candidates: Vec::new(),
         }
@@ -163,6 +161,19 @@ impl<'a> Search<'a> {
         Some(proven_square)
     }
 
+    /// Completes the cell by its vertices; those within the proven radius of its centre need no look.
+    #[cold]
+    #[inline(never)]
+    fn far<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, proven_square: Real) {
+        // Where many sites in a row have not cut a simple cell, few will.
+        let is_simple = cell.is_idle && cell.store.vertices() as usize <= 2 * MOST_ASKED;
+        let first_asked = if is_simple { MOST_ASKED as u32 } else { 1 };
+        let center = cell.center;
+        let mut searched = Searched::new(cell, &self.prepared.sites, &mut self.room, proven_square.max(0.0).sqrt());
+        let status = search_far(&mut searched, center, first_asked, &mut 0);
+        cell.outcome.status = status;
+    }
+
     /// Visits the sites of a chunk that may cut the cell, nearest bisector first; `false` ends the search.
     fn visit_chunk<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, chunk: usize) -> bool {
         let tree = &self.prepared.sites;
@@ -213,12 +224,7 @@ impl Reaches {
             Some(g) => {
                 for k in 0..WIDTH {
                     let (x, y, z) = (xs[k] - px, ys[k] - py, zs[k] - pz);
-                    let more = leaf.weight[k] - weight;
-                    let square = ((x * x) + (y * y)) + (z * z);
-                    let (gx, gy, gz) = (g.x * x, g.y * y, g.z * z);
-                    let size = square + (more.abs() + ((gx.abs() + gy.abs()) + gz.abs()));
-                    let power = ((square - more) + ((gx + gy) + gz)) - (16.0 * UNIT_ROUNDOFF) * size;
-                    of[k] = (power * power.abs()) / square;
+                    of[k] = reach_of_bisector(g, v3(x, y, z), leaf.weight[k] - weight);
                 }
             }
         }
@@ -308,7 +314,7 @@ impl<'a, S: CellStore> Cell<'a, S> {
             weight,
             slope,
             center,
-            center_rounding: 8.0 * UNIT_ROUNDOFF * norm(center),
+            center_rounding: rounding_about(center),
             farthest: 0.0,
             reach_square: 0.0,
             last_in_order: 0,
@@ -322,9 +328,7 @@ impl<'a, S: CellStore> Cell<'a, S> {
     /// Measures the cell anew.
     #[inline(always)]
     fn measure(&mut self) {
-        let V3 { x: square, y: radius, .. } = self.store.farthest_from(self.center);
-        // The radius bounds each component, √3 < 2; a vertex less the centre is rounded.
-        self.farthest = ((square.sqrt() + 2.0 * radius) + self.center_rounding) * SAFE;
+        self.farthest = reach_from(self.store, self.center, self.center_rounding);
         self.reach_square = (4.0 * (self.farthest * self.farthest)) * SAFE;
         self.last_in_order = in_order(self.reach_square);
     }
@@ -392,6 +396,20 @@ impl<'a, S: CellStore> Cell<'a, S> {
             }
         }
     }
+}
+
+/// An upper bound of the distance from `center`, which rounding moves what is less it by up to `rounding`, to the farthest vertex.
+#[inline(always)]
+fn reach_from<S: CellStore>(store: &S, center: V3, rounding: Real) -> Real {
+    let V3 { x: square, y: radius, .. } = store.farthest_from(center);
+    // The radius bounds each component, √3 < 2.
+    ((square.sqrt() + 2.0 * radius) + rounding) * SAFE
+}
+
+/// How far rounding moves a vertex less a centre.
+#[inline(always)]
+fn rounding_about(center: V3) -> Real {
+    8.0 * UNIT_ROUNDOFF * norm(center)
 }
 
 /// The larger of two numbers, in one instruction; `max` takes three, for what is not a number.

@@ -1,5 +1,5 @@
 //! Diagrams of uneven sites and weights, and of folded meshes: clusters of many scales, sites on lines, planes and spheres, weights far from
-//! uniform; often so many sites that the search is completed by the cell's vertices (`core/src/search/far.rs`).
+//! uniform; often so many sites that the search is completed by the cell's vertices (`core/src/cell/far.rs`).
 
 use glam::DVec3;
 use laguerre_conformance::domains::{Pose, Room, Shape, room};

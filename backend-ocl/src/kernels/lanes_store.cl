@@ -142,6 +142,8 @@ typedef struct {
     uint view;
     uint is_fine;
     uint exact;
+    // The vertex that the search asks for.
+    Asked asked;
     // The corners of a facet: places, and how many.
     Place *corner;
     uint corners;

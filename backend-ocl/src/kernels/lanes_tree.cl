@@ -25,19 +25,19 @@ INLINE uint store_leaf(Store *s, uint i) { return s->cell->leaf[i]; }
 #if KEEPS_KEYS
 INLINE uint store_open_key(Store *s, uint i) { return s->cell->open_key[i]; }
 INLINE uint store_leaf_key(Store *s, uint i) { return s->cell->leaf_key[i]; }
-INLINE void store_set_open_block(Store *s, uint i, uint block, uint key) {
+INLINE void store_set_open_block(Store *s, uint i, uint block, uint key, uint asks) {
     s->cell->open[i] = block;
     s->cell->open_key[i] = key;
 }
-INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key) {
+INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key, uint asks) {
     s->cell->leaf[i] = leaf;
     s->cell->leaf_key[i] = key;
 }
 #else
 INLINE uint store_open_key(Store *s, uint i) { return 0u; }
 INLINE uint store_leaf_key(Store *s, uint i) { return 0u; }
-INLINE void store_set_open_block(Store *s, uint i, uint block, uint key) { s->cell->open[i] = block; }
-INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key) { s->cell->leaf[i] = leaf; }
+INLINE void store_set_open_block(Store *s, uint i, uint block, uint key, uint asks) { s->cell->open[i] = block; }
+INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key, uint asks) { s->cell->leaf[i] = leaf; }
 #endif
 INLINE uint store_candidate(Store *s, uint i) { return s->cell->candidate[i]; }
 INLINE uint store_candidate_key(Store *s, uint i) { return s->cell->candidate_key[i]; }
@@ -95,7 +95,11 @@ INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return status;
 #endif
 }
-INLINE uint store_has_cut(Store *s, uint j) { return has_cut(s, j); }
+INLINE uint store_was_tried(Store *s, uint j) { return has_cut(s, j); }
+INLINE uint store_touches(Store *s, uint v, uint j) {
+    const Triplet t = store_triplet(s, v);
+    return (s->cell->source[t.a] == j) || (s->cell->source[t.b] == j) || (s->cell->source[t.c] == j);
+}
 // (Proofs that are cut short are for one work-item.)
 INLINE uint store_leaves_out(Store *s) { return 0u; }
 INLINE uint store_cut_outside(Store *s, real radius) {
@@ -126,7 +130,7 @@ INLINE uint store_cut_outside(Store *s, real radius) {
 // (Few cells come to it: a function of its own, so that it does not take registers from all.)
 OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
     Store store = taken_store(given);
-    const uint status = search_far(&store, vantage_of(&store), visited);
+    const uint status = search_far(&store, vantage_of(&store).center, 1u, visited);
     return give_back(given, &store, (status == UNCERTAIN) ? LEFT : status);
 }
 #endif
@@ -136,7 +140,7 @@ INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *ex
     uint status = search_near(s, vantage, visited);
     if (status == UNTOUCHED) {
 #if WITH_FAR && !WITH_EXACT
-        status = search_far(s, vantage, visited);
+        status = search_far(s, vantage.center, 1u, visited);
         status = (status == UNCERTAIN) ? OPEN : status;
 #elif WITH_FAR
         Store copy = *s;

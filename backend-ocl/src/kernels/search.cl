@@ -36,7 +36,7 @@ typedef struct {
 
 // Cuts the cell by the bisector with a site: `UNTOUCHED` where the search goes on, or how the cell ended.
 INLINE uint cut_by(Store *s, Search *search, uint site) {
-    if ((search->is_sampled != 0u) && (store_has_cut(s, site) != 0u)) {
+    if ((search->is_sampled != 0u) && (store_was_tried(s, site) != 0u)) {
         return UNTOUCHED;
     }
     search->visited++;
@@ -213,7 +213,7 @@ INLINE uint complete_cell(Store *s, __global const uchar4 *shells, uint site, ui
 #else
     status = search_near(s, vantage, visited);
 #endif
-    return (status == UNTOUCHED) ? search_far(s, vantage, visited) : status;
+    return (status == UNTOUCHED) ? search_far(s, vantage.center, 1u, visited) : status;
 }
 
 // Computes all vertices in double precision, for the integrals.

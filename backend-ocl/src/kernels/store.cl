@@ -37,6 +37,7 @@ typedef struct {
     uint leaf_key[MOST_LEAVES];
     uint candidate[MOST_CANDIDATES];
     uint candidate_key[MOST_CANDIDATES];
+    Asked asked;
     uint is_fine;
     // The half-space that was set last, and its index.
     uint last_index;

@@ -18,13 +18,13 @@ INLINE void store_lanes_wait(Store *s) {}
 
 INLINE uint store_open_block(Store *s, uint i) { return s->open[i]; }
 INLINE uint store_open_key(Store *s, uint i) { return s->open_key[i]; }
-INLINE void store_set_open_block(Store *s, uint i, uint block, uint key) {
+INLINE void store_set_open_block(Store *s, uint i, uint block, uint key, uint asks) {
     s->open[i] = block;
     s->open_key[i] = key;
 }
 INLINE uint store_leaf(Store *s, uint i) { return s->leaf[i]; }
 INLINE uint store_leaf_key(Store *s, uint i) { return s->leaf_key[i]; }
-INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key) {
+INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key, uint asks) {
     s->leaf[i] = leaf;
     s->leaf_key[i] = key;
 }
@@ -58,13 +58,17 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
 INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);
 }
-OUTLINE uint store_has_cut(Store *s, uint j) {
+OUTLINE uint store_was_tried(Store *s, uint j) {
     for (uint f = 0; f < s->planes; f++) {
         if (s->source[f] == j) {
             return 1;
         }
     }
     return 0;
+}
+INLINE uint store_touches(Store *s, uint v, uint j) {
+    const Triplet t = store_triplet(s, v);
+    return (s->source[t.a] == j) || (s->source[t.b] == j) || (s->source[t.c] == j);
 }
 INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
 INLINE uint store_cut_by(Store *s, uint j) {

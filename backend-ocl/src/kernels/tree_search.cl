@@ -7,11 +7,17 @@ INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real cur
 INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
 INLINE real gap_along(real lo, real hi, real place);
 INLINE real square_to_box(V3 lo, V3 hi, V3 place);
-INLINE real least_of_node(Store *s, Question question, uint level, uint node);
-INLINE Open open_root(Store *s);
+INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights);
+INLINE real reach_of_bisector(V3 g, V3 d, real excess);
+INLINE Seer seer_of(Store *s);
+INLINE Open open_root(Store *s, uint vertices);
 INLINE Open open_path(Store *s);
-INLINE uint take_last(Store *s, uint is_leaf, real limit, uint most, uint *count);
-HOT Open open_blocks(Store *s, Question question, uint with_own, Open given);
+INLINE uint is_asked(Store *s, uint key, uint asks);
+INLINE uint take_last(Store *s, uint is_leaf, uint vertices, uint most, uint *count);
+INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint *key);
+HOT Open open_blocks(Store *s, Question question, Open given);
 HOT Vantage vantage_of(Store *s);
 INLINE real reach_of_site(Store *s, Vantage vantage, uint j);
 INLINE real size_around(Store *s);
@@ -21,9 +27,13 @@ HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wante
 INLINE uint take_nearest(Store *s, uint count, uint limit);
 HOT uint visit_candidates(Store *s, Vantage vantage, uint count, uint below, real *reach, uint *visited);
 INLINE uint key_of_reach(Store *s, real reach, uint below);
-HOT uint search_far(Store *s, Vantage vantage, uint *visited);
-HOT uint farthest_unsettled(Store *s, Vantage vantage);
-HOT uint least_at(Store *s, V3 v, real radius, uint *ties);
+HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited);
+HOT uint farthest_unsettled(Store *s, V3 center);
+HOT uint ask_near_first(Store *s, uint at_once);
+INLINE uint ask(Store *s, uint v, uint i);
+INLINE Asked asked_at(Store *s, uint v, V3 place, real radius);
+HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay);
+INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties);
 INLINE uint larger_count(uint a, uint b);
 
 // core/src/cell/search_store.rs
@@ -54,7 +64,7 @@ INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real c
     return (((alpha * t) + g) * t) - ((slope + (curvature * u)) * u);
 }
 
-// core/src/cell/tree.rs
+// core/src/cell/bound.rs
 
 // How far `place` is from the range `[lo, hi]`, at least.
 INLINE real gap_along(real lo, real hi, real place) {
@@ -70,54 +80,71 @@ INLINE real square_to_box(V3 lo, V3 hi, V3 place) {
     return ((x * x) + (y * y)) + (z * z);
 }
 
-// The least that a question can come to at any site of a node.
-//
-// With `h` at most the gap between `v` and the node's slab, across its normal `n`, `|v − p|² ≥ h² + |(v − hn) − p|²`: the box is seen from the
-// foot of `v` on the slab, unless weights differ, when that often says less (c = 0.9 took 30 times as long on far cells).
-INLINE real least_of_node(Store *s, Question question, uint level, uint node) {
-    const NodeBox bounds = store_node_box(s, level, node);
-    const V3 site = store_site(s);
-    const V3 lo = sub(bounds.lo, site);
-    const V3 hi = sub(bounds.hi, site);
-    const V3 place = question.place;
-    V3 foot = place;
-    real beyond = REAL(0.0);
-    real largest = REAL(0.0);
-    if (question.is_power != 0) {
-        const NodeSlab slab = store_node_slab(s, level, node);
-        const V3 from = v3(site.x + place.x, site.y + place.y, site.z + place.z);
-        const real height = v3_dot(slab.normal, from);
-        const real rounding = FEW_ROUNDINGS_OF_SUM * ((fabs(from.x) + fabs(from.y)) + fabs(from.z));
-        const real across = larger((height - slab.hi) - rounding, REAL(0.0)) - larger((slab.lo - height) - rounding, REAL(0.0));
-        foot = sub(place, scale(across, slab.normal));
-        beyond = (across * across) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
-        largest = slab.largest;
-    }
-    if (store_has_weights(s) == 0) {
-        // (Where it is not the power, nothing is beyond.)
-        return ((question.square * square_to_box(lo, hi, foot)) + beyond) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
-    }
-    const NodeWeights weights = store_node_weights(s, level, node);
-    const V3 g = sub(question.slope, scale(REAL(2.0), place));
-    const real alpha = question.square;
-    real sum = v3_dot(place, place);
-    real size = sum;
+// The least of `αd² + g·d − w` of weights that differ, at any site of a node.
+INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights) {
+    const V3 lo = sub(bounds.lo, seer.site);
+    const V3 hi = sub(bounds.hi, seer.site);
+    real sum = seer.excess - weights.offset;
+    real size = seer.excess + fabs(weights.offset);
     add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &sum, &size);
     add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &sum, &size);
     add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &sum, &size);
-    sum += (store_own_excess(s) - weights.offset);
-    size += (store_own_excess(s) + fabs(weights.offset));
-    sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
-    if (question.is_power != 0) {
-        const real rounding = FEW_ROUNDINGS_OF_SUM * (fabs(largest) + store_own_excess(s));
-        sum = larger(sum, (beyond - (largest - store_own_excess(s))) - rounding);
-    }
-    return sum;
+    return sum - (FEW_ROUNDINGS_OF_SUM * size);
 }
 
-// Opens the root alone.
-INLINE Open open_root(Store *s) {
-    store_set_open_block(s, 0, store_top_level(s) << LEVEL_SHIFT, 0);
+// The least of `αd² + g·d − w` at any site of a node; without weights there is no g.
+INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights) {
+    if (seer.has_weights == 0) {
+        const V3 lo = sub(bounds.lo, seer.site);
+        const V3 hi = sub(bounds.hi, seer.site);
+        return (alpha * square_to_box(lo, hi, v3(REAL(0.0), REAL(0.0), REAL(0.0)))) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
+    }
+    return least_weighted(seer, alpha, g, bounds, weights);
+}
+
+// The least power `|d − v|² − w` at the place `v` of any site of a node.
+//
+// With `h` at most the gap between `v` and the node's slab, across its normal `n`, `|v − p|² ≥ h² + |(v − hn) − p|²`: the box is seen from the
+// foot of `v` on the slab, unless weights differ, when that often says less (c = 0.9 took 30 times as long on far cells).
+INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights) {
+    const V3 site = seer.site;
+    const V3 from = v3(site.x + v.x, site.y + v.y, site.z + v.z);
+    const real height = v3_dot(slab.normal, from);
+    const real rounding = FEW_ROUNDINGS_OF_SUM * ((fabs(from.x) + fabs(from.y)) + fabs(from.z));
+    const real across = larger((height - slab.hi) - rounding, REAL(0.0)) - larger((slab.lo - height) - rounding, REAL(0.0));
+    const real beyond = (across * across) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
+    if (seer.has_weights == 0) {
+        const V3 foot = sub(v, scale(across, slab.normal));
+        const real square = square_to_box(sub(bounds.lo, site), sub(bounds.hi, site), foot);
+        return (square + beyond) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
+    }
+    // |d − v|² is d² − 2v·d and v².
+    const real own = v3_dot(v, v);
+    const real least = own + least_weighted(seer, REAL(1.0), scale(-REAL(2.0), v), bounds, weights);
+    const real across_slab = (beyond - (slab.largest - seer.excess)) - (FEW_ROUNDINGS_OF_SUM * (fabs(slab.largest) + seer.excess));
+    return larger(least - (FEW_ROUNDINGS_OF_SUM * own), across_slab);
+}
+
+// Four times the square of the distance from the cell's centre to the bisector with a site, at least, where the centre is on the own side, and
+// else below 0: `(h_j − h_i)²/d²` (see `search.rs`), of weights that differ with the slope `g` at the cell's site.
+INLINE real reach_of_bisector(V3 g, V3 d, real excess) {
+    const real square = v3_dot(d, d);
+    const V3 along = v3(g.x * d.x, g.y * d.y, g.z * d.z);
+    const real size = square + (fabs(excess) + ((fabs(along.x) + fabs(along.y)) + fabs(along.z)));
+    const real power = ((square - excess) + ((along.x + along.y) + along.z)) - (FEW_ROUNDINGS_OF_SUM * size);
+    return (power * fabs(power)) / square;
+}
+
+// core/src/cell/tree.rs
+
+// The site whose cell is searched.
+INLINE Seer seer_of(Store *s) {
+    return (Seer){ .site = store_site(s), .excess = store_own_excess(s), .has_weights = store_has_weights(s) };
+}
+
+// Opens the root alone, for some asked vertices.
+INLINE Open open_root(Store *s, uint vertices) {
+    store_set_open_block(s, 0, store_top_level(s) << LEVEL_SHIFT, 0, vertices);
     store_lanes_wait(s);
     return (Open){ .blocks = 1, .leaves = 0 };
 }
@@ -128,36 +155,44 @@ INLINE Open open_path(Store *s) {
     Open open = (Open){ .blocks = 0, .leaves = 0 };
     uint level = store_top_level(s);
     while (level > 0) {
-        store_set_open_block(s, open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)), 0);
+        store_set_open_block(s, open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)), 0, 0);
         open.blocks += 1;
         level -= 1;
     }
     const uint first = own * WIDTH;
     while ((open.leaves < WIDTH) && (((first + open.leaves) * WIDTH) < store_sites(s))) {
-        store_set_leaf(s, open.leaves, first + open.leaves, 0);
+        store_set_leaf(s, open.leaves, first + open.leaves, 0, 0);
         open.leaves += 1;
     }
     store_lanes_wait(s);
     return open;
 }
 
-// Keeps of the last open blocks, or of the leaves at hand, those that may come to less than `limit`: so many at most, the last first, behind the
-// `count` that are left, which it lowers. Returns how many.
-INLINE uint take_last(Store *s, uint is_leaf, real limit, uint most, uint *count) {
+// Whether one of some vertices is still asked for at a node whose least power has a key: of the first alone only below its limit.
+INLINE uint is_asked(Store *s, uint key, uint asks) {
+    return (uint)(((asks & 0xFFFFFFFE) != 0) || (((asks & 1) != 0) && (key <= store_key_above(s, store_asked(s, 0).limit))));
+}
+
+// Keeps of the last open blocks, or of the leaves at hand, those that are still asked for, for one of the vertices: so many at most, the last
+// first, behind the `count` that are left, which it lowers. Returns how many.
+INLINE uint take_last(Store *s, uint is_leaf, uint vertices, uint most, uint *count) {
     const uint there = *count;
     uint mine = 0;
     uint key = NO_SITE;
+    uint asks = 0;
     if (store_lane(s) < there) {
         const uint at = (there - 1) - store_lane(s);
         if (is_leaf != 0) {
             mine = store_leaf(s, at);
             key = store_leaf_key(s, at);
+            asks = store_leaf_asks(s, at) & vertices;
         } else {
             mine = store_open_block(s, at);
             key = store_open_key(s, at);
+            asks = store_open_asks(s, at) & vertices;
         }
     }
-    uint is_taken = (uint)((store_lane(s) < there) && (key <= store_key_above(s, limit)));
+    uint is_taken = is_asked(s, key, asks);
     const uint all = store_lanes_with(s, is_taken);
     const uint rank = store_rank_in(s, all);
     if (rank >= most) {
@@ -175,19 +210,44 @@ INLINE uint take_last(Store *s, uint is_leaf, real limit, uint most, uint *count
     *count = there - looked;
     if (is_taken != 0) {
         if (is_leaf != 0) {
-            store_set_leaf(s, (there - looked) + rank, mine, key);
+            store_set_leaf(s, (there - looked) + rank, mine, key, asks);
         } else {
-            store_set_open_block(s, (there - looked) + rank, mine, key);
+            store_set_open_block(s, (there - looked) + rank, mine, key, asks);
         }
     }
     store_lanes_wait(s);
     return store_count_of(s, taken);
 }
 
+// Those of some asked vertices, a bit each, at which a site of a node may have a power below their limit; and the key of the least of those.
+INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint *key) {
+    uint asks = 0;
+    uint least = NO_SITE;
+    uint rest = of_block;
+    uint i = 0;
+    while (rest != 0) {
+        if ((rest & 1) != 0) {
+            const Asked its = store_asked(s, i);
+            const real power = least_power_of_node(seer_of(s), its.place, store_node_box(s, level, node), store_node_slab(s, level, node), store_node_weights(s, level, node));
+            if (power < its.limit) {
+                asks = asks | (1 << i);
+                const uint its_key = store_key_below(s, power);
+                if (its_key < least) {
+                    least = its_key;
+                }
+            }
+        }
+        rest = rest >> 1;
+        i += 1;
+    }
+    *key = least;
+    return asks;
+}
+
 // Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
-// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for. Where the
-// power is asked for, the least of the blocks is the last.
-HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
+// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where no vertex is asked for; else the least
+// of the blocks is the last.
+HOT Open open_blocks(Store *s, Question question, Open given) {
     Open open = given;
     const uint lanes = store_lanes(s);
     uint some = 1;
@@ -197,24 +257,26 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
             some = open.blocks;
         }
     }
-    if (question.is_power != 0) {
-        some = take_last(s, 0, question.limit, some, &open.blocks);
+    if (question.vertices != 0) {
+        some = take_last(s, 0, question.vertices, some, &open.blocks);
     } else {
         open.blocks -= some;
     }
     const uint turn = store_lane(s) / WIDTH;
     uint is_there = 0;
     uint block = 0;
+    uint of_block = 0;
     if (turn < some) {
         is_there = 1;
         block = store_open_block(s, open.blocks + turn);
+        of_block = store_open_asks(s, open.blocks + turn) & question.vertices;
     }
     store_lanes_wait(s);
     const uint level = block >> LEVEL_SHIFT;
     const uint first = (block & BLOCK_MASK) * WIDTH;
     // Of the nodes of the level, that which holds the own leaf's block.
     uint own = 0xFFFFFFFF;
-    if (with_own == 0) {
+    if (question.vertices == 0) {
         own = (store_own_site(s) / WIDTH) >> (3 * level);
     }
     uint best = NO_SITE;
@@ -222,34 +284,36 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
     uint k = store_lane(s) & (WIDTH - 1);
     while (k < WIDTH) {
         const uint node = first + k;
-        uint is_block = 0;
-        uint is_leaf = 0;
+        uint is_wanted = 0;
         uint key = 0;
+        uint asks = 0;
         if ((is_there != 0) && (node != own)) {
-            const real least = least_of_node(s, question, level, node);
-            if (question.is_power != 0) {
-                key = store_key_below(s, least);
+            if (question.vertices != 0) {
+                asks = store_asks_of_node(s, level, node, of_block, &key);
+                is_wanted = (uint)(asks != 0);
+            } else {
+                const real least = least_of_node(seer_of(s), question.square, question.slope, store_node_box(s, level, node), store_node_weights(s, level, node));
+                is_wanted = (uint)(least < question.limit);
             }
-            if (least < question.limit) {
-                is_block = 1;
-                if (level == 0) {
-                    is_block = 0;
-                    is_leaf = 1;
-                }
-            }
+        }
+        uint is_block = is_wanted;
+        uint is_leaf = 0;
+        if (level == 0) {
+            is_block = 0;
+            is_leaf = is_wanted;
         }
         const uint blocks = store_lanes_with(s, is_block);
         const uint leaves = store_lanes_with(s, is_leaf);
         if (is_block != 0) {
             const uint at = open.blocks + store_rank_in(s, blocks);
-            store_set_open_block(s, at, ((level - 1) << LEVEL_SHIFT) | node, key);
+            store_set_open_block(s, at, ((level - 1) << LEVEL_SHIFT) | node, key, asks);
             if (key < best) {
                 best = key;
                 best_at = at;
             }
         }
         if (is_leaf != 0) {
-            store_set_leaf(s, open.leaves + store_rank_in(s, leaves), node, key);
+            store_set_leaf(s, open.leaves + store_rank_in(s, leaves), node, key, asks);
         }
         open.blocks += store_count_of(s, blocks);
         open.leaves += store_count_of(s, leaves);
@@ -257,7 +321,7 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
     }
     store_lanes_wait(s);
     // (Few are all opened next.)
-    if ((question.is_power != 0) && ((open.blocks * WIDTH) > lanes)) {
+    if ((question.vertices != 0) && ((open.blocks * WIDTH) > lanes)) {
         const uint least = store_least_of_lanes(s, best);
         if (least != NO_SITE) {
             const uint at = store_lane_value(s, best_at, store_first_of(s, store_lanes_with(s, (uint)(best == least))));
@@ -265,10 +329,12 @@ HOT Open open_blocks(Store *s, Question question, uint with_own, Open given) {
             const uint nearest = store_open_block(s, at);
             const uint other = store_open_block(s, last);
             const uint other_key = store_open_key(s, last);
+            const uint nearest_asks = store_open_asks(s, at);
+            const uint other_asks = store_open_asks(s, last);
             store_lanes_wait(s);
             if (store_lane(s) == 0) {
-                store_set_open_block(s, at, other, other_key);
-                store_set_open_block(s, last, nearest, least);
+                store_set_open_block(s, at, other, other_key, other_asks);
+                store_set_open_block(s, last, nearest, least, nearest_asks);
             }
             store_lanes_wait(s);
         }
@@ -301,19 +367,13 @@ HOT Vantage vantage_of(Store *s) {
     return vantage;
 }
 
-// Four times the square of the distance from the cell's centre to the bisector with site `j`, at least, where the cell's centre is on the own
-// side, and else below 0: `(h_j − h_i)²/D²`.
+// What `reach_of_bisector` says of site `j`.
 INLINE real reach_of_site(Store *s, Vantage vantage, uint j) {
     const V3 d = store_way_to(s, j);
-    const real square = v3_dot(d, d);
     if (store_has_weights(s) == 0) {
-        return square;
+        return v3_dot(d, d);
     }
-    const real excess = store_excess_of(s, j);
-    const V3 along = v3(vantage.slope.x * d.x, vantage.slope.y * d.y, vantage.slope.z * d.z);
-    const real size = square + (fabs(excess) + ((fabs(along.x) + fabs(along.y)) + fabs(along.z)));
-    const real power = ((square - excess) + ((along.x + along.y) + along.z)) - (FEW_ROUNDINGS_OF_SUM * size);
-    return (power * fabs(power)) / square;
+    return reach_of_bisector(vantage.slope, d, store_excess_of(s, j));
 }
 
 // The size of what is around the site: some three distances between sites.
@@ -361,8 +421,8 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
             if (is_rest == 0) {
                 within = smaller(reach, REAL(0.25) * near);
             }
-            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = (within / vantage.lambda) * SAFE, .place = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .is_power = 0 };
-            open = open_blocks(s, question, 0, open);
+            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = (within / vantage.lambda) * SAFE, .vertices = 0 };
+            open = open_blocks(s, question, open);
         } else if (count > 0) {
             const uint status = visit_candidates(s, vantage, count, wanted.below, &reach, visited);
             if (status != UNTOUCHED) {
@@ -509,32 +569,45 @@ INLINE uint key_of_reach(Store *s, real reach, uint below) {
 // core/src/cell/far.rs
 
 // Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
-// are within rounding of a vertex, or a vertex is not known well.
-HOT uint search_far(Store *s, Vantage vantage, uint *visited) {
+// are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
+// more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
+HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
+    uint at_once = first_asked;
     for (;;) {
-        const uint v = farthest_unsettled(s, vantage);
+        const uint v = farthest_unsettled(s, center);
         if (v == NO_SITE) {
             return COMPLETE;
         }
-        V3 place = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-        real radius = REAL(0.0);
-        if (store_fine_position(s, v, &place, &radius) != COMPLETE) {
+        if (ask(s, v, 0) == 0) {
             return UNCERTAIN;
         }
+        uint asked = 1;
+        if (at_once > 1) {
+            asked = ask_near_first(s, at_once);
+        }
         uint ties = 0;
-        const uint found = least_at(s, place, radius, &ties);
+        uint stay = 0;
+        const uint found = least_at(s, asked, &ties, &stay);
+        uint i = 1;
+        while (i < asked) {
+            if ((stay & (1 << i)) != 0) {
+                const uint other = store_asked(s, i).vertex;
+                store_set_settled(s, other, 1);
+            }
+            i += 1;
+        }
         if (found != NO_SITE) {
             store_set_candidate(s, 0, found, 0);
             ties = 1;
         }
-        if (ties > MOST_CANDIDATES) {
+        if (ties > store_most_ties(s)) {
             return UNCERTAIN;
         }
         uint status = UNTOUCHED;
-        uint i = 0;
+        i = 0;
         while ((i < ties) && (status == UNTOUCHED)) {
             const uint j = store_candidate(s, i);
-            if ((found != NO_SITE) || (store_has_cut(s, j) == 0)) {
+            if ((found != NO_SITE) || (store_was_tried(s, j) == 0)) {
                 *visited += 1;
                 status = store_cut_by(s, j);
             }
@@ -547,20 +620,26 @@ HOT uint search_far(Store *s, Vantage vantage, uint *visited) {
         if (status == UNTOUCHED) {
             store_set_settled(s, v, 1);
             store_lanes_wait(s);
-        } else if (status != CUT) {
+            at_once = 2 * at_once;
+            if (at_once > store_most_asked(s)) {
+                at_once = store_most_asked(s);
+            }
+        } else if (status == CUT) {
+            at_once = 1;
+        } else {
             return status;
         }
     }
 }
 
 // The vertex farthest from the cell's centre of those that are not settled; `NO_SITE` where there is none.
-HOT uint farthest_unsettled(Store *s, Vantage vantage) {
+HOT uint farthest_unsettled(Store *s, V3 center) {
     uint nearness = NO_SITE;
     uint own = 0;
     uint v = store_lane(s);
     while (v < store_vertices(s)) {
         if (!store_settled(s, v)) {
-            const V3 way = sub(store_position(s, v), vantage.center);
+            const V3 way = sub(store_position(s, v), center);
             const uint its = store_key_below(s, -v3_dot(way, way));
             if (its < nearness) {
                 nearness = its;
@@ -576,10 +655,52 @@ HOT uint farthest_unsettled(Store *s, Vantage vantage) {
     return store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearness == least))));
 }
 
-// The site of least power at a vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all that may be,
-// of which `ties` says how many.
-HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
-    const real own = v3_dot(v, v);
+// Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
+HOT uint ask_near_first(Store *s, uint at_once) {
+    const Asked first = store_asked(s, 0);
+    uint asked = 1;
+    // (Of vertices as far as another one is asked for.)
+    uint last = store_key_above(s, REAL(0.0));
+    while (asked < at_once) {
+        uint nearest = NO_SITE;
+        uint own = 0;
+        uint v = store_lane(s);
+        while (v < store_vertices(s)) {
+            if (!store_settled(s, v)) {
+                const V3 way = sub(store_position(s, v), first.place);
+                const uint its = store_key_below(s, v3_dot(way, way));
+                if ((its > last) && (its < nearest)) {
+                    nearest = its;
+                    own = v;
+                }
+            }
+            v += store_lanes(s);
+        }
+        last = store_least_of_lanes(s, nearest);
+        if (last == NO_SITE) {
+            return asked;
+        }
+        const uint other = store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearest == last))));
+        asked += ask(s, other, asked);
+    }
+    return asked;
+}
+
+// Makes vertex `v` the asked vertex `i`: 1; or 0 where it is not known well.
+INLINE uint ask(Store *s, uint v, uint i) {
+    V3 place = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real radius = REAL(0.0);
+    if (store_fine_position(s, v, &place, &radius) != COMPLETE) {
+        return 0;
+    }
+    const Asked asked = asked_at(s, v, place, radius);
+    store_set_asked(s, i, asked);
+    return 1;
+}
+
+// What is asked for at a place that is off by up to `radius` along each axis.
+INLINE Asked asked_at(Store *s, uint v, V3 place, real radius) {
+    const real own = v3_dot(place, place);
     const real lost = PER_LENGTH * radius;
     // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
     // lost·(√own + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length for any length; and t² is the power and the
@@ -587,70 +708,120 @@ HOT uint least_at(Store *s, V3 v, real radius, uint *ties) {
     const real length = larger(larger(sqrt(own), LENGTHS_OF_LOST * lost), LEAST_LENGTH);
     const real lost_of_square = (REAL(0.5) * lost) / length;
     const real share = lost_of_square + (REAL(4.0) * FEW_ROUNDINGS_OF_SUM);
-    const real room = ((REAL(1.5) * lost) * length) + (share * larger(store_largest_excess(s), REAL(0.0)));
-    Question question = (Question){ .square = REAL(1.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .limit = ((own * (REAL(1.0) + (REAL(2.0) * FEW_ROUNDINGS_OF_SUM))) + room) * (REAL(1.0) + (REAL(2.0) * share)), .place = v, .is_power = 1 };
+    const real lost_of_all = (REAL(1.5) * lost) * length;
+    const real room = lost_of_all + (share * larger(store_largest_excess(s), REAL(0.0)));
+    const real limit = ((own * (REAL(1.0) + (REAL(2.0) * FEW_ROUNDINGS_OF_SUM))) + room) * (REAL(1.0) + (REAL(2.0) * share));
+    return (Asked){ .vertex = v, .place = place, .own = own, .lost = lost_of_all, .lost_of_square = lost_of_square, .limit = limit };
+}
+
+// The site of least power at the first asked vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all
+// that may be, of which `ties` says how many. `stay` has a bit for each of the others where no site has less power or ties, but for those that
+// it lies on.
+HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay) {
+    const uint lanes = store_lanes(s);
+    // As many leaves at a time as there are lanes for their sites.
+    const uint most = larger_count(lanes / WIDTH, 1);
+    uint left = (1 << asked) - 1;
     uint found = NO_SITE;
-    Open open = open_root(s);
+    Open open = open_root(s, left);
     *ties = 0;
     for (;;) {
-        // As many leaves as there are lanes for their sites.
-        const uint lanes = store_lanes(s);
-        const uint most = larger_count(lanes / WIDTH, 1);
         if ((open.leaves >= most) || ((open.leaves > 0) && (open.blocks == 0))) {
-            const uint some = take_last(s, 1, question.limit, most, &open.leaves);
+            const uint some = take_last(s, 1, left, most, &open.leaves);
             uint i = store_lane(s);
             while (i < larger_count(some * WIDTH, lanes)) {
                 uint j = NO_SITE;
+                uint asks = 0;
                 if (i < (some * WIDTH)) {
-                    j = (store_leaf(s, open.leaves + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
-                }
-                uint is_less = 0;
-                uint is_tied = 0;
-                real power = REAL(0.0);
-                if ((j < store_sites(s)) && (j != store_own_site(s))) {
-                    const V3 d = store_way_to(s, j);
-                    const real excess = store_excess_of(s, j);
-                    const V3 way = sub(v, d);
-                    const real square = v3_dot(way, way);
-                    const real less = (square - own) - excess;
-                    const real rounding = (((REAL(1.5) * lost) * length) + (lost_of_square * square)) + (FEW_ROUNDINGS_OF_SUM * ((square + own) + (fabs(excess) + v3_dot(d, d))));
-                    power = square - excess;
-                    if (less < -rounding) {
-                        is_less = 1;
-                    } else if (less <= rounding) {
-                        is_tied = 1;
+                    const uint at = open.leaves + (i / WIDTH);
+                    j = (store_leaf(s, at) * WIDTH) + (i & (WIDTH - 1));
+                    if (j < store_sites(s)) {
+                        asks = store_asks_of_site(s, j, store_leaf_asks(s, at)) & left;
+                    }
+                    if (j == store_own_site(s)) {
+                        asks = 0;
                     }
                 }
-                if (store_lanes_with(s, is_less) != 0) {
-                    uint key = NO_SITE;
-                    if (is_less != 0) {
-                        key = store_key_above(s, power);
-                    }
-                    const uint least = store_least_of_lanes(s, key);
-                    const uint from = store_first_of(s, store_lanes_with(s, (uint)(key == least)));
-                    const real best = store_lane_real(s, power, from);
-                    if ((found == NO_SITE) || (best < question.limit)) {
-                        found = store_lane_value(s, j, from);
-                        question.limit = smaller(best, question.limit);
-                    }
-                }
-                const uint tied = store_lanes_with(s, is_tied);
-                if ((found == NO_SITE) && (tied != 0)) {
-                    const uint at = *ties + store_rank_in(s, tied);
-                    if ((is_tied != 0) && (at < MOST_CANDIDATES)) {
-                        store_set_candidate(s, at, j, 0);
-                    }
-                    *ties += store_count_of(s, tied);
+                if (store_lanes_with(s, asks) != 0) {
+                    left = left & ask_site(s, j, asks, left, &found, ties);
                 }
                 i += lanes;
             }
             store_lanes_wait(s);
         } else if (open.blocks > 0) {
-            open = open_blocks(s, question, 1, open);
+            const Question question = (Question){ .square = REAL(1.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .limit = REAL(0.0), .vertices = left };
+            open = open_blocks(s, question, open);
         } else {
+            *stay = left;
             return found;
         }
     }
+}
+
+// Compares the power of each lane's site with the cell's at those of the asked vertices whose bits `asks` has, which are among `left`: `found`,
+// the candidates and `ties` as `least_at`; returns all bits but those of vertices other than the first that may not stay.
+INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties) {
+    uint stay = 0xFFFFFFFF;
+    V3 d = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real excess = REAL(0.0);
+    if (asks != 0) {
+        d = store_way_to(s, j);
+        excess = store_excess_of(s, j);
+    }
+    uint a = 0;
+    while ((left >> a) != 0) {
+        const Asked its = store_asked(s, a);
+        uint is_less = 0;
+        uint is_tied = 0;
+        real power = REAL(0.0);
+        if ((asks & (1 << a)) != 0) {
+            const V3 way = sub(its.place, d);
+            const real square = v3_dot(way, way);
+            const real less = (square - its.own) - excess;
+            const real rounding = (its.lost + (its.lost_of_square * square)) + (FEW_ROUNDINGS_OF_SUM * ((square + its.own) + (fabs(excess) + v3_dot(d, d))));
+            power = square - excess;
+            if (less < -rounding) {
+                is_less = 1;
+            } else if (less <= rounding) {
+                is_tied = 1;
+            }
+        }
+        if (a > 0) {
+            uint is_off = 0;
+            if (((is_less + is_tied) != 0) && (store_touches(s, its.vertex, j) == 0)) {
+                is_off = 1;
+            }
+            if (store_lanes_with(s, is_off) != 0) {
+                stay = stay & (0xFFFFFFFF ^ (1 << a));
+            }
+        } else {
+            if (store_lanes_with(s, is_less) != 0) {
+                uint key = NO_SITE;
+                if (is_less != 0) {
+                    key = store_key_above(s, power);
+                }
+                const uint least = store_least_of_lanes(s, key);
+                const uint from = store_first_of(s, store_lanes_with(s, (uint)(key == least)));
+                const real best = store_lane_real(s, power, from);
+                if ((*found == NO_SITE) || (best < its.limit)) {
+                    *found = store_lane_value(s, j, from);
+                    Asked first = its;
+                    first.limit = smaller(best, its.limit);
+                    store_set_asked(s, 0, first);
+                }
+            }
+            const uint tied = store_lanes_with(s, is_tied);
+            if ((*found == NO_SITE) && (tied != 0)) {
+                const uint at = *ties + store_rank_in(s, tied);
+                if ((is_tied != 0) && (at < store_most_ties(s))) {
+                    store_set_candidate(s, at, j, 0);
+                }
+                *ties += store_count_of(s, tied);
+            }
+        }
+        a += 1;
+    }
+    return stay;
 }
 
 INLINE uint larger_count(uint a, uint b) {

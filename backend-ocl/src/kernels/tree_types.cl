@@ -49,10 +49,38 @@ typedef struct {
     real largest;
 } NodeSlab;
 
+// A vertex at which the search asks for the site of least power.
+typedef struct {
+    // Its number in the store.
+    uint vertex;
+    // Its place, from the cell's site.
+    V3 place;
+    // The cell's own power there.
+    real own;
+    // What its error radius takes from a power: this, and this share of the square of the site's distance.
+    real lost;
+    // The share.
+    real lost_of_square;
+    // Beyond this power no site can have less than the cell; of the first, also not less than the site that was found.
+    real limit;
+} Asked;
+
 // core/src/cell/quadratic.rs
 
 // Roundings of a sum of some twenty terms, in units of the sum of their sizes.
 #define FEW_ROUNDINGS_OF_SUM ((real)(REAL(64.0) * UNIT_ROUNDOFF))
+
+// core/src/cell/bound.rs
+
+// The site whose cell is searched.
+typedef struct {
+    // Its place.
+    V3 site;
+    // What it weighs more than the lightest of all.
+    real excess;
+    // Whether weights differ.
+    uint has_weights;
+} Seer;
 
 // core/src/cell/tree.rs
 
@@ -64,16 +92,16 @@ typedef struct {
 // Open blocks from which on one is taken at a time: of four every child may be open, and of one on each level seven of eight.
 #define FEW_OPEN ((uint)(32))
 
-// What is asked of a site at the way `d`, of excess `w`: whether `α|d − v|² + g·d − w` is below a limit.
+// What is asked of a site at the way `d`, of excess `w`: whether `αd² + g·d − w` is below a limit; or of the asked vertices whose bits are in
+// `vertices`, whether its power there is below theirs.
 typedef struct {
     // α.
     real square;
     // g.
     V3 slope;
     real limit;
-    // v; where it is not the cell's own site, α is 1 and g 0: the power at v, and 1.
-    V3 place;
-    uint is_power;
+    // 0 where no vertex is asked for.
+    uint vertices;
 } Question;
 
 // The open blocks and the leaves at hand.

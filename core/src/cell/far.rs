@@ -1,8 +1,10 @@
 //! The second half of the search (`search.rs`): a cell that reaches far is completed vertex by vertex, by which site has the least power there.
+//!
+//! One descent of the tree asks for the site of least power at one vertex, and for others near it whether they stay: a node is read once for all
+//! of them. On the CPU, where a node's bounds are worked out for eight nodes at a time, up to eight vertices are asked for at once.
 
 use super::quadratic::FEW_ROUNDINGS_OF_SUM;
-use super::search::Vantage;
-use super::search_store::{MOST_CANDIDATES, NO_SITE, SearchStore, WIDTH};
+use super::search_store::{Asked, NO_SITE, SearchStore, WIDTH};
 use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
 use super::tree::{Open, Question, open_blocks, open_root, take_last};
 use super::vector::{Real, V3, dot, larger, smaller, sub, v3};
@@ -15,33 +17,46 @@ const LENGTHS_OF_LOST: Real = 1e10;
 const LEAST_LENGTH: Real = 1e-150;
 
 /// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
-/// are within rounding of a vertex, or a vertex is not known well.
+/// are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
+/// more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
 #[inline]
-pub fn search_far<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
+pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visited: &mut u32) -> u32 {
+    let mut at_once: u32 = first_asked;
     loop {
-        let v: u32 = farthest_unsettled(s, vantage);
+        let v: u32 = farthest_unsettled(s, center);
         if v == NO_SITE {
             return COMPLETE;
         }
-        let mut place: V3 = v3(0.0, 0.0, 0.0);
-        let mut radius: Real = 0.0;
-        if s.fine_position(v, &mut place, &mut radius) != COMPLETE {
+        if ask(s, v, 0) == 0 {
             return UNCERTAIN;
         }
+        let mut asked: u32 = 1;
+        if at_once > 1 {
+            asked = ask_near_first(s, at_once);
+        }
         let mut ties: u32 = 0;
-        let found: u32 = least_at(s, place, radius, &mut ties);
+        let mut stay: u32 = 0;
+        let found: u32 = least_at(s, asked, &mut ties, &mut stay);
+        let mut i: u32 = 1;
+        while i < asked {
+            if (stay & (1 << i)) != 0 {
+                let other: u32 = s.asked(i).vertex;
+                s.set_settled(other, true);
+            }
+            i += 1;
+        }
         if found != NO_SITE {
             s.set_candidate(0, found, 0);
             ties = 1;
         }
-        if ties > MOST_CANDIDATES {
+        if ties > s.most_ties() {
             return UNCERTAIN;
         }
         let mut status: u32 = UNTOUCHED;
-        let mut i: u32 = 0;
+        i = 0;
         while (i < ties) && (status == UNTOUCHED) {
             let j: u32 = s.candidate(i);
-            if (found != NO_SITE) || (s.has_cut(j) == 0) {
+            if (found != NO_SITE) || (s.was_tried(j) == 0) {
                 *visited += 1;
                 status = s.cut_by(j);
             }
@@ -54,7 +69,13 @@ pub fn search_far<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32
         if status == UNTOUCHED {
             s.set_settled(v, true);
             s.lanes_wait();
-        } else if status != CUT {
+            at_once = 2 * at_once;
+            if at_once > s.most_asked() {
+                at_once = s.most_asked();
+            }
+        } else if status == CUT {
+            at_once = 1;
+        } else {
             return status;
         }
     }
@@ -62,13 +83,13 @@ pub fn search_far<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32
 
 /// The vertex farthest from the cell's centre of those that are not settled; `NO_SITE` where there is none.
 #[inline]
-pub(super) fn farthest_unsettled<S: SearchStore>(s: &S, vantage: Vantage) -> u32 {
+fn farthest_unsettled<S: SearchStore>(s: &S, center: V3) -> u32 {
     let mut nearness: u32 = NO_SITE;
     let mut own: u32 = 0;
     let mut v: u32 = s.lane();
     while v < s.vertices() {
         if !s.settled(v) {
-            let way: V3 = sub(s.position(v), vantage.center);
+            let way: V3 = sub(s.position(v), center);
             let its: u32 = s.key_below(-dot(way, way));
             if its < nearness {
                 nearness = its;
@@ -84,11 +105,55 @@ pub(super) fn farthest_unsettled<S: SearchStore>(s: &S, vantage: Vantage) -> u32
     return s.lane_value(own, s.first_of(s.lanes_with((nearness == least) as u32)));
 }
 
-/// The site of least power at a vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all that may be,
-/// of which `ties` says how many.
+/// Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
 #[inline]
-pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mut u32) -> u32 {
-    let own: Real = dot(v, v);
+fn ask_near_first<S: SearchStore>(s: &mut S, at_once: u32) -> u32 {
+    let first: Asked = s.asked(0);
+    let mut asked: u32 = 1;
+    // (Of vertices as far as another one is asked for.)
+    let mut last: u32 = s.key_above(0.0);
+    while asked < at_once {
+        let mut nearest: u32 = NO_SITE;
+        let mut own: u32 = 0;
+        let mut v: u32 = s.lane();
+        while v < s.vertices() {
+            if !s.settled(v) {
+                let way: V3 = sub(s.position(v), first.place);
+                let its: u32 = s.key_below(dot(way, way));
+                if (its > last) && (its < nearest) {
+                    nearest = its;
+                    own = v;
+                }
+            }
+            v += s.lanes();
+        }
+        last = s.least_of_lanes(nearest);
+        if last == NO_SITE {
+            return asked;
+        }
+        let other: u32 = s.lane_value(own, s.first_of(s.lanes_with((nearest == last) as u32)));
+        asked += ask(s, other, asked);
+    }
+    return asked;
+}
+
+/// Makes vertex `v` the asked vertex `i`: 1; or 0 where it is not known well.
+#[inline(always)]
+fn ask<S: SearchStore>(s: &mut S, v: u32, i: u32) -> u32 {
+    let mut place: V3 = v3(0.0, 0.0, 0.0);
+    let mut radius: Real = 0.0;
+    if s.fine_position(v, &mut place, &mut radius) != COMPLETE {
+        return 0;
+    }
+    let asked: Asked = asked_at(s, v, place, radius);
+    s.set_asked(i, asked);
+    return 1;
+}
+
+/// What is asked for at a place that is off by up to `radius` along each axis.
+#[inline(always)]
+pub(crate) fn asked_at<S: SearchStore>(s: &S, v: u32, place: V3, radius: Real) -> Asked {
+    let own: Real = dot(place, place);
     let lost: Real = PER_LENGTH * radius;
     // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
     // lost·(√own + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length for any length; and t² is the power and the
@@ -96,77 +161,130 @@ pub(super) fn least_at<S: SearchStore>(s: &mut S, v: V3, radius: Real, ties: &mu
     let length: Real = larger(larger(own.sqrt(), LENGTHS_OF_LOST * lost), LEAST_LENGTH);
     let lost_of_square: Real = (0.5 * lost) / length;
     let share: Real = lost_of_square + (4.0 * FEW_ROUNDINGS_OF_SUM);
-    let room: Real = ((1.5 * lost) * length) + (share * larger(s.largest_excess(), 0.0));
-    let mut question: Question = Question {
-        square: 1.0,
-        slope: v3(0.0, 0.0, 0.0),
-        limit: ((own * (1.0 + (2.0 * FEW_ROUNDINGS_OF_SUM))) + room) * (1.0 + (2.0 * share)),
-        place: v,
-        is_power: 1,
+    let lost_of_all: Real = (1.5 * lost) * length;
+    let room: Real = lost_of_all + (share * larger(s.largest_excess(), 0.0));
+    let limit: Real = ((own * (1.0 + (2.0 * FEW_ROUNDINGS_OF_SUM))) + room) * (1.0 + (2.0 * share));
+    return Asked {
+        vertex: v,
+        place: place,
+        own: own,
+        lost: lost_of_all,
+        lost_of_square: lost_of_square,
+        limit: limit,
     };
+}
+
+/// The site of least power at the first asked vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all
+/// that may be, of which `ties` says how many. `stay` has a bit for each of the others where no site has less power or ties, but for those that
+/// it lies on.
+#[inline]
+pub(crate) fn least_at<S: SearchStore>(s: &mut S, asked: u32, ties: &mut u32, stay: &mut u32) -> u32 {
+    let lanes: u32 = s.lanes();
+    // As many leaves at a time as there are lanes for their sites.
+    let most: u32 = larger_count(lanes / WIDTH, 1);
+    let mut left: u32 = (1 << asked) - 1;
     let mut found: u32 = NO_SITE;
-    let mut open: Open = open_root(s);
+    let mut open: Open = open_root(s, left);
     *ties = 0;
     loop {
-        // As many leaves as there are lanes for their sites.
-        let lanes: u32 = s.lanes();
-        let most: u32 = larger_count(lanes / WIDTH, 1);
         if (open.leaves >= most) || ((open.leaves > 0) && (open.blocks == 0)) {
-            let some: u32 = take_last(s, 1, question.limit, most, &mut open.leaves);
+            let some: u32 = take_last(s, 1, left, most, &mut open.leaves);
             let mut i: u32 = s.lane();
             while i < larger_count(some * WIDTH, lanes) {
                 let mut j: u32 = NO_SITE;
+                let mut asks: u32 = 0;
                 if i < (some * WIDTH) {
-                    j = (s.leaf(open.leaves + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
-                }
-                let mut is_less: u32 = 0;
-                let mut is_tied: u32 = 0;
-                let mut power: Real = 0.0;
-                if (j < s.sites()) && (j != s.own_site()) {
-                    let d: V3 = s.way_to(j);
-                    let excess: Real = s.excess_of(j);
-                    let way: V3 = sub(v, d);
-                    let square: Real = dot(way, way);
-                    let less: Real = (square - own) - excess;
-                    let rounding: Real = (((1.5 * lost) * length) + (lost_of_square * square))
-                        + (FEW_ROUNDINGS_OF_SUM * ((square + own) + (excess.abs() + dot(d, d))));
-                    power = square - excess;
-                    if less < -rounding {
-                        is_less = 1;
-                    } else if less <= rounding {
-                        is_tied = 1;
+                    let at: u32 = open.leaves + (i / WIDTH);
+                    j = (s.leaf(at) * WIDTH) + (i & (WIDTH - 1));
+                    if j < s.sites() {
+                        asks = s.asks_of_site(j, s.leaf_asks(at)) & left;
+                    }
+                    if j == s.own_site() {
+                        asks = 0;
                     }
                 }
-                if s.lanes_with(is_less) != 0 {
-                    let mut key: u32 = NO_SITE;
-                    if is_less != 0 {
-                        key = s.key_above(power);
-                    }
-                    let least: u32 = s.least_of_lanes(key);
-                    let from: u32 = s.first_of(s.lanes_with((key == least) as u32));
-                    let best: Real = s.lane_real(power, from);
-                    if (found == NO_SITE) || (best < question.limit) {
-                        found = s.lane_value(j, from);
-                        question.limit = smaller(best, question.limit);
-                    }
-                }
-                let tied: u32 = s.lanes_with(is_tied);
-                if (found == NO_SITE) && (tied != 0) {
-                    let at: u32 = *ties + s.rank_in(tied);
-                    if (is_tied != 0) && (at < MOST_CANDIDATES) {
-                        s.set_candidate(at, j, 0);
-                    }
-                    *ties += s.count_of(tied);
+                if s.lanes_with(asks) != 0 {
+                    left = left & ask_site(s, j, asks, left, &mut found, ties);
                 }
                 i += lanes;
             }
             s.lanes_wait();
         } else if open.blocks > 0 {
-            open = open_blocks(s, question, 1, open);
+            let question: Question = Question { square: 1.0, slope: v3(0.0, 0.0, 0.0), limit: 0.0, vertices: left };
+            open = open_blocks(s, question, open);
         } else {
+            *stay = left;
             return found;
         }
     }
+}
+
+/// Compares the power of each lane's site with the cell's at those of the asked vertices whose bits `asks` has, which are among `left`: `found`,
+/// the candidates and `ties` as `least_at`; returns all bits but those of vertices other than the first that may not stay.
+#[inline(always)]
+fn ask_site<S: SearchStore>(s: &mut S, j: u32, asks: u32, left: u32, found: &mut u32, ties: &mut u32) -> u32 {
+    let mut stay: u32 = 0xFFFF_FFFF;
+    let mut d: V3 = v3(0.0, 0.0, 0.0);
+    let mut excess: Real = 0.0;
+    if asks != 0 {
+        d = s.way_to(j);
+        excess = s.excess_of(j);
+    }
+    let mut a: u32 = 0;
+    while (left >> a) != 0 {
+        let its: Asked = s.asked(a);
+        let mut is_less: u32 = 0;
+        let mut is_tied: u32 = 0;
+        let mut power: Real = 0.0;
+        if (asks & (1 << a)) != 0 {
+            let way: V3 = sub(its.place, d);
+            let square: Real = dot(way, way);
+            let less: Real = (square - its.own) - excess;
+            let rounding: Real = (its.lost + (its.lost_of_square * square))
+                + (FEW_ROUNDINGS_OF_SUM * ((square + its.own) + (excess.abs() + dot(d, d))));
+            power = square - excess;
+            if less < -rounding {
+                is_less = 1;
+            } else if less <= rounding {
+                is_tied = 1;
+            }
+        }
+        if a > 0 {
+            let mut is_off: u32 = 0;
+            if ((is_less + is_tied) != 0) && (s.touches(its.vertex, j) == 0) {
+                is_off = 1;
+            }
+            if s.lanes_with(is_off) != 0 {
+                stay = stay & (0xFFFF_FFFF ^ (1 << a));
+            }
+        } else {
+            if s.lanes_with(is_less) != 0 {
+                let mut key: u32 = NO_SITE;
+                if is_less != 0 {
+                    key = s.key_above(power);
+                }
+                let least: u32 = s.least_of_lanes(key);
+                let from: u32 = s.first_of(s.lanes_with((key == least) as u32));
+                let best: Real = s.lane_real(power, from);
+                if (*found == NO_SITE) || (best < its.limit) {
+                    *found = s.lane_value(j, from);
+                    let mut first: Asked = its;
+                    first.limit = smaller(best, its.limit);
+                    s.set_asked(0, first);
+                }
+            }
+            let tied: u32 = s.lanes_with(is_tied);
+            if (*found == NO_SITE) && (tied != 0) {
+                let at: u32 = *ties + s.rank_in(tied);
+                if (is_tied != 0) && (at < s.most_ties()) {
+                    s.set_candidate(at, j, 0);
+                }
+                *ties += s.count_of(tied);
+            }
+        }
+        a += 1;
+    }
+    return stay;
 }
 
 #[inline(always)]

@@ -23,6 +23,7 @@
     clippy::too_many_arguments
 )]
 
+pub mod bound;
 mod cap;
 mod clip;
 mod cone;
@@ -35,8 +36,6 @@ pub mod node;
 #[cfg(feature = "test-util")]
 pub mod parity;
 mod plain;
-#[cfg(test)]
-mod plain_search;
 mod plane;
 mod quadratic;
 mod quadrature;
@@ -46,7 +45,7 @@ pub mod search_store;
 mod security;
 mod status;
 mod store;
-mod tree;
+pub(crate) mod tree;
 mod vector;
 mod vertex;
 mod wide;
@@ -58,8 +57,6 @@ pub use integrate::{
     CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
 };
 pub use plain::PlainStore;
-#[cfg(test)]
-use plain_search::PlainSearch;
 pub use plane::{Plane, bisector};
 pub use quadrature::Node;
 pub use restrict::{integrate_cell, lies_outside};

@@ -1,8 +1,6 @@
 //! The plain store.
 
 use super::facet::{FacetSecond, FacetSum};
-#[cfg(test)]
-use super::plain_search::PlainSearch;
 use super::plane::Plane;
 use super::store::{CellStore, Triangle};
 use super::vector::{Real, V3};
@@ -30,8 +28,6 @@ pub struct PlainStore<'a> {
     most_vertices: u32,
     triangles: Cell<u32>,
     last_triangle: Cell<Option<u32>>,
-    #[cfg(test)]
-    pub(super) search: Option<PlainSearch<'a>>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,13 +50,6 @@ impl<'a> PlainStore<'a> {
     #[must_use]
     pub fn with_room(self, planes: u32, vertices: u32) -> Self {
         Self { room: Some((planes, vertices)), ..self }
-    }
-
-    /// The same store, which searches for itself.
-    #[cfg(test)]
-    #[must_use]
-    pub(super) fn searching(self, search: PlainSearch<'a>) -> Self {
-        Self { search: Some(search), ..self }
     }
 
     /// The same store with a function to be integrated.

@@ -1,7 +1,9 @@
 //! The search for the sites that cut a cell, by one lane or by many, over the tree.
 //!
-//! 1. **Near** ([`search_near`]): from the site's own leaves up the tree to its root, every node that the cell reaches.
-//! 2. **Far** ([`super::far::search_far`]): a cell that reaches beyond what is worth that is completed vertex by vertex: which site has the least power there?
+//! 1. **Near** ([`search_near`]): from the site's own leaves up the tree to its root, every node that the cell reaches. (On the CPU the sites of a
+//!    leaf look about together instead, `core/src/search.rs`: a third of the nodes are opened for each cell.)
+//! 2. **Far** ([`super::far::search_far`]): a cell that reaches beyond what is worth that is completed vertex by vertex: which site has the least
+//!    power there?
 //!
 //! # What is proved, and from where
 //! Weights that are affine in the site's place only move all cells, by minus half their slope `g`. So a cell is measured from `y = p_i − g/2`, and
@@ -10,7 +12,7 @@
 //! `D² − ω_ij ≥ 2rD`; as `2rD ≤ λD² + r²/λ` for any `λ`, it suffices that `(1 − λ)D² − ω_ij ≥ r²/λ`, which is a sum over axes and so has a
 //! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
 
-use super::quadratic::FEW_ROUNDINGS_OF_SUM;
+use super::bound::reach_of_bisector;
 use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH};
 use super::security::SAFE;
 use super::status::{COMPLETE, CUT, UNTOUCHED};
@@ -78,20 +80,14 @@ pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
     return vantage;
 }
 
-/// Four times the square of the distance from the cell's centre to the bisector with site `j`, at least, where the cell's centre is on the own
-/// side, and else below 0: `(h_j − h_i)²/D²`.
+/// What `reach_of_bisector` says of site `j`.
 #[inline(always)]
-pub(super) fn reach_of_site<S: SearchStore>(s: &S, vantage: Vantage, j: u32) -> Real {
+fn reach_of_site<S: SearchStore>(s: &S, vantage: Vantage, j: u32) -> Real {
     let d: V3 = s.way_to(j);
-    let square: Real = dot(d, d);
     if s.has_weights() == 0 {
-        return square;
+        return dot(d, d);
     }
-    let excess: Real = s.excess_of(j);
-    let along: V3 = v3(vantage.slope.x * d.x, vantage.slope.y * d.y, vantage.slope.z * d.z);
-    let size: Real = square + (excess.abs() + ((along.x.abs() + along.y.abs()) + along.z.abs()));
-    let power: Real = ((square - excess) + ((along.x + along.y) + along.z)) - (FEW_ROUNDINGS_OF_SUM * size);
-    return (power * power.abs()) / square;
+    return reach_of_bisector(vantage.slope, d, s.excess_of(j));
 }
 
 /// The size of what is around the site: some three distances between sites.
@@ -153,10 +149,9 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
                 square: 1.0 - vantage.lambda,
                 slope: vantage.slope,
                 limit: (within / vantage.lambda) * SAFE,
-                place: v3(0.0, 0.0, 0.0),
-                is_power: 0,
+                vertices: 0,
             };
-            open = open_blocks(s, question, 0, open);
+            open = open_blocks(s, question, open);
         } else if count > 0 {
             let status: u32 = visit_candidates(s, vantage, count, wanted.below, &mut reach, visited);
             if status != UNTOUCHED {
@@ -311,6 +306,3 @@ fn key_of_reach<S: SearchStore>(s: &S, reach: Real, below: u32) -> u32 {
     }
     return key;
 }
-
-#[cfg(test)]
-mod tests;

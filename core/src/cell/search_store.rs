@@ -1,8 +1,8 @@
-//! What the search needs beside the cell: the sites, the tree over them, and the lanes that search together.
+//! What the search needs: the cell, the sites, the tree over them, and the lanes that search together.
 //!
 //! Like `store.rs` the boundary of the dialect.
 
-use super::store::CellStore;
+use super::tree::asks_by_powers;
 use super::vector::{Real, V3};
 
 /// Sites in a leaf of the tree, and nodes in a block.
@@ -54,29 +54,65 @@ pub struct NodeSlab {
     pub largest: Real,
 }
 
-/// A cell whose search several lanes share, one on the host: each calls the same functions at the same time; what a method gives is alike in
-/// all lanes unless it says otherwise.
-pub trait SearchStore: CellStore {
+/// A vertex at which the search asks for the site of least power.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asked {
+    /// Its number in the store.
+    pub vertex: u32,
+    /// Its place, from the cell's site.
+    pub place: V3,
+    /// The cell's own power there.
+    pub own: Real,
+    /// What its error radius takes from a power: this, and this share of the square of the site's distance.
+    pub lost: Real,
+    /// The share.
+    pub lost_of_square: Real,
+    /// Beyond this power no site can have less than the cell; of the first, also not less than the site that was found.
+    pub limit: Real,
+}
+
+/// A cell that is searched, the sites and the tree over them, and the lanes that search together: each calls the same functions at the same time;
+/// what a method gives is alike in all lanes unless it says otherwise. As it stands there is one lane.
+pub trait SearchStore {
     /// Number of lanes: 1, or a multiple of [`WIDTH`].
-    fn lanes(&self) -> u32;
+    fn lanes(&self) -> u32 {
+        1
+    }
     /// The number of this lane: not alike.
-    fn lane(&self) -> u32;
+    fn lane(&self) -> u32 {
+        0
+    }
     /// The lanes for which `bit` is not 0, a bit each.
-    fn lanes_with(&self, bit: u32) -> u32;
+    fn lanes_with(&self, bit: u32) -> u32 {
+        u32::from(bit != 0)
+    }
     /// How many lanes are among `lanes`.
-    fn count_of(&self, lanes: u32) -> u32;
+    fn count_of(&self, lanes: u32) -> u32 {
+        lanes
+    }
     /// How many of `lanes` are before this one: not alike.
-    fn rank_in(&self, lanes: u32) -> u32;
+    fn rank_in(&self, _lanes: u32) -> u32 {
+        0
+    }
     /// The first of `lanes`, of which there is one at least.
-    fn first_of(&self, lanes: u32) -> u32;
+    fn first_of(&self, _lanes: u32) -> u32 {
+        0
+    }
     /// The least of the lanes' numbers.
-    fn least_of_lanes(&self, x: u32) -> u32;
+    fn least_of_lanes(&self, x: u32) -> u32 {
+        x
+    }
     /// What lane `from` has.
-    fn lane_value(&self, x: u32, from: u32) -> u32;
+    fn lane_value(&self, x: u32, _from: u32) -> u32 {
+        x
+    }
     /// The same for a number.
-    fn lane_real(&self, x: Real, from: u32) -> Real;
+    fn lane_real(&self, x: Real, _from: u32) -> Real {
+        x
+    }
     /// Lanes see from here on what the others wrote.
-    fn lanes_wait(&self);
+    fn lanes_wait(&self) {}
 
     /// A number in the order of numbers, rounded down.
     fn key_below(&self, x: Real) -> u32;
@@ -87,6 +123,8 @@ pub trait SearchStore: CellStore {
     fn sites(&self) -> u32;
     /// The sorted index of the cell's site.
     fn own_site(&self) -> u32;
+    /// The place of the cell's site, in the diagram's frame.
+    fn site(&self) -> V3;
     /// The way from the cell's site to site `j`.
     fn way_to(&self, j: u32) -> V3;
     /// What site `j` weighs more than the cell's.
@@ -106,26 +144,54 @@ pub trait SearchStore: CellStore {
     fn node_weights(&self, level: u32, node: u32) -> NodeWeights;
     /// A slab about its sites.
     fn node_slab(&self, level: u32, node: u32) -> NodeSlab;
+    /// Those of some asked vertices, a bit each, at which a site of a node may have a power below the limit, and a key: what
+    /// `asks_by_powers` says. Of the nodes of a block, the first is asked first. Not alike.
+    fn asks_of_node(&mut self, level: u32, node: u32, asks: u32, key: &mut u32) -> u32
+    where
+        Self: Sized,
+    {
+        asks_by_powers(self, level, node, asks, key)
+    }
+    /// Those of some asked vertices, a bit each, at which site `j` may have a power below the limit: all are always right. Of the sites of a leaf
+    /// the first is asked first. Not alike.
+    fn asks_of_site(&mut self, _j: u32, asks: u32) -> u32 {
+        asks
+    }
 
-    /// Open block `i` (see `search.rs`).
+    /// Open block `i` (see `tree.rs`).
     fn open_block(&self, i: u32) -> u32;
-    /// Its key: that of the least that is asked for there; 0 where keys are not kept.
+    /// Its key, that of the least power that was found there for an asked vertex; 0 where keys are not kept.
     fn open_key(&self, i: u32) -> u32;
-    /// Sets open block `i` and its key.
-    fn set_open_block(&mut self, i: u32, block: u32, key: u32);
+    /// The asked vertices that its sites may cut off, a bit each.
+    fn open_asks(&self, i: u32) -> u32;
+    /// Sets open block `i`, its key and its vertices.
+    fn set_open_block(&mut self, i: u32, block: u32, key: u32, asks: u32);
     /// Leaf `i` at hand.
     fn leaf(&self, i: u32) -> u32;
     /// Its key, as those of blocks.
     fn leaf_key(&self, i: u32) -> u32;
-    /// Sets leaf `i` and its key.
-    fn set_leaf(&mut self, i: u32, leaf: u32, key: u32);
+    /// Its vertices, as those of blocks.
+    fn leaf_asks(&self, i: u32) -> u32;
+    /// Sets leaf `i`, its key and its vertices.
+    fn set_leaf(&mut self, i: u32, leaf: u32, key: u32, asks: u32);
     /// Site of candidate `i`.
     fn candidate(&self, i: u32) -> u32;
     /// Its key.
     fn candidate_key(&self, i: u32) -> u32;
     /// Sets candidate `i` and its key.
     fn set_candidate(&mut self, i: u32, site: u32, key: u32);
+    /// Room for candidates that tie, at least [`MOST_CANDIDATES`].
+    fn most_ties(&self) -> u32;
 
+    /// Vertices that are asked for at once, at most: up to 32.
+    fn most_asked(&self) -> u32;
+    /// Asked vertex `i`.
+    fn asked(&self, i: u32) -> Asked;
+    /// Sets it.
+    fn set_asked(&mut self, i: u32, asked: Asked);
+
+    /// Whether the cell is restricted to a domain.
+    fn has_domain(&self) -> u32;
     /// An upper bound of the squared distance from a place to the cell's farthest vertex.
     fn square_of_reach(&self, center: V3) -> Real;
     /// Cuts the cell by the bisector with site `j`: as `clip`; `EMPTY` also where it is known to be outside the domain.
@@ -133,10 +199,20 @@ pub trait SearchStore: CellStore {
     /// Cuts off what of the cell is outside the domain, where it reaches farther than `radius` from its site: as `cap_outside`; `EMPTY` where it
     /// is known to be outside.
     fn cut_outside(&mut self, radius: Real) -> u32;
-    /// The position of vertex `v` and its error radius in double precision: `COMPLETE`, or `UNCERTAIN`.
+    /// Number of vertices.
+    fn vertices(&self) -> u32;
+    /// The place of vertex `v`, roughly.
+    fn position(&self, v: u32) -> V3;
+    /// Its place and its error radius in double precision: `COMPLETE`, or `UNCERTAIN`.
     fn fine_position(&self, v: u32, position: &mut V3, radius: &mut Real) -> u32;
-    /// Whether the bisector with site `j` is among the cell's half-spaces.
-    fn has_cut(&self, j: u32) -> u32;
+    /// Whether vertex `v` is known to be cut off by no site.
+    fn settled(&self, v: u32) -> bool;
+    /// Sets it.
+    fn set_settled(&mut self, v: u32, settled: bool);
+    /// Whether vertex `v` lies on the bisector with site `j`.
+    fn touches(&self, v: u32, j: u32) -> u32;
+    /// Whether the bisector with site `j` was tried: it is among the cell's half-spaces.
+    fn was_tried(&self, j: u32) -> u32;
     /// Whether sites are left out that might cut the cell.
     fn leaves_out(&self) -> u32;
 }

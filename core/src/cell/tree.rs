@@ -1,8 +1,8 @@
-//! What the tree over the sites knows of those of a node: the least value there of what the search asks for.
+//! The tree over the sites, opened from its root or along the way to a cell's site, as far as the search asks for.
 
-use super::quadratic::{FEW_ROUNDINGS_OF_SUM, add_least};
-use super::search_store::{NO_SITE, NodeBox, NodeSlab, NodeWeights, SearchStore, WIDTH};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, larger, scale, sub, v3};
+use super::bound::{Seer, least_of_node, least_power_of_node};
+use super::search_store::{Asked, NO_SITE, SearchStore, WIDTH};
+use super::vector::{Real, V3};
 
 /// Bits of an open block that say which of its level it is; those above say its level.
 const LEVEL_SHIFT: u32 = 28;
@@ -11,7 +11,8 @@ const BLOCK_MASK: u32 = 0x0FFF_FFFF;
 /// Open blocks from which on one is taken at a time: of four every child may be open, and of one on each level seven of eight.
 const FEW_OPEN: u32 = 32;
 
-/// What is asked of a site at the way `d`, of excess `w`: whether `α|d − v|² + g·d − w` is below a limit.
+/// What is asked of a site at the way `d`, of excess `w`: whether `αd² + g·d − w` is below a limit; or of the asked vertices whose bits are in
+/// `vertices`, whether its power there is below theirs.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub(super) struct Question {
@@ -20,9 +21,8 @@ pub(super) struct Question {
     /// g.
     pub(super) slope: V3,
     pub(super) limit: Real,
-    /// v; where it is not the cell's own site, α is 1 and g 0: the power at v, and 1.
-    pub(super) place: V3,
-    pub(super) is_power: u32,
+    /// 0 where no vertex is asked for.
+    pub(super) vertices: u32,
 }
 
 /// The open blocks and the leaves at hand.
@@ -33,72 +33,16 @@ pub(super) struct Open {
     pub(super) leaves: u32,
 }
 
-/// How far `place` is from the range `[lo, hi]`, at least.
+/// The site whose cell is searched.
 #[inline(always)]
-fn gap_along(lo: Real, hi: Real, place: Real) -> Real {
-    let rounding: Real = (16.0 * UNIT_ROUNDOFF) * (place.abs() + larger(lo.abs(), hi.abs()));
-    return larger(larger(lo - place, place - hi) - rounding, 0.0);
+fn seer_of<S: SearchStore>(s: &S) -> Seer {
+    return Seer { site: s.site(), excess: s.own_excess(), has_weights: s.has_weights() };
 }
 
-/// The square of how far `place` is from the box `[lo, hi]`, at least.
+/// Opens the root alone, for some asked vertices.
 #[inline(always)]
-fn square_to_box(lo: V3, hi: V3, place: V3) -> Real {
-    let x: Real = gap_along(lo.x, hi.x, place.x);
-    let y: Real = gap_along(lo.y, hi.y, place.y);
-    let z: Real = gap_along(lo.z, hi.z, place.z);
-    return ((x * x) + (y * y)) + (z * z);
-}
-
-/// The least that a question can come to at any site of a node.
-///
-/// With `h` at most the gap between `v` and the node's slab, across its normal `n`, `|v − p|² ≥ h² + |(v − hn) − p|²`: the box is seen from the
-/// foot of `v` on the slab, unless weights differ, when that often says less (c = 0.9 took 30 times as long on far cells).
-#[inline(always)]
-pub(super) fn least_of_node<S: SearchStore>(s: &S, question: Question, level: u32, node: u32) -> Real {
-    let bounds: NodeBox = s.node_box(level, node);
-    let site: V3 = s.site();
-    let lo: V3 = sub(bounds.lo, site);
-    let hi: V3 = sub(bounds.hi, site);
-    let place: V3 = question.place;
-    let mut foot: V3 = place;
-    let mut beyond: Real = 0.0;
-    let mut largest: Real = 0.0;
-    if question.is_power != 0 {
-        let slab: NodeSlab = s.node_slab(level, node);
-        let from: V3 = v3(site.x + place.x, site.y + place.y, site.z + place.z);
-        let height: Real = dot(slab.normal, from);
-        let rounding: Real = FEW_ROUNDINGS_OF_SUM * ((from.x.abs() + from.y.abs()) + from.z.abs());
-        let across: Real = larger((height - slab.hi) - rounding, 0.0) - larger((slab.lo - height) - rounding, 0.0);
-        foot = sub(place, scale(across, slab.normal));
-        beyond = (across * across) * (1.0 - FEW_ROUNDINGS_OF_SUM);
-        largest = slab.largest;
-    }
-    if s.has_weights() == 0 {
-        // (Where it is not the power, nothing is beyond.)
-        return ((question.square * square_to_box(lo, hi, foot)) + beyond) * (1.0 - FEW_ROUNDINGS_OF_SUM);
-    }
-    let weights: NodeWeights = s.node_weights(level, node);
-    let g: V3 = sub(question.slope, scale(2.0, place));
-    let alpha: Real = question.square;
-    let mut sum: Real = dot(place, place);
-    let mut size: Real = sum;
-    add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &mut sum, &mut size);
-    add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &mut sum, &mut size);
-    add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &mut sum, &mut size);
-    sum += s.own_excess() - weights.offset;
-    size += s.own_excess() + weights.offset.abs();
-    sum = sum - (FEW_ROUNDINGS_OF_SUM * size);
-    if question.is_power != 0 {
-        let rounding: Real = FEW_ROUNDINGS_OF_SUM * (largest.abs() + s.own_excess());
-        sum = larger(sum, (beyond - (largest - s.own_excess())) - rounding);
-    }
-    return sum;
-}
-
-/// Opens the root alone.
-#[inline(always)]
-pub(super) fn open_root<S: SearchStore>(s: &mut S) -> Open {
-    s.set_open_block(0, s.top_level() << LEVEL_SHIFT, 0);
+pub(super) fn open_root<S: SearchStore>(s: &mut S, vertices: u32) -> Open {
+    s.set_open_block(0, s.top_level() << LEVEL_SHIFT, 0, vertices);
     s.lanes_wait();
     return Open { blocks: 1, leaves: 0 };
 }
@@ -110,37 +54,46 @@ pub(super) fn open_path<S: SearchStore>(s: &mut S) -> Open {
     let mut open: Open = Open { blocks: 0, leaves: 0 };
     let mut level: u32 = s.top_level();
     while level > 0 {
-        s.set_open_block(open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)), 0);
+        s.set_open_block(open.blocks, (level << LEVEL_SHIFT) | (own >> (3 * level)), 0, 0);
         open.blocks += 1;
         level -= 1;
     }
     let first: u32 = own * WIDTH;
     while (open.leaves < WIDTH) && (((first + open.leaves) * WIDTH) < s.sites()) {
-        s.set_leaf(open.leaves, first + open.leaves, 0);
+        s.set_leaf(open.leaves, first + open.leaves, 0, 0);
         open.leaves += 1;
     }
     s.lanes_wait();
     return open;
 }
 
-/// Keeps of the last open blocks, or of the leaves at hand, those that may come to less than `limit`: so many at most, the last first, behind the
-/// `count` that are left, which it lowers. Returns how many.
+/// Whether one of some vertices is still asked for at a node whose least power has a key: of the first alone only below its limit.
 #[inline(always)]
-pub(super) fn take_last<S: SearchStore>(s: &mut S, is_leaf: u32, limit: Real, most: u32, count: &mut u32) -> u32 {
+fn is_asked<S: SearchStore>(s: &S, key: u32, asks: u32) -> u32 {
+    return (((asks & 0xFFFF_FFFE) != 0) || (((asks & 1) != 0) && (key <= s.key_above(s.asked(0).limit)))) as u32;
+}
+
+/// Keeps of the last open blocks, or of the leaves at hand, those that are still asked for, for one of the vertices: so many at most, the last
+/// first, behind the `count` that are left, which it lowers. Returns how many.
+#[inline(always)]
+pub(super) fn take_last<S: SearchStore>(s: &mut S, is_leaf: u32, vertices: u32, most: u32, count: &mut u32) -> u32 {
     let there: u32 = *count;
     let mut mine: u32 = 0;
     let mut key: u32 = NO_SITE;
+    let mut asks: u32 = 0;
     if s.lane() < there {
         let at: u32 = (there - 1) - s.lane();
         if is_leaf != 0 {
             mine = s.leaf(at);
             key = s.leaf_key(at);
+            asks = s.leaf_asks(at) & vertices;
         } else {
             mine = s.open_block(at);
             key = s.open_key(at);
+            asks = s.open_asks(at) & vertices;
         }
     }
-    let mut is_taken: u32 = ((s.lane() < there) && (key <= s.key_above(limit))) as u32;
+    let mut is_taken: u32 = is_asked(s, key, asks);
     let all: u32 = s.lanes_with(is_taken);
     let rank: u32 = s.rank_in(all);
     if rank >= most {
@@ -158,20 +111,52 @@ pub(super) fn take_last<S: SearchStore>(s: &mut S, is_leaf: u32, limit: Real, mo
     *count = there - looked;
     if is_taken != 0 {
         if is_leaf != 0 {
-            s.set_leaf((there - looked) + rank, mine, key);
+            s.set_leaf((there - looked) + rank, mine, key, asks);
         } else {
-            s.set_open_block((there - looked) + rank, mine, key);
+            s.set_open_block((there - looked) + rank, mine, key, asks);
         }
     }
     s.lanes_wait();
     return s.count_of(taken);
 }
 
+/// Those of some asked vertices, a bit each, at which a site of a node may have a power below their limit; and the key of the least of those.
+#[inline(always)]
+pub(crate) fn asks_by_powers<S: SearchStore>(s: &S, level: u32, node: u32, of_block: u32, key: &mut u32) -> u32 {
+    let mut asks: u32 = 0;
+    let mut least: u32 = NO_SITE;
+    let mut rest: u32 = of_block;
+    let mut i: u32 = 0;
+    while rest != 0 {
+        if (rest & 1) != 0 {
+            let its: Asked = s.asked(i);
+            let power: Real = least_power_of_node(
+                seer_of(s),
+                its.place,
+                s.node_box(level, node),
+                s.node_slab(level, node),
+                s.node_weights(level, node),
+            );
+            if power < its.limit {
+                asks = asks | (1 << i);
+                let its_key: u32 = s.key_below(power);
+                if its_key < least {
+                    least = its_key;
+                }
+            }
+        }
+        rest = rest >> 1;
+        i += 1;
+    }
+    *key = least;
+    return asks;
+}
+
 /// Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
-/// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where these are not asked for. Where the
-/// power is asked for, the least of the blocks is the last.
+/// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where no vertex is asked for; else the least
+/// of the blocks is the last.
 #[inline]
-pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_own: u32, given: Open) -> Open {
+pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: Open) -> Open {
     let mut open: Open = given;
     let lanes: u32 = s.lanes();
     let mut some: u32 = 1;
@@ -181,24 +166,26 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
             some = open.blocks;
         }
     }
-    if question.is_power != 0 {
-        some = take_last(s, 0, question.limit, some, &mut open.blocks);
+    if question.vertices != 0 {
+        some = take_last(s, 0, question.vertices, some, &mut open.blocks);
     } else {
         open.blocks -= some;
     }
     let turn: u32 = s.lane() / WIDTH;
     let mut is_there: u32 = 0;
     let mut block: u32 = 0;
+    let mut of_block: u32 = 0;
     if turn < some {
         is_there = 1;
         block = s.open_block(open.blocks + turn);
+        of_block = s.open_asks(open.blocks + turn) & question.vertices;
     }
     s.lanes_wait();
     let level: u32 = block >> LEVEL_SHIFT;
     let first: u32 = (block & BLOCK_MASK) * WIDTH;
     // Of the nodes of the level, that which holds the own leaf's block.
     let mut own: u32 = 0xFFFF_FFFF;
-    if with_own == 0 {
+    if question.vertices == 0 {
         own = (s.own_site() / WIDTH) >> (3 * level);
     }
     let mut best: u32 = NO_SITE;
@@ -206,34 +193,42 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
     let mut k: u32 = s.lane() & (WIDTH - 1);
     while k < WIDTH {
         let node: u32 = first + k;
-        let mut is_block: u32 = 0;
-        let mut is_leaf: u32 = 0;
+        let mut is_wanted: u32 = 0;
         let mut key: u32 = 0;
+        let mut asks: u32 = 0;
         if (is_there != 0) && (node != own) {
-            let least: Real = least_of_node(s, question, level, node);
-            if question.is_power != 0 {
-                key = s.key_below(least);
+            if question.vertices != 0 {
+                asks = s.asks_of_node(level, node, of_block, &mut key);
+                is_wanted = (asks != 0) as u32;
+            } else {
+                let least: Real = least_of_node(
+                    seer_of(s),
+                    question.square,
+                    question.slope,
+                    s.node_box(level, node),
+                    s.node_weights(level, node),
+                );
+                is_wanted = (least < question.limit) as u32;
             }
-            if least < question.limit {
-                is_block = 1;
-                if level == 0 {
-                    is_block = 0;
-                    is_leaf = 1;
-                }
-            }
+        }
+        let mut is_block: u32 = is_wanted;
+        let mut is_leaf: u32 = 0;
+        if level == 0 {
+            is_block = 0;
+            is_leaf = is_wanted;
         }
         let blocks: u32 = s.lanes_with(is_block);
         let leaves: u32 = s.lanes_with(is_leaf);
         if is_block != 0 {
             let at: u32 = open.blocks + s.rank_in(blocks);
-            s.set_open_block(at, ((level - 1) << LEVEL_SHIFT) | node, key);
+            s.set_open_block(at, ((level - 1) << LEVEL_SHIFT) | node, key, asks);
             if key < best {
                 best = key;
                 best_at = at;
             }
         }
         if is_leaf != 0 {
-            s.set_leaf(open.leaves + s.rank_in(leaves), node, key);
+            s.set_leaf(open.leaves + s.rank_in(leaves), node, key, asks);
         }
         open.blocks += s.count_of(blocks);
         open.leaves += s.count_of(leaves);
@@ -241,7 +236,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
     }
     s.lanes_wait();
     // (Few are all opened next.)
-    if (question.is_power != 0) && ((open.blocks * WIDTH) > lanes) {
+    if (question.vertices != 0) && ((open.blocks * WIDTH) > lanes) {
         let least: u32 = s.least_of_lanes(best);
         if least != NO_SITE {
             let at: u32 = s.lane_value(best_at, s.first_of(s.lanes_with((best == least) as u32)));
@@ -249,10 +244,12 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, with_ow
             let nearest: u32 = s.open_block(at);
             let other: u32 = s.open_block(last);
             let other_key: u32 = s.open_key(last);
+            let nearest_asks: u32 = s.open_asks(at);
+            let other_asks: u32 = s.open_asks(last);
             s.lanes_wait();
             if s.lane() == 0 {
-                s.set_open_block(at, other, other_key);
-                s.set_open_block(last, nearest, least);
+                s.set_open_block(at, other, other_key, other_asks);
+                s.set_open_block(last, nearest, least, nearest_asks);
             }
             s.lanes_wait();
         }

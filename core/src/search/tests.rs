@@ -1,6 +1,10 @@
+mod one_lane;
+
 use super::*;
 use crate::PowerDiagram;
 use crate::cell::PlainStore;
+use crate::cell::far::{asked_at, least_at};
+use crate::cell::search_store::{NO_SITE, SearchStore};
 
 /// Points that fill the unit cube with no pattern.
 fn point(i: usize) -> [f64; 3] {
@@ -75,35 +79,53 @@ fn no_site_beyond_a_chunk_cuts_within_the_proven_radius() {
     }
 }
 
+/// What a descent from a cell's site finds at some places: the site of least power at the first, and a bit for each of the others that stays.
+fn descend(tree: &SiteTree, room: &mut Room, site: u32, places: &[V3]) -> (Option<u32>, u32) {
+    let [x, y, z, _] = tree.site(site);
+    let mut store = PlainStore::new([x, y, z], None);
+    assert_eq!(cell::begin(&mut store, v3(-2.0, -2.0, -2.0), v3(2.0, 2.0, 2.0)), cell::COMPLETE);
+    let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
+    let mut search = Searched::new(&mut cell, tree, room, 0.0);
+    for (i, &place) in places.iter().enumerate() {
+        let asked = asked_at(&search, 0, place, 0.0);
+        search.set_asked(i as u32, asked);
+    }
+    let (mut ties, mut stay) = (0, 0);
+    let found = least_at(&mut search, places.len() as u32, &mut ties, &mut stay);
+    ((found != NO_SITE).then_some(found), stay)
+}
+
+/// The difference of a site's power and another's at a place from the other, and the first one's.
+fn least_other_power(tree: &SiteTree, site: u32, place: V3) -> (f64, f64) {
+    let [x, y, z, _] = tree.site(site);
+    let power = |j: u32| {
+        let [a, b, c, w] = tree.site(j);
+        square(v3(x + place.x - a, y + place.y - b, z + place.z - c)) - w
+    };
+    let least = (0..tree.len() as u32).filter(|&j| j != site).map(power).fold(f64::INFINITY, f64::min);
+    (least, power(site))
+}
+
 /// The site of least power at a vertex is found, or there is none of less than the cell's own.
 #[test]
 fn a_descent_finds_the_least_power() {
     let (mut found, mut none) = (0, 0);
+    let mut room = Room::default();
     for (n, prepared) in diagrams().iter().enumerate() {
         let tree = &prepared.sites;
-        let mut descent = Descent::default();
         for site in (0..tree.len() as u32).step_by(37) {
-            let [x, y, z, weight] = tree.site(site);
-            let mut store = PlainStore::new([x, y, z], None);
-            let cell = Cell::new(&mut store, site, tree.site(site), None, None);
+            let [x, y, z, _] = tree.site(site);
             for scale in [1e-4, 1e-2, 0.3, 1.0] {
-                let way = point(site as usize + 77).map(|c| scale * (c - 0.5));
-                let at = [x + way[0], y + way[1], z + way[2]];
-                let power = |j: u32| {
+                let [dx, dy, dz] = point(site as usize + 77).map(|c| scale * (c - 0.5));
+                let (least, own) = least_other_power(tree, site, v3(dx, dy, dz));
+                if let Some(j) = descend(tree, &mut room, site, &[v3(dx, dy, dz)]).0 {
                     let [a, b, c, w] = tree.site(j);
-                    (at[0] - a).powi(2) + (at[1] - b).powi(2) + (at[2] - c).powi(2) - w
-                };
-                let least = (0..tree.len() as u32).map(power).fold(f64::INFINITY, f64::min);
-                let own = power(site);
-                match descent.least_at(tree, &cell, v3(way[0], way[1], way[2])) {
-                    Some(j) => {
-                        assert!(power(j) <= least + 1e-12 && least < own, "{n}: {site}: {} {least}", power(j));
-                        found += 1;
-                    }
-                    None => {
-                        assert!(own <= least + 1e-12, "{n}: {site}, {scale}: {own} {least} {weight}");
-                        none += 1;
-                    }
+                    let power = square(v3(x + dx - a, y + dy - b, z + dz - c)) - w;
+                    assert!(power <= least + 1e-12 && least < own, "{n}: {site}: {power} {least}");
+                    found += 1;
+                } else {
+                    assert!(own <= least + 1e-12, "{n}: {site}, {scale}: {own} {least}");
+                    none += 1;
                 }
             }
         }
@@ -115,26 +137,20 @@ fn a_descent_finds_the_least_power() {
 #[test]
 fn a_descent_for_several_vertices_tells_which_stay() {
     let (mut stay, mut go) = (0, 0);
+    let mut room = Room::default();
     for (n, prepared) in diagrams().iter().enumerate() {
         let tree = &prepared.sites;
-        let mut descent = Descent::default();
         for site in (0..tree.len() as u32).step_by(61) {
-            let [x, y, z, _] = tree.site(site);
-            let mut store = PlainStore::new([x, y, z], None);
-            let cell = Cell::new(&mut store, site, tree.site(site), None, None);
-            let ways: [[f64; 3]; 8] = std::array::from_fn(|i| {
+            let places: [V3; MOST_ASKED] = std::array::from_fn(|i| {
                 let scale = 10_f64.powi(-(i as i32 % 4) - 1);
-                point(site as usize + 7 * i).map(|c| scale * (c - 0.5))
+                let [x, y, z] = point(site as usize + 7 * i).map(|c| scale * (c - 0.5));
+                v3(x, y, z)
             });
-            let bits = descent.stay_at(tree, &cell, &ways.map(|[x, y, z]| v3(x, y, z)));
-            for (i, way) in ways.iter().enumerate().skip(1) {
-                let power = |j: u32| {
-                    let [a, b, c, w] = tree.site(j);
-                    (x + way[0] - a).powi(2) + (y + way[1] - b).powi(2) + (z + way[2] - c).powi(2) - w
-                };
-                let least = (0..tree.len() as u32).filter(|&j| j != site).map(power).fold(f64::INFINITY, f64::min);
-                let more = least - power(site);
-                assert!(more.abs() < 1e-12 || (more > 0.0) == (bits >> i & 1 != 0), "{n}: {site}, {way:?}: {more}");
+            let bits = descend(tree, &mut room, site, &places).1;
+            for (i, &place) in places.iter().enumerate().skip(1) {
+                let (least, own) = least_other_power(tree, site, place);
+                let more = least - own;
+                assert!(more.abs() < 1e-12 || (more > 0.0) == (bits >> i & 1 != 0), "{n}: {site}, {place:?}: {more}");
                 *(if more > 0.0 { &mut stay } else { &mut go }) += 1;
             }
         }

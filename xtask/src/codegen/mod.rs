@@ -33,7 +33,7 @@ const FILES: [&str; 16] = [
 ];
 
 /// The files of the search for the sites that cut a cell.
-const SEARCH_FILES: [&str; 5] = ["search_store", "quadratic", "tree", "search", "far"];
+const SEARCH_FILES: [&str; 6] = ["search_store", "quadratic", "bound", "tree", "search", "far"];
 
 /// The files of what bounds the nodes of the tree, which know no cell; the last has types of its own.
 const NODE_FILES: [&str; 3] = ["vector", "quadratic", "node"];

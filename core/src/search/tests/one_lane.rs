@@ -1,12 +1,17 @@
-//! What the search finds, by one lane over a plain store, against a cut by every site.
+//! What the dialect's search finds, near and far, by one lane over a plain store, against a cut by every site.
 
-use super::super::far::search_far;
-use super::super::search_store::SearchStore;
-use super::super::status::UNCERTAIN;
-use super::super::tree::least_of_node;
-use super::super::{CellSums, PlainSearch, PlainStore, VOLUME_ONLY, begin, bisector, clip, integrate_cell};
-use super::*;
-use crate::site_tree::SiteTree;
+use super::super::store::{MOST_ASKED, Room, Searched};
+use super::super::*;
+use crate::cell::bound::{Seer, least_power_of_node};
+use crate::cell::far::{asked_at, search_far};
+use crate::cell::search::{search_near, vantage_of};
+use crate::cell::search_store::SearchStore;
+use crate::cell::tree::asks_by_powers;
+use crate::cell::{
+    COMPLETE, CUT, CellSums, PlainStore, UNCERTAIN, UNTOUCHED, VOLUME_ONLY, begin, bisector, clip, integrate_cell,
+};
+
+const WIDTH: u32 = crate::site_tree::WIDTH as u32;
 
 /// Points of a low-discrepancy row in [−1, 1]³.
 fn even(n: usize) -> Vec<[f64; 3]> {
@@ -58,19 +63,25 @@ fn volume(s: &mut PlainStore<'_>) -> f64 {
     sums.volume
 }
 
-fn begun<'a>(tree: &'a SiteTree, site: u32) -> PlainStore<'a> {
+fn begun<'a>(tree: &SiteTree, site: u32) -> PlainStore<'a> {
     let [x, y, z, _] = tree.site(site);
-    let mut store = PlainStore::new([x, y, z], None).searching(PlainSearch::new(tree, site));
+    let mut store = PlainStore::new([x, y, z], None);
     let status = begin(&mut store, v3(-1.0 - x, -1.0 - y, -1.0 - z), v3(1.0 - x, 1.0 - y, 1.0 - z));
     assert_eq!(status, COMPLETE);
     store
 }
 
+/// The way from a site to another, and what that one weighs more.
+fn difference(tree: &SiteTree, site: u32, j: u32) -> (V3, f64) {
+    let ([x, y, z, w], [a, b, c, more]) = (tree.site(site), tree.site(j));
+    (v3(a - x, b - y, c - z), more - w)
+}
+
 fn cut_by_all(tree: &SiteTree, site: u32) -> Option<f64> {
     let mut store = begun(tree, site);
     for j in (0..tree.len() as u32).filter(|&j| j != site) {
-        let plane = bisector(store.way_to(j), -store.excess_of(j));
-        match clip(&mut store, plane, j) {
+        let (d, more) = difference(tree, site, j);
+        match clip(&mut store, bisector(d, -more), j) {
             UNTOUCHED | CUT => {}
             _ => return None,
         }
@@ -78,25 +89,23 @@ fn cut_by_all(tree: &SiteTree, site: u32) -> Option<f64> {
     Some(volume(&mut store))
 }
 
-/// Near, and then far where it is not complete; or far at once.
-///
-/// `UNCERTAIN` where there are too many ties: on a sphere all sites tie at its centre.
-fn searched(tree: &SiteTree, site: u32, is_far: bool) -> Result<Option<f64>, u32> {
+/// Near, and then far where it is not complete; or far at once, which asks for one vertex at first, or for many.
+fn searched(tree: &SiteTree, site: u32, far: Option<u32>) -> Option<f64> {
     let mut store = begun(tree, site);
-    let vantage = vantage_of(&store);
+    let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
+    let mut room = Room::default();
+    let mut search = Searched::new(&mut cell, tree, &mut room, 0.0);
+    let vantage = vantage_of(&search);
     let mut visited = 0;
     let mut status = UNTOUCHED;
-    if !is_far {
-        status = search_near(&mut store, vantage, &mut visited);
+    if far.is_none() {
+        status = search_near(&mut search, vantage, &mut visited);
     }
     if status == UNTOUCHED {
-        status = search_far(&mut store, vantage, &mut visited);
+        status = search_far(&mut search, vantage.center, far.unwrap_or(1), &mut visited);
     }
-    match status {
-        COMPLETE => Ok(Some(volume(&mut store))),
-        UNCERTAIN => Err(status),
-        _ => Ok(None),
-    }
+    assert_ne!(status, UNCERTAIN);
+    (status == COMPLETE).then(|| volume(&mut store))
 }
 
 #[test]
@@ -105,40 +114,49 @@ fn the_search_finds_all_sites_that_cut() {
         let tree = SiteTree::new(&positions, &weights);
         for site in (0..tree.len() as u32).step_by(3) {
             let all = cut_by_all(&tree, site);
-            for is_far in [false, true] {
-                match searched(&tree, site, is_far) {
-                    Ok(found) => {
-                        let (found, all) = (found.unwrap_or(0.0), all.unwrap_or(0.0));
-                        assert!(
-                            (found - all).abs() <= 1e-14 * all + 1e-17,
-                            "{name}, {site}, {is_far}: {found} instead of {all}"
-                        );
-                    }
-                    Err(_) => assert_eq!(name, "sphere"),
-                }
+            for far in [None, Some(1), Some(MOST_ASKED as u32)] {
+                let (found, all) = (searched(&tree, site, far).unwrap_or(0.0), all.unwrap_or(0.0));
+                assert!(
+                    (found - all).abs() <= 1e-14 * all + 1e-17,
+                    "{name}, {site}, {far:?}: {found} instead of {all}"
+                );
             }
         }
     }
 }
 
+/// What is true of a node is true of its sites, and the store says of eight nodes at once what the text says of each.
 #[test]
 fn no_site_of_a_node_comes_to_less_than_its_bound() {
     for (name, positions, weights) in inputs() {
         let tree = SiteTree::new(&positions, &weights);
         for site in (0..tree.len() as u32).step_by(31) {
-            let store = begun(&tree, site);
-            for place in [v3(0.0, 0.0, 0.0), v3(0.3, -0.2, 0.1), v3(-1.5, 1.0, 1.2)] {
-                let question = Question { square: 1.0, slope: v3(0.0, 0.0, 0.0), limit: 0.0, place, is_power: 1 };
-                for level in 0..=tree.top_level() as u32 {
-                    let width = WIDTH.pow(level + 1);
-                    for node in 0..(tree.len() as u32).div_ceil(width) {
-                        let bound = least_of_node(&store, question, level, node);
+            let mut store = begun(&tree, site);
+            let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
+            let mut room = Room::default();
+            let mut search = Searched::new(&mut cell, &tree, &mut room, 0.0);
+            let seer = Seer { site: search.site(), excess: search.own_excess(), has_weights: search.has_weights() };
+            let places = [v3(0.0, 0.0, 0.0), v3(0.3, -0.2, 0.1), v3(-1.5, 1.0, 1.2)];
+            for (i, place) in places.into_iter().enumerate() {
+                let asked = asked_at(&search, 0, place, 0.0);
+                search.set_asked(i as u32, asked);
+            }
+            for level in 0..=tree.top_level() as u32 {
+                let width = WIDTH.pow(level + 1);
+                for node in 0..(tree.len() as u32).div_ceil(width) {
+                    let (bounds, slab) = (search.node_box(level, node), search.node_slab(level, node));
+                    for place in places {
+                        let bound = least_power_of_node(seer, place, bounds, slab, search.node_weights(level, node));
                         for j in node * width..((node + 1) * width).min(tree.len() as u32) {
-                            let way = sub(place, store.way_to(j));
-                            let power = dot(way, way) - store.excess_of(j);
+                            let (d, more) = difference(&tree, site, j);
+                            let power = square(v3(place.x - d.x, place.y - d.y, place.z - d.z)) - more;
                             assert!(bound <= power + 1e-15 * power.abs(), "{name}: {bound} above {power} of {j}");
                         }
                     }
+                    let (mut key, mut its_key) = (0, 0);
+                    let asks = asks_by_powers(&search, level, node, 0b111, &mut key);
+                    assert_eq!(search.asks_of_node(level, node, 0b111, &mut its_key), asks, "{name}: {level}, {node}");
+                    assert!(asks == 0 || key == its_key, "{name}: {level}, {node}");
                 }
             }
         }

@@ -1,0 +1,348 @@
+//! What the dialect's search (`core/src/cell/far.rs`) reads and keeps, on the host: one lane, which looks at eight nodes or sites in one go.
+
+use super::{Cell, in_order, reach_from, rounding_about};
+use crate::cell::bound::{Seer, least_power_of_node};
+use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NodeBox, NodeSlab, NodeWeights, SearchStore};
+use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Real, UNTOUCHED, V3, v3};
+use crate::site_tree::{SiteTree, WIDTH};
+use std::collections::HashSet;
+
+/// Vertices that one descent asks for at most.
+pub(super) const MOST_ASKED: usize = 8;
+
+/// A block of the tree or a leaf that is still to be looked at: its number, its key, its vertices.
+#[derive(Clone, Copy, Debug, Default)]
+struct Entry {
+    number: u32,
+    key: u32,
+    asks: u32,
+}
+
+/// What a search keeps from cell to cell: room.
+#[derive(Debug)]
+pub(super) struct Room {
+    open: [Entry; MOST_OPEN as usize],
+    leaves: [Entry; MOST_LEAVES as usize],
+    candidates: Vec<[u32; 2]>,
+    asked: [Asked; MOST_ASKED],
+    /// Of the eight nodes or sites that are looked at, the asked vertices where a power may be below the limit, and the least of these powers.
+    asks: [u32; WIDTH],
+    least: [Real; WIDTH],
+    /// Sites that the cell was tried with: what was tried once cannot cut what is left. (Of sites on a sphere all tie at many vertices of each.)
+    tried: HashSet<u32>,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self {
+            open: [Entry::default(); MOST_OPEN as usize],
+            leaves: [Entry::default(); MOST_LEAVES as usize],
+            candidates: Vec::new(),
+            asked: [Asked::default(); MOST_ASKED],
+            asks: [0; WIDTH],
+            least: [0.0; WIDTH],
+            tried: HashSet::new(),
+        }
+    }
+}
+
+/// A cell that is searched.
+pub(super) struct Searched<'c, 'a, S> {
+    cell: &'c mut Cell<'a, S>,
+    tree: &'c SiteTree,
+    room: &'c mut Room,
+    /// Within this distance of the cell's centre nothing can cut it.
+    proven: Real,
+}
+
+impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
+    /// The cell, of whose vertices those within the proven radius of its centre are settled.
+    pub(super) fn new(cell: &'c mut Cell<'a, S>, tree: &'c SiteTree, room: &'c mut Room, proven: Real) -> Self {
+        room.tried.clear();
+        for v in 0..cell.store.vertices() {
+            cell.store.set_settled(v, false);
+        }
+        let mut searched = Self { cell, tree, room, proven };
+        searched.settle_proven();
+        searched
+    }
+
+    fn settle_proven(&mut self) {
+        let Cell { store, center, .. } = &mut *self.cell;
+        for v in 0..store.vertices() {
+            let p = store.position(v);
+            let away = super::norm(v3(p.x - center.x, p.y - center.y, p.z - center.z));
+            // (Not at 0, where nothing is proven: a vertex may be at the centre.)
+            if (away + 2.0 * store.radius(v)) * super::SAFE < self.proven {
+                store.set_settled(v, true);
+            }
+        }
+    }
+
+    fn own(&self) -> V3 {
+        let [x, y, z] = self.cell.position;
+        v3(x, y, z)
+    }
+
+    /// A slab about the sites of node `k` of a block.
+    fn slab(&self, block: usize, k: usize) -> NodeSlab {
+        let slabs = self.tree.slabs(block);
+        NodeSlab { normal: along(&slabs.normal, k), lo: slabs.lo[k], hi: slabs.hi[k], largest: slabs.largest_weight[k] }
+    }
+
+    /// The box of its sites.
+    fn boxed(&self, block: usize, k: usize) -> NodeBox {
+        let boxes = self.tree.boxes(block);
+        NodeBox { lo: along(&boxes.lo, k), hi: along(&boxes.hi, k) }
+    }
+
+    /// What bounds their weights.
+    fn weights(&self, block: usize, k: usize) -> NodeWeights {
+        let bounds = self.tree.weights(block);
+        NodeWeights { offset: bounds.c[k], slope: along(&bounds.g, k), curvature: along(&bounds.q, k) }
+    }
+
+    /// The least powers at `place` of the sites of the eight nodes of a block. (Each loop becomes one over vectors.)
+    fn least_powers(&self, place: V3, block: usize) -> [Real; WIDTH] {
+        let mut powers = [0.0; WIDTH];
+        let site = self.own();
+        if self.tree.has_weights() {
+            let seer = Seer { site, excess: self.own_excess(), has_weights: 1 };
+            for (k, power) in powers.iter_mut().enumerate() {
+                let (bounds, slab) = (self.boxed(block, k), self.slab(block, k));
+                *power = least_power_of_node(seer, place, bounds, slab, self.weights(block, k));
+            }
+        } else {
+            let seer = Seer { site, excess: 0.0, has_weights: 0 };
+            for (k, power) in powers.iter_mut().enumerate() {
+                let (bounds, slab) = (self.boxed(block, k), self.slab(block, k));
+                *power = least_power_of_node(seer, place, bounds, slab, NodeWeights::default());
+            }
+        }
+        powers
+    }
+
+    /// Finds what `asks_by_powers` says of the eight nodes of a block.
+    fn look_at_block(&mut self, block: usize, asks: u32) {
+        let (mut of, mut least) = ([0; WIDTH], [Real::INFINITY; WIDTH]);
+        for i in bits(asks) {
+            let Asked { place, limit, .. } = self.room.asked[i];
+            let powers = self.least_powers(place, block);
+            for k in 0..WIDTH {
+                let is_below = powers[k] < limit;
+                of[k] |= u32::from(is_below) << i;
+                least[k] = super::smaller(if is_below { powers[k] } else { Real::INFINITY }, least[k]);
+            }
+        }
+        (self.room.asks, self.room.least) = (of, least);
+    }
+
+    /// Finds at which of some asked vertices the eight sites of a leaf have a power below the limit.
+    fn look_at_leaf(&mut self, leaf: usize, asks: u32) {
+        let leaf = self.tree.leaf(leaf as u32);
+        let ([xs, ys, zs], [px, py, pz]) = (&leaf.at, self.cell.position);
+        let mut of = [0; WIDTH];
+        for i in bits(asks) {
+            let Asked { place, limit, .. } = self.room.asked[i];
+            for k in 0..WIDTH {
+                let (x, y, z) = (place.x - (xs[k] - px), place.y - (ys[k] - py), place.z - (zs[k] - pz));
+                let power = (((x * x) + (y * y)) + (z * z)) - (leaf.weight[k] - self.cell.weight);
+                of[k] |= u32::from(power < limit) << i;
+            }
+        }
+        self.room.asks = of;
+    }
+
+    /// The block of a node of the tree, and its number there.
+    fn block(&self, level: u32, node: u32) -> (usize, usize) {
+        (self.tree.level_begin(level as usize) + node as usize / WIDTH, node as usize % WIDTH)
+    }
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+fn bits(mut word: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (bit < 32).then_some(bit as usize)
+    })
+}
+
+#[inline(always)]
+fn along(axes: &[[Real; WIDTH]; 3], k: usize) -> V3 {
+    v3(axes[0][k], axes[1][k], axes[2][k])
+}
+
+impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
+    fn key_below(&self, x: Real) -> u32 {
+        in_order(x)
+    }
+    fn key_above(&self, x: Real) -> u32 {
+        in_order(x) + 1
+    }
+
+    fn sites(&self) -> u32 {
+        self.tree.len() as u32
+    }
+    fn own_site(&self) -> u32 {
+        self.cell.site
+    }
+    fn site(&self) -> V3 {
+        self.own()
+    }
+    fn way_to(&self, j: u32) -> V3 {
+        self.cell.difference(self.tree.site(j)).0
+    }
+    fn excess_of(&self, j: u32) -> Real {
+        self.cell.difference(self.tree.site(j)).1
+    }
+    fn own_excess(&self) -> Real {
+        self.cell.weight - self.tree.base_weight()
+    }
+    fn largest_excess(&self) -> Real {
+        self.tree.largest_weight() - self.cell.weight
+    }
+    fn has_weights(&self) -> u32 {
+        u32::from(self.tree.has_weights())
+    }
+
+    fn top_level(&self) -> u32 {
+        self.tree.top_level() as u32
+    }
+    fn node_box(&self, level: u32, node: u32) -> NodeBox {
+        let (block, k) = self.block(level, node);
+        self.boxed(block, k)
+    }
+    fn node_weights(&self, level: u32, node: u32) -> NodeWeights {
+        if !self.tree.has_weights() {
+            return NodeWeights::default();
+        }
+        let (block, k) = self.block(level, node);
+        self.weights(block, k)
+    }
+    fn node_slab(&self, level: u32, node: u32) -> NodeSlab {
+        let (block, k) = self.block(level, node);
+        self.slab(block, k)
+    }
+    #[inline(always)]
+    fn asks_of_node(&mut self, level: u32, node: u32, asks: u32, key: &mut u32) -> u32 {
+        let (block, k) = self.block(level, node);
+        if k == 0 {
+            self.look_at_block(block, asks);
+        }
+        *key = in_order(self.room.least[k]);
+        self.room.asks[k]
+    }
+    #[inline(always)]
+    fn asks_of_site(&mut self, j: u32, asks: u32) -> u32 {
+        let (leaf, k) = (j as usize / WIDTH, j as usize % WIDTH);
+        if k == 0 {
+            self.look_at_leaf(leaf, asks);
+        }
+        self.room.asks[k]
+    }
+
+    fn open_block(&self, i: u32) -> u32 {
+        self.room.open[i as usize].number
+    }
+    fn open_key(&self, i: u32) -> u32 {
+        self.room.open[i as usize].key
+    }
+    fn open_asks(&self, i: u32) -> u32 {
+        self.room.open[i as usize].asks
+    }
+    fn set_open_block(&mut self, i: u32, number: u32, key: u32, asks: u32) {
+        self.room.open[i as usize] = Entry { number, key, asks };
+    }
+    fn leaf(&self, i: u32) -> u32 {
+        self.room.leaves[i as usize].number
+    }
+    fn leaf_key(&self, i: u32) -> u32 {
+        self.room.leaves[i as usize].key
+    }
+    fn leaf_asks(&self, i: u32) -> u32 {
+        self.room.leaves[i as usize].asks
+    }
+    fn set_leaf(&mut self, i: u32, number: u32, key: u32, asks: u32) {
+        self.room.leaves[i as usize] = Entry { number, key, asks };
+    }
+    fn candidate(&self, i: u32) -> u32 {
+        self.room.candidates[i as usize][0]
+    }
+    fn candidate_key(&self, i: u32) -> u32 {
+        self.room.candidates[i as usize][1]
+    }
+    fn set_candidate(&mut self, i: u32, site: u32, key: u32) {
+        let i = i as usize;
+        if i >= self.room.candidates.len() {
+            self.room.candidates.resize(i + 1, [0; 2]);
+        }
+        self.room.candidates[i] = [site, key];
+    }
+    fn most_ties(&self) -> u32 {
+        u32::MAX
+    }
+
+    fn most_asked(&self) -> u32 {
+        MOST_ASKED as u32
+    }
+    fn asked(&self, i: u32) -> Asked {
+        self.room.asked[i as usize]
+    }
+    fn set_asked(&mut self, i: u32, asked: Asked) {
+        self.room.asked[i as usize] = asked;
+    }
+
+    fn has_domain(&self) -> u32 {
+        self.cell.store.has_domain()
+    }
+    fn square_of_reach(&self, center: V3) -> Real {
+        let reach = reach_from(self.cell.store, center, rounding_about(center));
+        reach * reach * super::SAFE
+    }
+    fn cut_by(&mut self, j: u32) -> u32 {
+        let cuts = self.cell.outcome.cuts;
+        self.room.tried.insert(j);
+        if !self.cell.visit(self.tree.site(j), j) {
+            return self.cell.outcome.status;
+        }
+        if self.cell.outcome.cuts == cuts {
+            return UNTOUCHED;
+        }
+        self.settle_proven();
+        CUT
+    }
+    fn cut_outside(&mut self, radius: Real) -> u32 {
+        if cell::lies_outside(self.cell.store) != 0 {
+            return EMPTY;
+        }
+        cell::cap_outside(self.cell.store, radius)
+    }
+    fn vertices(&self) -> u32 {
+        self.cell.store.vertices()
+    }
+    fn position(&self, v: u32) -> V3 {
+        self.cell.store.position(v)
+    }
+    fn fine_position(&self, v: u32, position: &mut V3, radius: &mut Real) -> u32 {
+        (*position, *radius) = (self.cell.store.position(v), self.cell.store.radius(v));
+        COMPLETE
+    }
+    fn settled(&self, v: u32) -> bool {
+        self.cell.store.settled(v)
+    }
+    fn set_settled(&mut self, v: u32, settled: bool) {
+        self.cell.store.set_settled(v, settled);
+    }
+    fn touches(&self, v: u32, j: u32) -> u32 {
+        let t = self.cell.store.triplet(v);
+        u32::from([t.a, t.b, t.c].iter().any(|&f| self.cell.store.tag(f) == j))
+    }
+    fn was_tried(&self, j: u32) -> u32 {
+        u32::from(self.room.tried.contains(&j) || (0..self.cell.store.planes()).any(|f| self.cell.store.tag(f) == j))
+    }
+    fn leaves_out(&self) -> u32 {
+        u32::from(self.cell.enlarged.is_some())
+    }
+}

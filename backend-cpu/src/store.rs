@@ -1,8 +1,8 @@
 //! Where a cell lives on the CPU: structure of arrays, so that one plane meets four vertices at a time.
 
 use laguerre_core::cell::{
-    CellStore, FacetSecond, FacetSum, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Plane, Real, SEEN_CONFLICT, SEEN_KEEP,
-    SEEN_UNCERTAIN, Triangle, Triplet, UNIT_ROUNDOFF, V3, v3,
+    CellStore, FacetSecond, FacetSum, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Minors, Plane, Real, SEEN_CONFLICT,
+    SEEN_KEEP, SEEN_UNCERTAIN, Triangle, Triplet, UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
@@ -61,6 +61,9 @@ pub(crate) struct CpuStore<'a> {
     uncertain: Vec<u64>,
     /// A bit for each vertex: known to be cut off by no site.
     settled: Vec<u64>,
+    /// The minors of vertices' planes, and a bit for each vertex that has them: none until the first sign is open.
+    minors: Vec<Minors>,
+    has_minors: Vec<u64>,
     domain: Option<&'a DomainGrid>,
     integrand: Option<&'a FramedIntegrand>,
     site: V3,
@@ -88,6 +91,8 @@ impl<'a> CpuStore<'a> {
             conflict: vec![0; words],
             uncertain: vec![0; words],
             settled: vec![0; words],
+            minors: Vec::new(),
+            has_minors: vec![0; words],
             domain,
             integrand: None,
             site: v3(0.0, 0.0, 0.0),
@@ -190,6 +195,7 @@ impl CellStore for CpuStore<'_> {
         self.vertices.z[v] = position.z;
         self.vertices.radius[v] = radius;
         self.settled[v / 64] &= !(1 << (v % 64));
+        self.has_minors[v / 64] &= !(1 << (v % 64));
     }
     #[inline(always)]
     fn settled(&self, v: u32) -> bool {
@@ -199,6 +205,24 @@ impl CellStore for CpuStore<'_> {
     fn set_settled(&mut self, v: u32, settled: bool) {
         let word = &mut self.settled[v as usize / 64];
         *word = (*word & !(1 << (v % 64))) | u64::from(settled) << (v % 64);
+    }
+    #[inline(always)]
+    fn keeps_minors(&self) -> u32 {
+        1
+    }
+    #[inline(always)]
+    fn minors(&self, v: u32) -> Minors {
+        let v = v as usize;
+        if self.has_minors[v / 64] >> (v % 64) & 1 == 0 { Minors::default() } else { self.minors[v] }
+    }
+    #[inline(always)]
+    fn keep_minors(&mut self, v: u32, minors: Minors) {
+        let v = v as usize;
+        if v >= self.minors.len() {
+            self.minors.resize(v + 1, Minors::default());
+        }
+        self.minors[v] = minors;
+        self.has_minors[v / 64] |= 1 << (v % 64);
     }
     #[inline(always)]
     fn mark(&self, v: u32) -> u32 {
@@ -225,6 +249,7 @@ impl CellStore for CpuStore<'_> {
     #[inline(always)]
     fn restore(&mut self) {
         self.vertices.copy_from(&self.saved);
+        self.has_minors.fill(0);
     }
     #[inline(always)]
     fn facet(&self, f: u32) -> FacetSum {

@@ -27,6 +27,9 @@ OUTLINE real residual(Plane plane, V3 x);
 OUTLINE real residual_about(Plane plane, V3 c, V3 x);
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
+OUTLINE Minors minors_of(Plane a, Plane b, Plane c);
+OUTLINE int sign_by_minors(Minors minors, Plane e);
+INLINE int sign_beyond(Wide sum, real size);
 OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e);
 INLINE void add_term(Wide *sum, real *size, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3, real sign);
 INLINE Wide minor(real x0, real y0, real x1, real y1);
@@ -38,6 +41,7 @@ INLINE Wide sum_exact(real a, real b);
 OUTLINE real wide_quotient(Wide a, Wide b);
 OUTLINE uint wide_position(Plane a, Plane b, Plane c, V3 *position, real *radius);
 INLINE Wide3 wide_cross(V3 p, V3 q);
+INLINE Wide wide_dot(Wide3 a, V3 b);
 INLINE Wide wide_scaled(Wide a, real by);
 INLINE Wide wide_combine(Wide x, Wide y, Wide z, real a, real b, real c);
 OUTLINE int expansion_sign(Plane a, Plane b, Plane c, Plane e);
@@ -350,7 +354,17 @@ OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
     const Plane b = store_plane(s, t.b);
     const Plane c = store_plane(s, t.c);
     const Plane e = store_plane(s, k);
-    int sign = wide_sign(a, b, c, e);
+    int sign;
+    if (store_keeps_minors(s) != 0) {
+        Minors minors = store_minors(s, v);
+        if (minors.is_known == 0) {
+            minors = minors_of(a, b, c);
+            store_keep_minors(s, v, minors);
+        }
+        sign = sign_by_minors(minors, e);
+    } else {
+        sign = wide_sign(a, b, c, e);
+    }
     if (sign != SIGN_UNKNOWN) {
         return sign;
     }
@@ -366,6 +380,37 @@ OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
     return store_exact_sign(s, t, k);
 }
 
+// The minors of three planes.
+OUTLINE Minors minors_of(Plane a, Plane b, Plane c) {
+    // Of columns z and d, and of x and y.
+    const Wide3 zd = (Wide3){ .x = minor(b.n.z, b.d, c.n.z, c.d), .y = minor(c.n.z, c.d, a.n.z, a.d), .z = minor(a.n.z, a.d, b.n.z, b.d) };
+    const Wide3 xy = (Wide3){ .x = minor(b.n.x, b.n.y, c.n.x, c.n.y), .y = minor(c.n.x, c.n.y, a.n.x, a.n.y), .z = minor(a.n.x, a.n.y, b.n.x, b.n.y) };
+    const V3 zd_size = v3(fabs(b.n.z * c.d) + fabs(c.n.z * b.d), fabs(c.n.z * a.d) + fabs(a.n.z * c.d), fabs(a.n.z * b.d) + fabs(b.n.z * a.d));
+    const V3 xy_size = v3(fabs(b.n.x * c.n.y) + fabs(c.n.x * b.n.y), fabs(c.n.x * a.n.y) + fabs(a.n.x * c.n.y), fabs(a.n.x * b.n.y) + fabs(b.n.x * a.n.y));
+    return (Minors){ .x = wide_dot(zd, v3(a.n.y, b.n.y, c.n.y)), .y = wide_dot(zd, v3(a.n.x, b.n.x, c.n.x)), .z = wide_dot(xy, v3(a.d, b.d, c.d)), .d = wide_dot(xy, v3(a.n.z, b.n.z, c.n.z)), .size = (Plane){ .n = v3(((fabs(a.n.y) * zd_size.x) + (fabs(b.n.y) * zd_size.y)) + (fabs(c.n.y) * zd_size.z), ((fabs(a.n.x) * zd_size.x) + (fabs(b.n.x) * zd_size.y)) + (fabs(c.n.x) * zd_size.z), ((fabs(a.d) * xy_size.x) + (fabs(b.d) * xy_size.y)) + (fabs(c.d) * xy_size.z)), .d = ((fabs(a.n.z) * xy_size.x) + (fabs(b.n.z) * xy_size.y)) + (fabs(c.n.z) * xy_size.z) }, .is_known = 1 };
+}
+
+// The sign of `det [n|d](a, b, c, e)` by the minors of a, b and c: `e_y M_y − e_x M_x + d M_d − e_z M_z`; or `SIGN_UNKNOWN`. A term passes through
+// one minor, two products and four sums: less than in `wide_sign`.
+OUTLINE int sign_by_minors(Minors minors, Plane e) {
+    const Wide first = wide_add(wide_scaled(minors.y, e.n.y), wide_scaled(minors.x, -e.n.x));
+    const Wide second = wide_add(wide_scaled(minors.d, e.d), wide_scaled(minors.z, -e.n.z));
+    const Wide sum = wide_add(first, second);
+    const real size = ((minors.size.n.y * fabs(e.n.y)) + (minors.size.n.x * fabs(e.n.x))) + ((minors.size.d * fabs(e.d)) + (minors.size.n.z * fabs(e.n.z)));
+    return sign_beyond(sum, size);
+}
+
+// The sign of a determinant whose magnitudes sum to `size`, or `SIGN_UNKNOWN`.
+INLINE int sign_beyond(Wide sum, real size) {
+    if ((size < WIDE_SMALLEST) || !(fabs(sum.hi) > (WIDE_ERROR * size))) {
+        return SIGN_UNKNOWN;
+    }
+    if (sum.hi < REAL(0.0)) {
+        return -1;
+    }
+    return 1;
+}
+
 // The sign of `det [n|d](a, b, c, e)` by double-double arithmetic, or `SIGN_UNKNOWN`.
 OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e) {
     // Laplace expansion along the first two columns: x, y against z, d.
@@ -377,13 +422,7 @@ OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e) {
     add_term(&sum, &size, b.n.x, b.n.y, c.n.x, c.n.y, a.n.z, a.d, e.n.z, e.d, REAL(1.0));
     add_term(&sum, &size, b.n.x, b.n.y, e.n.x, e.n.y, a.n.z, a.d, c.n.z, c.d, -REAL(1.0));
     add_term(&sum, &size, c.n.x, c.n.y, e.n.x, e.n.y, a.n.z, a.d, b.n.z, b.d, REAL(1.0));
-    if ((size < WIDE_SMALLEST) || !(fabs(sum.hi) > (WIDE_ERROR * size))) {
-        return SIGN_UNKNOWN;
-    }
-    if (sum.hi < REAL(0.0)) {
-        return -1;
-    }
-    return 1;
+    return sign_beyond(sum, size);
 }
 
 // Adds `sign·(x_0 y_1 − x_1 y_0)·(z_2 w_3 − z_3 w_2)` to `sum`, and the magnitude of its parts to `size`.
@@ -459,8 +498,7 @@ OUTLINE uint wide_position(Plane a, Plane b, Plane c, V3 *position, real *radius
     const Wide3 x = wide_cross(b.n, c.n);
     const Wide3 y = wide_cross(c.n, a.n);
     const Wide3 z = wide_cross(a.n, b.n);
-    const Wide first = wide_add(wide_scaled(x.x, a.n.x), wide_scaled(x.y, a.n.y));
-    const Wide det = wide_add(first, wide_scaled(x.z, a.n.z));
+    const Wide det = wide_dot(x, a.n);
     if (!(size > WIDE_SMALLEST) || !(det.hi > (DEPENDENT * size))) {
         return UNCERTAIN;
     }
@@ -473,6 +511,11 @@ OUTLINE uint wide_position(Plane a, Plane b, Plane c, V3 *position, real *radius
 
 INLINE Wide3 wide_cross(V3 p, V3 q) {
     return (Wide3){ .x = minor(p.y, p.z, q.y, q.z), .y = minor(p.z, p.x, q.z, q.x), .z = minor(p.x, p.y, q.x, q.y) };
+}
+
+// `a·b` for a vector b of numbers.
+INLINE Wide wide_dot(Wide3 a, V3 b) {
+    return wide_add(wide_add(wide_scaled(a.x, b.x), wide_scaled(a.y, b.y)), wide_scaled(a.z, b.z));
 }
 
 INLINE Wide wide_scaled(Wide a, real by) {

@@ -221,6 +221,17 @@ typedef struct {
 #define DEPENDENT ((real)(REAL(1.1368683772161603e-13)))
 #endif
 
+// The 3×3 minors of `[n | d]` of three planes without its column x, y, z or d, and the magnitudes that they are sums of.
+typedef struct {
+    Wide x;
+    Wide y;
+    Wide z;
+    Wide d;
+    Plane size;
+    // 0 where there are none.
+    uint is_known;
+} Minors;
+
 // A vector in double-double.
 typedef struct {
     Wide x;

@@ -1,7 +1,12 @@
-// What only some requests ask for. Built with -D WITH_FACET_SECOND and WITH_INTEGRAL; without, nothing of it is there, and what the
-// generated text does for it is compiled to nothing.
+// What is not there for every cell: without it, what the generated text does for it is compiled to nothing. What only some requests ask for is
+// built with -D WITH_FACET_SECOND and WITH_INTEGRAL.
 
 #import <store>
+
+// There is no room to keep minors.
+INLINE uint store_keeps_minors(Store *s) { return 0u; }
+INLINE Minors store_minors(Store *s, uint v) { return (Minors){ 0 }; }
+INLINE void store_keep_minors(Store *s, uint v, Minors minors) {}
 
 #if WITH_FACET_SECOND
 INLINE FacetSecond store_facet_second(Store *s, uint f) { return s->facet_second[f]; }

@@ -233,6 +233,27 @@ mod tests {
         assert!(zeros > 1000 && others > 100, "{zeros} {others}");
     }
 
+    /// Of planes that nearly meet in a point: what double-double says of them, at once or by minors, is so, and both say it of most.
+    #[test]
+    fn what_double_double_says_is_so() {
+        use super::super::wide::{minors_of, sign_by_minors, wide_sign};
+        let mut next = numbers(4);
+        let (mut at_once, mut by_minors) = (0, 0);
+        for turn in 0..40_000 {
+            let [a, b, c] = [(); 3].map(|()| plane(&mut next));
+            let n = v3(a.n.x + b.n.x - c.n.x, a.n.y + b.n.y - c.n.y, a.n.z + b.n.z - c.n.z);
+            let e = Plane { n, d: (a.d + b.d - c.d) * (1.0 + Real::EPSILON * (turn % 5) as Real) };
+            let exact = exact::sign_of_planes(a, b, c, e);
+            for (sign, said) in
+                [(wide_sign(a, b, c, e), &mut at_once), (sign_by_minors(minors_of(a, b, c), e), &mut by_minors)]
+            {
+                assert!(sign == SIGN_UNKNOWN || sign == exact, "{a:?} {b:?} {c:?} {e:?}");
+                *said += u32::from(sign != SIGN_UNKNOWN);
+            }
+        }
+        assert!(at_once > 20_000 && by_minors > 20_000, "{at_once} {by_minors}");
+    }
+
     #[test]
     fn positions_are_those_of_integers() {
         let mut next = numbers(2);

@@ -65,6 +65,7 @@ pub use status::*;
 pub use store::{CellStore, Triangle, Voxel};
 pub use vector::{Real, UNIT_ROUNDOFF, V3, v3};
 pub use vertex::{Triplet, find_vertex_once};
+pub use wide::Minors;
 
 /// The flags of [`integrate_cell`] that answer a request.
 pub fn flags_of(request: &crate::Request) -> u32 {

@@ -8,6 +8,7 @@ use super::quadrature::{Node, polynomial};
 use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, norm_1, sub, v3};
 use super::vertex::Triplet;
+use super::wide::Minors;
 use crate::domain_grid::DomainGrid;
 use crate::exact;
 use crate::integrand::FramedIntegrand;
@@ -182,6 +183,17 @@ pub trait CellStore {
     /// Notes that the cell needed exact arithmetic.
     #[inline(always)]
     fn note_exact(&mut self) {}
+
+    /// Whether the minors of a vertex's planes are kept, which decide the sign of each further plane at a sixth of the cost.
+    fn keeps_minors(&self) -> u32 {
+        0
+    }
+    /// Those of vertex `v`, if they were kept since its position was set.
+    fn minors(&self, _v: u32) -> Minors {
+        Minors::default()
+    }
+    /// Keeps them.
+    fn keep_minors(&mut self, _v: u32, _minors: Minors) {}
 
     /// The same sign by integers that wrap, where double-double left it open; `SIGN_UNKNOWN` where they do not suffice.
     fn tie_sign(&mut self, t: Triplet, k: u32) -> i32 {

@@ -10,14 +10,16 @@
 #![allow(clippy::needless_range_loop, reason = "loops over eight lanes of several arrays at once")]
 
 mod group;
+mod one_cell;
 mod store;
 
 use crate::cell::bound::reach_of_bisector;
 use crate::cell::far::search_far;
-use crate::cell::{self, CellStore, EMPTY, Real, UNIT_ROUNDOFF, V3, bisector, v3};
+use crate::cell::{self, CellStore, EMPTY, Real, UNIT_ROUNDOFF, V3, v3};
 use crate::diagram::Prepared;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
 use group::Group;
+use one_cell::Cell;
 use store::{MOST_ASKED, Room, Searched};
 
 /// Sites that a cell visits before it is completed by its vertices.
@@ -41,9 +43,6 @@ const FAR: Real = 64.0;
 
 /// Candidates between two looks at whether the cell already lies outside the domain.
 const BETWEEN_LOOKS: usize = 8;
-
-/// Distances to the twentieth nearest site beyond which what of a cell is outside the domain is cut off.
-const CAP_FROM: Real = 1.4;
 
 /// Relative room for the roundings of a test of reach: at most ten operations each.
 const SAFE: Real = 1.0 + 16.0 * UNIT_ROUNDOFF;
@@ -71,31 +70,6 @@ pub struct Outcome {
     /// Sites visited, and those of them that cut the cell.
     pub visited: u32,
     cuts: u32,
-}
-
-/// One cell on its way.
-struct Cell<'a, S> {
-    store: &'a mut S,
-    site: u32,
-    position: [f64; 3],
-    weight: Real,
-    /// The slope of the weights at the site, where weights differ.
-    slope: Option<V3>,
-    /// From the site to `y`, and how far rounding moves what is less it.
-    center: V3,
-    center_rounding: Real,
-    /// An upper bound of the distance from `y` to the farthest vertex.
-    farthest: Real,
-    /// The same, doubled and squared, with room for rounding; and its upper bits.
-    reach_square: Real,
-    last_in_order: u32,
-    /// `Some(1 + ε)`: sites beyond the paper's enlarged security radius are left out, uncertified.
-    enlarged: Option<Real>,
-    /// The square of the radius about `y` within which the candidates that were not visited cannot cut the cell.
-    left_square: Real,
-    /// Whether many sites in a row have not cut it, which has far to go.
-    is_idle: bool,
-    outcome: Outcome,
 }
 
 impl<'a> Search<'a> {
@@ -301,115 +275,6 @@ fn visit_all<S: CellStore>(
         candidates = beyond;
     }
     true
-}
-
-impl<'a, S: CellStore> Cell<'a, S> {
-    /// The cell of sorted site `site`, which stands at `x, y, z` with a weight; `slope` is that of the weights there, where they differ.
-    fn new(store: &'a mut S, site: u32, [x, y, z, weight]: [f64; 4], slope: Option<V3>, epsilon: Option<Real>) -> Self {
-        let center = slope.map_or(V3::default(), |g| v3(-0.5 * g.x, -0.5 * g.y, -0.5 * g.z));
-        Self {
-            store,
-            site,
-            position: [x, y, z],
-            weight,
-            slope,
-            center,
-            center_rounding: rounding_about(center),
-            farthest: 0.0,
-            reach_square: 0.0,
-            last_in_order: 0,
-            enlarged: epsilon.map(|e| 1.0 + e),
-            left_square: Real::INFINITY,
-            is_idle: false,
-            outcome: Outcome { status: cell::COMPLETE, uncertified: false, visited: 0, cuts: 0 },
-        }
-    }
-
-    /// Measures the cell anew.
-    #[inline(always)]
-    fn measure(&mut self) {
-        self.farthest = reach_from(self.store, self.center, self.center_rounding);
-        self.reach_square = (4.0 * (self.farthest * self.farthest)) * SAFE;
-        self.last_in_order = in_order(self.reach_square);
-    }
-
-    /// The way to a site, and what it weighs more than the cell's.
-    #[inline(always)]
-    fn difference(&self, [x, y, z, w]: [f64; 4]) -> (V3, Real) {
-        let [px, py, pz] = self.position;
-        (v3(x - px, y - py, z - pz), w - self.weight)
-    }
-
-    /// Cuts the cell by the bisector with a site; `false` ends the search.
-    #[inline(always)]
-    fn visit(&mut self, site: [f64; 4], index: u32) -> bool {
-        let (d, more) = self.difference(site);
-        if self.is_left_out(d) {
-            return true;
-        }
-        self.outcome.visited += 1;
-        match cell::clip(self.store, bisector(d, -more), index) {
-            cell::UNTOUCHED => true,
-            cell::CUT => {
-                self.outcome.cuts += 1;
-                self.measure();
-                true
-            }
-            status => {
-                self.outcome.status = status;
-                false
-            }
-        }
-    }
-
-    /// Whether `epsilon` leaves out the site at `d` from the cell's.
-    #[inline(always)]
-    fn is_left_out(&mut self, d: V3) -> bool {
-        let Some(enlarged) = self.enlarged else { return false };
-        let reach = enlarged * (2.0 * cell::farthest_vertex(self.store));
-        if square(d) < reach * reach {
-            return false;
-        }
-        self.outcome.uncertified = true;
-        true
-    }
-
-    /// Cuts off what of the cell is far outside the domain, `scale` being the distance between sites, times some; `false` ends the search.
-    #[inline(always)]
-    fn cap(&mut self, scale: Real) -> bool {
-        let radius = CAP_FROM * scale + norm(self.center);
-        self.farthest < radius || self.cap_outside(radius)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn cap_outside(&mut self, radius: Real) -> bool {
-        match cell::cap_outside(self.store, radius) {
-            cell::UNTOUCHED => true,
-            cell::CUT => {
-                self.measure();
-                true
-            }
-            status => {
-                self.outcome.status = status;
-                false
-            }
-        }
-    }
-}
-
-/// An upper bound of the distance from `center`, which rounding moves what is less it by up to `rounding`, to the farthest vertex.
-#[inline(always)]
-fn reach_from<S: CellStore>(store: &S, center: V3, rounding: Real) -> Real {
-    let V3 { x: square, y: radius, .. } = store.farthest_from(center);
-    // The radius bounds each component, √3 < 2.
-    ((square.sqrt() + 2.0 * radius) + rounding) * SAFE
-}
-
-/// How far rounding moves a vertex less a centre.
-#[inline(always)]
-fn rounding_about(center: V3) -> Real {
-    8.0 * UNIT_ROUNDOFF * norm(center)
 }
 
 /// The larger of two numbers, in one instruction; `max` takes three, for what is not a number.

@@ -1,6 +1,7 @@
 //! What the dialect's search (`core/src/cell/far.rs`) reads and keeps, on the host: one lane, which looks at eight nodes or sites in one go.
 
-use super::{Cell, in_order, reach_from, rounding_about};
+use super::in_order;
+use super::one_cell::{Cell, reach_from, rounding_about};
 use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NodeBox, NodeSlab, NodeWeights, SearchStore};
 use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Real, UNTOUCHED, V3, v3};

@@ -632,13 +632,15 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
     }
 }
 
-// The vertex farthest from the cell's centre of those that are not settled; `NO_SITE` where there is none.
+// The vertex farthest from the cell's centre of those that are not settled, or of the first that a lane meets; `NO_SITE` where there is none.
 HOT uint farthest_unsettled(Store *s, V3 center) {
     uint nearness = NO_SITE;
     uint own = 0;
+    uint compared = 0;
     uint v = store_lane(s);
-    while (v < store_vertices(s)) {
+    while ((v < store_vertices(s)) && (compared < MOST_COMPARED)) {
         if (!store_settled(s, v)) {
+            compared += 1;
             const V3 way = sub(store_position(s, v), center);
             const uint its = store_key_below(s, -v3_dot(way, way));
             if (its < nearness) {
@@ -664,9 +666,11 @@ HOT uint ask_near_first(Store *s, uint at_once) {
     while (asked < at_once) {
         uint nearest = NO_SITE;
         uint own = 0;
+        uint compared = 0;
         uint v = store_lane(s);
-        while (v < store_vertices(s)) {
+        while ((v < store_vertices(s)) && (compared < MOST_COMPARED)) {
             if (!store_settled(s, v)) {
+                compared += 1;
                 const V3 way = sub(store_position(s, v), first.place);
                 const uint its = store_key_below(s, v3_dot(way, way));
                 if ((its > last) && (its < nearest)) {

@@ -158,6 +158,9 @@ typedef struct {
 // Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 #define PER_LENGTH ((real)(REAL(8.0)))
 
+// Vertices that are not settled that a lane compares at most: a cell of a heavy site may have ten thousand.
+#define MOST_COMPARED ((uint)(64))
+
 // What a power loses with the square of the distance is kept to half the inverse of this.
 #define LENGTHS_OF_LOST ((real)(REAL(1e10)))
 

@@ -12,6 +12,9 @@ use super::vector::{Real, V3, dot, larger, smaller, sub, v3};
 /// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 const PER_LENGTH: Real = 8.0;
 
+/// Vertices that are not settled that a lane compares at most: a cell of a heavy site may have ten thousand.
+const MOST_COMPARED: u32 = 64;
+
 /// What a power loses with the square of the distance is kept to half the inverse of this.
 const LENGTHS_OF_LOST: Real = 1e10;
 const LEAST_LENGTH: Real = 1e-150;
@@ -81,14 +84,16 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
     }
 }
 
-/// The vertex farthest from the cell's centre of those that are not settled; `NO_SITE` where there is none.
+/// The vertex farthest from the cell's centre of those that are not settled, or of the first that a lane meets; `NO_SITE` where there is none.
 #[inline]
 fn farthest_unsettled<S: SearchStore>(s: &S, center: V3) -> u32 {
     let mut nearness: u32 = NO_SITE;
     let mut own: u32 = 0;
+    let mut compared: u32 = 0;
     let mut v: u32 = s.lane();
-    while v < s.vertices() {
+    while (v < s.vertices()) && (compared < MOST_COMPARED) {
         if !s.settled(v) {
+            compared += 1;
             let way: V3 = sub(s.position(v), center);
             let its: u32 = s.key_below(-dot(way, way));
             if its < nearness {
@@ -115,9 +120,11 @@ fn ask_near_first<S: SearchStore>(s: &mut S, at_once: u32) -> u32 {
     while asked < at_once {
         let mut nearest: u32 = NO_SITE;
         let mut own: u32 = 0;
+        let mut compared: u32 = 0;
         let mut v: u32 = s.lane();
-        while v < s.vertices() {
+        while (v < s.vertices()) && (compared < MOST_COMPARED) {
             if !s.settled(v) {
+                compared += 1;
                 let way: V3 = sub(s.position(v), first.place);
                 let its: u32 = s.key_below(dot(way, way));
                 if (its > last) && (its < nearest) {

@@ -52,32 +52,21 @@ pub(super) struct Searched<'c, 'a, S> {
     cell: &'c mut Cell<'a, S>,
     tree: &'c SiteTree,
     room: &'c mut Room,
-    /// Within this distance of the cell's centre nothing can cut it.
-    proven: Real,
 }
 
 impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
-    /// The cell, of whose vertices those within the proven radius of its centre are settled.
+    /// The cell, of whose vertices those within a radius of its centre are settled: within which it is proven that nothing can cut it.
     pub(super) fn new(cell: &'c mut Cell<'a, S>, tree: &'c SiteTree, room: &'c mut Room, proven: Real) -> Self {
         room.tried.clear();
-        for v in 0..cell.store.vertices() {
-            cell.store.set_settled(v, false);
-        }
-        let mut searched = Self { cell, tree, room, proven };
-        searched.settle_proven();
-        searched
-    }
-
-    fn settle_proven(&mut self) {
-        let Cell { store, center, .. } = &mut *self.cell;
+        let Cell { store, center, .. } = &mut *cell;
         for v in 0..store.vertices() {
             let p = store.position(v);
             let away = super::norm(v3(p.x - center.x, p.y - center.y, p.z - center.z));
-            // (Not at 0, where nothing is proven: a vertex may be at the centre.)
-            if (away + 2.0 * store.radius(v)) * super::SAFE < self.proven {
-                store.set_settled(v, true);
-            }
+            // At 0 nothing is proven; a vertex may be at the centre. (Nothing cuts within the radius later, so no later vertex is there.)
+            let is_proven = proven > 0.0 && (away + 2.0 * store.radius(v)) * super::SAFE <= proven;
+            store.set_settled(v, is_proven);
         }
+        Self { cell, tree, room }
     }
 
     fn own(&self) -> V3 {
@@ -308,11 +297,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         if !self.cell.visit(self.tree.site(j), j) {
             return self.cell.outcome.status;
         }
-        if self.cell.outcome.cuts == cuts {
-            return UNTOUCHED;
-        }
-        self.settle_proven();
-        CUT
+        if self.cell.outcome.cuts == cuts { UNTOUCHED } else { CUT }
     }
     fn cut_outside(&mut self, radius: Real) -> u32 {
         if cell::lies_outside(self.cell.store) != 0 {

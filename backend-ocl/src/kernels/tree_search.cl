@@ -28,7 +28,7 @@ INLINE uint take_nearest(Store *s, uint count, uint limit);
 HOT uint visit_candidates(Store *s, Vantage vantage, uint count, uint below, real *reach, uint *visited);
 INLINE uint key_of_reach(Store *s, real reach, uint below);
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited);
-HOT uint farthest_unsettled(Store *s, V3 center);
+HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key);
 HOT uint ask_near_first(Store *s, uint at_once);
 INLINE uint ask(Store *s, uint v, uint i);
 INLINE Asked asked_at(Store *s, uint v, V3 place, real radius);
@@ -574,7 +574,9 @@ INLINE uint key_of_reach(Store *s, real reach, uint below) {
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
     uint at_once = first_asked;
     for (;;) {
-        const uint v = farthest_unsettled(s, center);
+        // The farthest.
+        uint key = 0;
+        const uint v = next_unsettled(s, center, -REAL(1.0), &key);
         if (v == NO_SITE) {
             return COMPLETE;
         }
@@ -632,29 +634,31 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
     }
 }
 
-// The vertex farthest from the cell's centre of those that are not settled, or of the first that a lane meets; `NO_SITE` where there is none.
-HOT uint farthest_unsettled(Store *s, V3 center) {
-    uint nearness = NO_SITE;
+// Of the vertices that are not settled, or of the first that a lane meets, that with the least key above `*key` of its squared distance from a
+// place times `sign`, and the key; `NO_SITE` where there is none.
+HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key) {
+    uint nearest = NO_SITE;
     uint own = 0;
     uint compared = 0;
     uint v = store_lane(s);
     while ((v < store_vertices(s)) && (compared < MOST_COMPARED)) {
         if (!store_settled(s, v)) {
             compared += 1;
-            const V3 way = sub(store_position(s, v), center);
-            const uint its = store_key_below(s, -v3_dot(way, way));
-            if (its < nearness) {
-                nearness = its;
+            const V3 way = sub(store_position(s, v), from);
+            const uint its = store_key_below(s, sign * v3_dot(way, way));
+            if ((its > *key) && (its < nearest)) {
+                nearest = its;
                 own = v;
             }
         }
         v += store_lanes(s);
     }
-    const uint least = store_least_of_lanes(s, nearness);
+    const uint least = store_least_of_lanes(s, nearest);
+    *key = least;
     if (least == NO_SITE) {
         return NO_SITE;
     }
-    return store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearness == least))));
+    return store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearest == least))));
 }
 
 // Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
@@ -662,30 +666,13 @@ HOT uint ask_near_first(Store *s, uint at_once) {
     const Asked first = store_asked(s, 0);
     uint asked = 1;
     // (Of vertices as far as another one is asked for.)
-    uint last = store_key_above(s, REAL(0.0));
+    uint key = store_key_above(s, REAL(0.0));
     while (asked < at_once) {
-        uint nearest = NO_SITE;
-        uint own = 0;
-        uint compared = 0;
-        uint v = store_lane(s);
-        while ((v < store_vertices(s)) && (compared < MOST_COMPARED)) {
-            if (!store_settled(s, v)) {
-                compared += 1;
-                const V3 way = sub(store_position(s, v), first.place);
-                const uint its = store_key_below(s, v3_dot(way, way));
-                if ((its > last) && (its < nearest)) {
-                    nearest = its;
-                    own = v;
-                }
-            }
-            v += store_lanes(s);
-        }
-        last = store_least_of_lanes(s, nearest);
-        if (last == NO_SITE) {
+        const uint v = next_unsettled(s, first.place, REAL(1.0), &key);
+        if (v == NO_SITE) {
             return asked;
         }
-        const uint other = store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearest == last))));
-        asked += ask(s, other, asked);
+        asked += ask(s, v, asked);
     }
     return asked;
 }

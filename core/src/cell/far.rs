@@ -26,7 +26,9 @@ const LEAST_LENGTH: Real = 1e-150;
 pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visited: &mut u32) -> u32 {
     let mut at_once: u32 = first_asked;
     loop {
-        let v: u32 = farthest_unsettled(s, center);
+        // The farthest.
+        let mut key: u32 = 0;
+        let v: u32 = next_unsettled(s, center, -1.0, &mut key);
         if v == NO_SITE {
             return COMPLETE;
         }
@@ -84,30 +86,32 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
     }
 }
 
-/// The vertex farthest from the cell's centre of those that are not settled, or of the first that a lane meets; `NO_SITE` where there is none.
+/// Of the vertices that are not settled, or of the first that a lane meets, that with the least key above `*key` of its squared distance from a
+/// place times `sign`, and the key; `NO_SITE` where there is none.
 #[inline]
-fn farthest_unsettled<S: SearchStore>(s: &S, center: V3) -> u32 {
-    let mut nearness: u32 = NO_SITE;
+fn next_unsettled<S: SearchStore>(s: &S, from: V3, sign: Real, key: &mut u32) -> u32 {
+    let mut nearest: u32 = NO_SITE;
     let mut own: u32 = 0;
     let mut compared: u32 = 0;
     let mut v: u32 = s.lane();
     while (v < s.vertices()) && (compared < MOST_COMPARED) {
         if !s.settled(v) {
             compared += 1;
-            let way: V3 = sub(s.position(v), center);
-            let its: u32 = s.key_below(-dot(way, way));
-            if its < nearness {
-                nearness = its;
+            let way: V3 = sub(s.position(v), from);
+            let its: u32 = s.key_below(sign * dot(way, way));
+            if (its > *key) && (its < nearest) {
+                nearest = its;
                 own = v;
             }
         }
         v += s.lanes();
     }
-    let least: u32 = s.least_of_lanes(nearness);
+    let least: u32 = s.least_of_lanes(nearest);
+    *key = least;
     if least == NO_SITE {
         return NO_SITE;
     }
-    return s.lane_value(own, s.first_of(s.lanes_with((nearness == least) as u32)));
+    return s.lane_value(own, s.first_of(s.lanes_with((nearest == least) as u32)));
 }
 
 /// Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
@@ -116,30 +120,13 @@ fn ask_near_first<S: SearchStore>(s: &mut S, at_once: u32) -> u32 {
     let first: Asked = s.asked(0);
     let mut asked: u32 = 1;
     // (Of vertices as far as another one is asked for.)
-    let mut last: u32 = s.key_above(0.0);
+    let mut key: u32 = s.key_above(0.0);
     while asked < at_once {
-        let mut nearest: u32 = NO_SITE;
-        let mut own: u32 = 0;
-        let mut compared: u32 = 0;
-        let mut v: u32 = s.lane();
-        while (v < s.vertices()) && (compared < MOST_COMPARED) {
-            if !s.settled(v) {
-                compared += 1;
-                let way: V3 = sub(s.position(v), first.place);
-                let its: u32 = s.key_below(dot(way, way));
-                if (its > last) && (its < nearest) {
-                    nearest = its;
-                    own = v;
-                }
-            }
-            v += s.lanes();
-        }
-        last = s.least_of_lanes(nearest);
-        if last == NO_SITE {
+        let v: u32 = next_unsettled(s, first.place, 1.0, &mut key);
+        if v == NO_SITE {
             return asked;
         }
-        let other: u32 = s.lane_value(own, s.first_of(s.lanes_with((nearest == last) as u32)));
-        asked += ask(s, other, asked);
+        asked += ask(s, v, asked);
     }
     return asked;
 }

@@ -21,6 +21,7 @@ use laguerre_core::diagram::{FramedContainer, Prepared};
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
+use laguerre_core::site_tree::MadeTree;
 use laguerre_core::{PassReport, PowerDiagram, Request, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -97,8 +98,9 @@ rooms! {
 pub(crate) struct Computed<'a> {
     pub(crate) passes: Vec<PassReport>,
     pub(crate) results: &'a mut Results,
-    /// The caller's indices of the sites whose cells only the host can decide.
+    /// The caller's indices of the sites whose cells only the host can decide, and where there are any the tree that it searches, if the device has made it.
     pub(crate) for_host: Vec<u32>,
+    pub(crate) tree: Option<MadeTree>,
     /// Time from sites on the device to results on the device.
     pub(crate) seconds: f64,
 }

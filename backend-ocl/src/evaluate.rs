@@ -4,6 +4,8 @@ use crate::device::Device;
 use crate::fallback;
 use crate::platform::choose;
 use laguerre_core::assemble::Assembler;
+use laguerre_core::diagram::Prepared;
+use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{
     Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Integrand, Output, PassReport, PowerDiagram, Precision,
     Request, Result,
@@ -76,20 +78,31 @@ impl Backend for Ocl {
             count = on_all(&mut devices, name, &|_, device| device.take(prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
-        let computed =
+        let mut computed =
             on_all(&mut devices, name, &|i, device| device.compute(request, sites, shares[i].clone(), shares.len()))?;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
 
         let mut assembler = Assembler::new(diagram, &container, request);
         let mut for_host = Vec::new();
         let (mut exact_cells, mut passes) = (0, Vec::new());
-        for device in &computed {
+        let mut tree = None;
+        for device in &mut computed {
             device.results.assemble(&mut assembler);
             exact_cells += device.results.exact_cells();
-            for_host.extend_from_slice(&device.for_host);
+            for_host.append(&mut device.for_host);
             join_passes(&mut passes, &device.passes);
+            tree = tree.or(device.tree.take());
         }
-        fallback::compute(diagram, prepared, request, &for_host, &mut assembler)?;
+        if !for_host.is_empty() {
+            let prepared = match (prepared, tree) {
+                (Some(prepared), _) => prepared,
+                (None, Some(made)) => {
+                    Prepared { container: container.clone(), sites: SiteTree::from_device(made, sites) }
+                }
+                (None, None) => diagram.prepare()?,
+            };
+            fallback::compute(&prepared, request, &for_host, &mut assembler)?;
+        }
         let mut output = assembler.finish_with(|i| {
             computed.iter().map(|device| device.results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default()
         });

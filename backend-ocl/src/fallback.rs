@@ -5,29 +5,27 @@ use laguerre_core::cell::{self, CellSums, PlainStore};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::search::Search;
-use laguerre_core::{CellStatus, Error, ErrorKind, PowerDiagram, Request, Result};
+use laguerre_core::{CellStatus, Error, ErrorKind, Request, Result};
 use rayon::prelude::*;
+use std::collections::HashSet;
 
-/// Computes the cells of some sites (the caller's indices), with what is `prepared` already.
+/// Computes the cells of some sites (the caller's indices).
 pub(crate) fn compute(
-    diagram: &PowerDiagram,
-    prepared: Option<Prepared>,
+    prepared: &Prepared,
     request: &Request,
     sites: &[u32],
     assembler: &mut Assembler<'_>,
 ) -> Result<()> {
-    if sites.is_empty() {
-        return Ok(());
-    }
-    let prepared = prepared.map_or_else(|| diagram.prepare(), Ok)?;
     let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
-    let mut sorted_of = vec![0_u32; diagram.positions().len()];
-    prepared.sites.order().iter().zip(0..).for_each(|(&site, sorted)| sorted_of[site as usize] = sorted);
-    let cells: Result<Vec<_>> = sites
+    let wanted: HashSet<u32> = sites.iter().copied().collect();
+    let order = prepared.sites.order();
+    let sorted: Vec<u32> =
+        (0..order.len() as u32).into_par_iter().filter(|&i| wanted.contains(&order[i as usize])).collect();
+    let cells: Result<Vec<_>> = sorted
         .par_iter()
         .map_init(
-            || Search::new(&prepared),
-            |search, &i| compute_cell(search, &prepared, request, integrand.as_ref(), sorted_of[i as usize]),
+            || Search::new(prepared),
+            |search, &site| compute_cell(search, prepared, request, integrand.as_ref(), site),
         )
         .collect();
     for (cell, facets) in cells? {

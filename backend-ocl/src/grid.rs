@@ -2,7 +2,7 @@
 //! each other for the curve, by the host.
 
 use crate::buffer::Room;
-use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, Range, SCAN_EACH, SORT_EACH};
+use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, Params, Range, SCAN_EACH, SORT_EACH};
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, MarkVoxels, PlaceDigits, RankSites,
     ScanBlocks, SettleRuns, TightenSlabs,
@@ -11,7 +11,7 @@ use crate::params::Shared;
 use crate::program::GridKernels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_grid::Voxels;
-use laguerre_core::site_tree::{Boxes, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
+use laguerre_core::site_tree::{Boxes, MadeTree, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -57,6 +57,8 @@ pub(crate) struct Sites {
     pub(crate) boxes: Room<Boxes>,
     pub(crate) slabs: Room<Slabs>,
     pub(crate) weight_bounds: Room<WeightBounds>,
+    /// Whether the tree was made by the host.
+    pub(crate) is_from_host: bool,
     on_host: OnHost,
 }
 
@@ -90,6 +92,7 @@ impl Sites {
             boxes: Room::new(tree),
             slabs: Room::new(tree),
             weight_bounds: Room::new(tree),
+            is_from_host: false,
             on_host: OnHost { ranges: Vec::new(), number: Vec::new() },
         }
     }
@@ -197,6 +200,7 @@ impl Sites {
             shared.params.has_table = u32::from(self.on_host.number[0] == 0);
         }
         self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
+        self.is_from_host = false;
         Ok(Some(sites as usize))
     }
 
@@ -323,6 +327,27 @@ impl Sites {
         Ok(())
     }
 
+    /// Reads the tree over the sites back.
+    pub(crate) fn read_tree(&self, queue: &CommandQueue, params: &Params) -> Result<MadeTree> {
+        let count = params.tree_sites as usize;
+        let blocks = level_begins(count).last().copied().unwrap_or(0);
+        let mut made = MadeTree {
+            sites: Vec::new(),
+            order: Vec::new(),
+            boxes: Vec::new(),
+            slabs: Vec::new(),
+            weights: Vec::new(),
+            base_weight: params.smallest_weight,
+            largest_weight: params.largest_weight,
+        };
+        self.sites.read(queue, count, &mut made.sites)?;
+        self.order.read(queue, count, &mut made.order)?;
+        self.boxes.read(queue, blocks, &mut made.boxes)?;
+        self.slabs.read(queue, blocks, &mut made.slabs)?;
+        self.weight_bounds.read(queue, if params.equal_weights == 0 { blocks } else { 0 }, &mut made.weights)?;
+        Ok(made)
+    }
+
     /// Takes the tree over the sites that the host made; returns how many have a cell.
     pub(crate) fn take(
         &mut self,
@@ -341,6 +366,7 @@ impl Sites {
         self.slabs.fill(context, queue, tree.all_slabs())?;
         self.weight_bounds.fill(context, queue, tree.all_weights())?;
         self.voxels.grow(context, 1)?;
+        self.is_from_host = true;
         Ok(tree.len())
     }
 }

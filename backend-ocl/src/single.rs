@@ -152,7 +152,9 @@ impl Backend for Single {
         // Everything is proved here, so that nothing is left of `epsilon`.
         let mut proved = request.clone();
         proved.epsilon = None;
-        fallback::compute(diagram, None, &proved, &for_host, &mut assembler)?;
+        if !for_host.is_empty() {
+            fallback::compute(&diagram.prepare()?, &proved, &for_host, &mut assembler)?;
+        }
         let mut output = assembler.finish();
         output.exact_cells = exact_cells;
         output.host_cells = for_host.len();

@@ -92,6 +92,25 @@ pub struct SiteTree {
     largest_weight: f64,
 }
 
+/// What a device made of a tree.
+#[derive(Debug)]
+pub struct MadeTree {
+    /// The sites in the order of the curve: x, y, z, weight.
+    pub sites: Vec<[f64; 4]>,
+    /// The caller's index of each.
+    pub order: Vec<u32>,
+    /// The boxes of all blocks, as [`SiteTree::all_boxes`].
+    pub boxes: Vec<Boxes>,
+    /// Their slabs.
+    pub slabs: Vec<Slabs>,
+    /// The bounds of their weights; empty where all weights are equal.
+    pub weights: Vec<WeightBounds>,
+    /// What these are relative to, at most the smallest weight.
+    pub base_weight: f64,
+    /// The largest weight, or more.
+    pub largest_weight: f64,
+}
+
 /// Where the blocks of each level begin in the tree over so many sites (at least one), those of the leaves first; one more at the end.
 pub fn level_begins(sites: usize) -> Vec<usize> {
     let mut begins = vec![0];
@@ -145,6 +164,28 @@ impl SiteTree {
         };
         tree.build(&sites);
         tree
+    }
+
+    /// A tree that a device has made, by the same text, of `total` sites, of which `order` has those that stand in it.
+    pub fn from_device(made: MadeTree, total: usize) -> Self {
+        let MadeTree { sites, order, boxes, slabs, weights, base_weight, largest_weight } = made;
+        let mut coincident = Vec::new();
+        if order.len() < total {
+            let mut is_there = vec![false; total];
+            order.iter().for_each(|&i| is_there[i as usize] = true);
+            coincident.extend((0..total as u32).filter(|&i| !is_there[i as usize]));
+        }
+        Self {
+            leaves: sites.par_chunks(WIDTH).map(Leaf::of).collect(),
+            levels: level_begins(sites.len()),
+            order,
+            coincident,
+            boxes,
+            slabs,
+            weights,
+            base_weight,
+            largest_weight,
+        }
     }
 
     /// Number of sites in the tree: all but the coincident ones.

@@ -109,7 +109,11 @@ impl Device {
             let too_many = report.failed as f64 > MAY_FAIL * report.cells as f64;
             self.first = Some((share.len(), if too_many { first.grown() } else { first }));
         }
-        let Self { queue, memory, results, shared, .. } = self;
+        let Self { queue, memory, results, shared, sites: sorted, .. } = self;
+        let tree = match for_host.is_empty() || sorted.is_from_host {
+            true => None,
+            false => Some(sorted.read_tree(queue, &shared.params)?),
+        };
         let width = width_of(shared.params.flags);
         results.width = width;
         memory.outcome.read(queue, sites, &mut results.outcomes)?;
@@ -117,7 +121,7 @@ impl Device {
         if request.facets {
             memory.rows.read(queue, sites, &mut results.rows)?;
         }
-        Ok(Computed { passes, results, for_host, seconds: self.seconds })
+        Ok(Computed { passes, results, for_host, tree, seconds: self.seconds })
     }
 
     /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.

@@ -3,7 +3,7 @@
 use super::Device;
 use crate::platform::choose;
 use laguerre_core::required::if_available;
-use laguerre_core::site_tree::{Boxes, Slabs, WIDTH, WeightBounds};
+use laguerre_core::site_tree::{MadeTree, WIDTH};
 use laguerre_core::{DeviceChoice, PowerDiagram, Precision, Request};
 
 type Place = fn([f64; 3]) -> [f64; 3];
@@ -35,9 +35,8 @@ fn what_bounds_a_node_holds_for_its_sites() {
         places.sort_unstable();
         places.dedup();
         assert_eq!(count, places.len(), "{name}");
-        let (mut sites, mut order) = (Vec::new(), Vec::new());
-        device.sites.sites.read(&device.queue, count, &mut sites).unwrap();
-        device.sites.order.read(&device.queue, count, &mut order).unwrap();
+        let MadeTree { sites, order, boxes, slabs, weights: bounds, .. } =
+            device.sites.read_tree(&device.queue, &device.shared.params).unwrap();
         let frame = &container.frame;
         for (site, &i) in sites.iter().zip(&order) {
             assert_eq!(site[..3], frame.enter(positions[i as usize]), "{name}");
@@ -48,10 +47,6 @@ fn what_bounds_a_node_holds_for_its_sites() {
         assert_eq!(once.len(), count, "{name}");
 
         let params = device.shared.params;
-        let (mut boxes, mut slabs, mut bounds) = (Vec::<Boxes>::new(), Vec::<Slabs>::new(), Vec::<WeightBounds>::new());
-        device.sites.boxes.read(&device.queue, usize::MAX, &mut boxes).unwrap();
-        device.sites.slabs.read(&device.queue, usize::MAX, &mut slabs).unwrap();
-        device.sites.weight_bounds.read(&device.queue, usize::MAX, &mut bounds).unwrap();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
             let (at, more) = ([x, y, z], w - params.smallest_weight);
             for level in 0..=params.tree_top as usize {

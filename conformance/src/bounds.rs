@@ -196,8 +196,13 @@ impl<'a> Bounds<'a> {
     /// negative volume is believed beyond the sum of the bounds of its pieces alone: no less tells it from the rounding of a sliver, which comes
     /// to half of that. Up to there it is within its cell's rounding. Only where the surface goes through a cell can it have one.
     pub fn volume_of_empty(&self) -> f64 {
+        self.empty_with_surface().map(|i| self.cell_rounding(i)).sum()
+    }
+
+    /// The cells that are called empty and that the surface goes through.
+    pub fn empty_with_surface(&self) -> impl Iterator<Item = usize> {
         let empty = (0..self.scene.len()).filter(|&i| self.output.status[i] == CellStatus::Empty);
-        empty.filter(|&i| self.scene.surface_in_cell(i) > 0.0).map(|i| self.cell_rounding(i)).sum()
+        empty.filter(|&i| self.scene.surface_in_cell(i) > 0.0)
     }
 
     /// By what angle the bisector of sites `i` and `j` is turned, and by what share of it their distance is off: coordinates

@@ -33,6 +33,7 @@ pub mod domains;
 pub mod fixtures;
 pub mod given;
 pub mod law;
+pub mod moments;
 pub mod regressions;
 pub mod sanity;
 pub mod scene;

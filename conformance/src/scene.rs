@@ -9,6 +9,7 @@ use laguerre_core::shapes::Mesh;
 use laguerre_core::{Backend, Output, PowerDiagram, Request};
 
 use crate::domains::Room;
+use crate::moments::{Moments, cut};
 use crate::sanity;
 
 /// Sites, weights and what the cells are restricted to.
@@ -122,6 +123,29 @@ impl Scene {
         mesh.triangles.iter().map(within).sum()
     }
 
+    /// Integrals over the room, by winding number, about `middle`; or over what of it is in the power cell of a site. They are those of the
+    /// tetrahedra between `middle` and the triangles, cut by the bisectors with all other sites, in floating point and with nothing of the
+    /// library. What lies on a bisector is the site's of lower index.
+    pub fn moments(&self, middle: DVec3, cell: Option<usize>) -> Moments {
+        let mesh = self.room.mesh();
+        let mut sums = Moments::default();
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|v| DVec3::from(mesh.vertices[v as usize]) - middle);
+            let mut parts = vec![[DVec3::ZERO, a, b, c]];
+            for (i, j) in cell.into_iter().flat_map(|i| (0..self.len()).map(move |j| (i, j))).filter(|(i, j)| i != j) {
+                let (p, q) = (self.site(i) - middle, self.site(j) - middle);
+                let weights = self.weight(i) - self.weight(j);
+                let height = |x: DVec3| 2.0 * (self.site(j) - self.site(i)).dot(x - 0.5 * (p + q)) - weights;
+                let mut rest = Vec::with_capacity(parts.len());
+                parts.iter().for_each(|part| cut(part, height, i < j, &mut rest));
+                parts = rest;
+            }
+            let sign = DMat3::from_cols(a, b, c).determinant().signum();
+            parts.iter().for_each(|part| sums.add(sign, part));
+        }
+        sums
+    }
+
     /// For each site the lowest index of a site at the same position: itself, unless it is a duplicate.
     pub fn twins(&self) -> Vec<usize> {
         let mut first = HashMap::new();
@@ -182,8 +206,11 @@ pub fn rows(output: &Output) -> Vec<Vec<Facet>> {
 
 #[cfg(test)]
 mod tests {
+    use laguerre_core::oracle::Naive;
+
     use super::*;
     use crate::domains::{Pose, Shape, room};
+    use crate::moments::ENTRIES;
     use crate::sites::Random;
 
     #[test]
@@ -201,6 +228,46 @@ mod tests {
             let (sum, area) = (parts.iter().sum::<f64>(), scene.room.area());
             assert!((sum - area).abs() <= 1e-13 * area, "{shape:?}: {sum}, not {area}");
             assert!(parts[19] == 0.0 && parts.iter().filter(|part| **part > 0.0).count() > 5, "{shape:?}: {parts:?}");
+        }
+    }
+
+    #[test]
+    fn cells_share_the_moments() {
+        let mut random = Random::new(2);
+        for shape in [Shape::Box, Shape::Cavity, Shape::FoldedStar(2), Shape::FoldedComb(6)] {
+            let room = room(shape, Pose::Turned);
+            let lo = DVec3::from(room.bounding_box().0);
+            let mut positions: Vec<[f64; 3]> = (0..20).map(|_| (lo + room.extents() * random.point()).into()).collect();
+            positions[19] = positions[0];
+            let weights = (0..19).map(|_| 0.01 * random.unit()).chain([0.0]).collect::<Vec<_>>();
+            let scene = Scene { positions, weights, room };
+            let (middle, volume) = (DVec3::from(scene.room.barycenter()), scene.room.volume());
+            let whole = scene.moments(middle, None);
+            assert!((whole.volume() - volume).abs() <= 1e-14 * volume, "{shape:?}: {}, not {volume}", whole.volume());
+            let first = whole.first().length();
+            assert!(first <= 1e-14 * volume * scene.room.extents().length(), "{shape:?}: barycenter off by {first:e}");
+            // Each is the cell's, by the library, and they have the whole together.
+            let output =
+                scene.evaluate(&Naive::default(), &Request::moments().with_second_moments()).expect("an output");
+            let mut sum = Moments::default();
+            for i in 0..20 {
+                let (cell, v, away) =
+                    (scene.moments(middle, Some(i)), output.volume[i], DVec3::from(output.barycenter[i]) - middle);
+                sum.merge(&cell);
+                assert!((cell.volume() - v).abs() <= 1e-13 * volume, "{shape:?}, {i}: {}, not {v}", cell.volume());
+                if v != 0.0 {
+                    let off = cell.first().distance(v * away);
+                    assert!(off <= 1e-13 * volume, "{shape:?}, {i}: first moment off by {off:e}");
+                    let second = output.second_moment.as_ref().expect("second moments")[i];
+                    for (k, [r, c]) in ENTRIES.into_iter().enumerate() {
+                        let off = (cell.second()[k] - (second[k] + v * away[r] * away[c])).abs();
+                        assert!(off <= 1e-13 * volume, "{shape:?}, {i}: second moment off by {off:e}");
+                    }
+                }
+            }
+            assert!((sum.volume() - volume).abs() <= 1e-14 * volume, "{shape:?}: {}, not {volume}", sum.volume());
+            let off = (0..6).map(|k| (sum.second()[k] - whole.second()[k]).abs()).fold(0.0, f64::max);
+            assert!(off <= 1e-14 * volume, "{shape:?}: second moments off by {off:e}");
         }
     }
 }

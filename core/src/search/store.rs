@@ -6,6 +6,7 @@ use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NodeBox, NodeSlab, NodeWeights, SearchStore};
 use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Real, UNTOUCHED, V3, v3};
 use crate::site_tree::{SiteTree, WIDTH};
+use pulp::{Arch, NullaryFnOnce};
 use std::collections::HashSet;
 
 /// Vertices that one descent asks for at most.
@@ -26,11 +27,33 @@ pub(super) struct Room {
     leaves: [Entry; MOST_LEAVES as usize],
     candidates: Vec<[u32; 2]>,
     asked: [Asked; MOST_ASKED],
-    /// Of the eight nodes or sites that are looked at, the asked vertices where a power may be below the limit, and the least of these powers.
+    /// Of the eight nodes or sites that are looked at, the asked vertices where a power may be below the limit, and the key of the least of these powers.
     asks: [u32; WIDTH],
-    least: [Real; WIDTH],
+    keys: [u32; WIDTH],
     /// Sites that the cell was tried with: what was tried once cannot cut what is left. (Of sites on a sphere all tie at many vertices of each.)
     tried: HashSet<u32>,
+    /// The instructions that the CPU has.
+    arch: Arch,
+}
+
+/// A look at the eight nodes of a block, or sites of a leaf, by the widest instructions that the CPU has; all give the same bits, as no sum or product
+/// is contracted. (With 32-byte vectors instead of 16 sites on a bumpy surface take 14 % less time, with 64 another 7.)
+struct Look<'s, 'c, 'a, S, const OF_LEAF: bool> {
+    search: &'s mut Searched<'c, 'a, S>,
+    number: usize,
+    asks: u32,
+}
+
+impl<S: CellStore, const OF_LEAF: bool> NullaryFnOnce for Look<'_, '_, '_, S, OF_LEAF> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        match OF_LEAF {
+            true => self.search.look_at_leaf(self.number, self.asks),
+            false => self.search.look_at_block(self.number, self.asks),
+        }
+    }
 }
 
 impl Default for Room {
@@ -41,8 +64,9 @@ impl Default for Room {
             candidates: Vec::new(),
             asked: [Asked::default(); MOST_ASKED],
             asks: [0; WIDTH],
-            least: [0.0; WIDTH],
+            keys: [0; WIDTH],
             tried: HashSet::new(),
+            arch: Arch::new(),
         }
     }
 }
@@ -69,30 +93,35 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
         Self { cell, tree, room }
     }
 
+    #[inline(always)]
     fn own(&self) -> V3 {
         let [x, y, z] = self.cell.position;
         v3(x, y, z)
     }
 
     /// A slab about the sites of node `k` of a block.
+    #[inline(always)]
     fn slab(&self, block: usize, k: usize) -> NodeSlab {
         let slabs = self.tree.slabs(block);
         NodeSlab { normal: along(&slabs.normal, k), lo: slabs.lo[k], hi: slabs.hi[k], largest: slabs.largest_weight[k] }
     }
 
     /// The box of its sites.
+    #[inline(always)]
     fn boxed(&self, block: usize, k: usize) -> NodeBox {
         let boxes = self.tree.boxes(block);
         NodeBox { lo: along(&boxes.lo, k), hi: along(&boxes.hi, k) }
     }
 
     /// What bounds their weights.
+    #[inline(always)]
     fn weights(&self, block: usize, k: usize) -> NodeWeights {
         let bounds = self.tree.weights(block);
         NodeWeights { offset: bounds.c[k], slope: along(&bounds.g, k), curvature: along(&bounds.q, k) }
     }
 
     /// The least powers at `place` of the sites of the eight nodes of a block. (Each loop becomes one over vectors.)
+    #[inline(always)]
     fn least_powers(&self, place: V3, block: usize) -> [Real; WIDTH] {
         let mut powers = [0.0; WIDTH];
         let site = self.own();
@@ -113,6 +142,7 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
     }
 
     /// Finds what `asks_by_powers` says of the eight nodes of a block.
+    #[inline(always)]
     fn look_at_block(&mut self, block: usize, asks: u32) {
         let (mut of, mut least) = ([0; WIDTH], [Real::INFINITY; WIDTH]);
         for i in bits(asks) {
@@ -124,10 +154,11 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
                 least[k] = super::smaller(if is_below { powers[k] } else { Real::INFINITY }, least[k]);
             }
         }
-        (self.room.asks, self.room.least) = (of, least);
+        (self.room.asks, self.room.keys) = (of, least.map(in_order));
     }
 
     /// Finds at which of some asked vertices the eight sites of a leaf have a power below the limit.
+    #[inline(always)]
     fn look_at_leaf(&mut self, leaf: usize, asks: u32) {
         let leaf = self.tree.leaf(leaf as u32);
         let ([xs, ys, zs], [px, py, pz]) = (&leaf.at, self.cell.position);
@@ -219,16 +250,18 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     fn asks_of_node(&mut self, level: u32, node: u32, asks: u32, key: &mut u32) -> u32 {
         let (block, k) = self.block(level, node);
         if k == 0 {
-            self.look_at_block(block, asks);
+            let arch = self.room.arch;
+            arch.dispatch(Look::<S, false> { search: self, number: block, asks });
         }
-        *key = in_order(self.room.least[k]);
+        *key = self.room.keys[k];
         self.room.asks[k]
     }
     #[inline(always)]
     fn asks_of_site(&mut self, j: u32, asks: u32) -> u32 {
         let (leaf, k) = (j as usize / WIDTH, j as usize % WIDTH);
         if k == 0 {
-            self.look_at_leaf(leaf, asks);
+            let arch = self.room.arch;
+            arch.dispatch(Look::<S, true> { search: self, number: leaf, asks });
         }
         self.room.asks[k]
     }

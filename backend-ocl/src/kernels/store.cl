@@ -38,6 +38,15 @@ typedef struct {
     uint candidate[MOST_CANDIDATES];
     uint candidate_key[MOST_CANDIDATES];
     Asked asked;
+#if WITH_TABLE
+    // Of the search of the table: it, the site's voxel, how far what is outside the domain was looked for, whether it was cut off, and whether sites
+    // from all over have cut the cell, which are not to cut it twice.
+    __global const uchar4 *shells;
+    uint voxel[3];
+    uint rings;
+    uint is_capped;
+    uint is_sampled;
+#endif
     uint is_fine;
     // The half-space that was set last, and its index.
     uint last_index;

@@ -72,6 +72,11 @@ INLINE uint store_touches(Store *s, uint v, uint j) {
 }
 INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
 INLINE uint store_cut_by(Store *s, uint j) {
+#if WITH_TABLE
+    if ((s->is_sampled != 0u) && (store_was_tried(s, j) != 0u)) {
+        return UNTOUCHED;
+    }
+#endif
     const real4 other = s->world.sites[j];
     const V3 d = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
     const real enlarged = s->world.params->enlarged;

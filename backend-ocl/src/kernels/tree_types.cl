@@ -166,6 +166,37 @@ typedef struct {
 
 #define LEAST_LENGTH ((real)(REAL(1e-150)))
 
+// core/src/cell/table.rs
+
+// Sites that become candidates at one time.
+#define WINDOW ((uint)(64))
+
+// What is allowed for the roundings of a distance in voxels, which is below 16, and of its square.
+#define SLACK_IN_VOXELS ((real)(REAL(1e-5)))
+
+#define SAFE_IN_VOXELS ((real)(REAL(1.00001)))
+
+// A voxel's place, in voxels from the site's own.
+typedef struct {
+    // Along x.
+    int x;
+    // Along y.
+    int y;
+    // Along z.
+    int z;
+    // A lower bound of the squared distance, in voxels, from any place in the site's voxel to this one and to all that come later, in the table or
+    // not.
+    real apart;
+} Offset;
+
+// Consecutive sorted sites.
+typedef struct {
+    // The first.
+    uint begin;
+    // One more than the last.
+    uint end;
+} SiteRange;
+
 // core/src/cell/node.rs
 
 // Sites of a sample, at most.

@@ -45,6 +45,7 @@ pub mod search_store;
 mod security;
 mod status;
 mod store;
+pub mod table;
 pub(crate) mod tree;
 mod vector;
 mod vertex;

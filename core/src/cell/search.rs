@@ -271,7 +271,7 @@ fn take_nearest<S: SearchStore>(s: &mut S, count: u32, limit: u32) -> u32 {
 /// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
 /// after.
 #[inline]
-fn visit_candidates<S: SearchStore>(
+pub(super) fn visit_candidates<S: SearchStore>(
     s: &mut S,
     vantage: Vantage,
     count: u32,

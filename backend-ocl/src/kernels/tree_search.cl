@@ -12,10 +12,10 @@ INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeigh
 INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights);
 INLINE real reach_of_bisector(V3 g, V3 d, real excess);
 INLINE Seer seer_of(Store *s);
-INLINE Open open_root(Store *s, uint vertices);
+INLINE Open open_top(Store *s, uint vertices);
 INLINE Open open_path(Store *s);
-INLINE uint is_asked(Store *s, uint key, uint asks);
-INLINE uint take_last(Store *s, uint is_leaf, uint vertices, uint most, uint *count);
+INLINE uint keep_asked(Store *s, bool is_leaf, uint vertices, uint count);
+INLINE Open still_asked(Store *s, uint vertices, Open open);
 INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint *key);
 HOT Open open_blocks(Store *s, Question question, Open given);
 HOT Vantage vantage_of(Store *s);
@@ -142,11 +142,21 @@ INLINE Seer seer_of(Store *s) {
     return (Seer){ .site = store_site(s), .excess = store_own_excess(s), .has_weights = store_has_weights(s) };
 }
 
-// Opens the root alone, for some asked vertices.
-INLINE Open open_root(Store *s, uint vertices) {
-    store_set_open_block(s, 0, store_top_level(s) << LEVEL_SHIFT, 0, vertices);
+// Opens, for some asked vertices, the lowest level of which the lanes take all blocks at one time: the root, where there is one lane.
+INLINE Open open_top(Store *s, uint vertices) {
+    uint level = store_top_level(s);
+    uint blocks = 1;
+    // (A level has eight times as many nodes, so at most eight times as many blocks.)
+    const uint last = (store_sites(s) - 1) / (WIDTH * WIDTH);
+    while ((level > 0) && (((last >> (3 * (level - 1))) * WIDTH) < store_lanes(s))) {
+        level -= 1;
+        blocks = (last >> (3 * level)) + 1;
+    }
+    if (store_lane(s) < blocks) {
+        store_set_open_block(s, store_lane(s), (level << LEVEL_SHIFT) | store_lane(s), 0, vertices);
+    }
     store_lanes_wait(s);
-    return (Open){ .blocks = 1, .leaves = 0 };
+    return (Open){ .blocks = blocks, .leaves = 0 };
 }
 
 // Opens the blocks that hold the cell's own site, but for that of its leaf, whose leaves are at hand: the nearest last.
@@ -168,55 +178,47 @@ INLINE Open open_path(Store *s) {
     return open;
 }
 
-// Whether one of some vertices is still asked for at a node whose least power has a key: of the first alone only below its limit.
-INLINE uint is_asked(Store *s, uint key, uint asks) {
-    return (uint)(((asks & 0xFFFFFFFE) != 0) || (((asks & 1) != 0) && (key <= store_key_above(s, store_asked(s, 0).limit))));
-}
-
-// Keeps of the last open blocks, or of the leaves at hand, those that are still asked for, for one of the vertices: so many at most, the last
-// first, behind the `count` that are left, which it lowers. Returns how many.
-INLINE uint take_last(Store *s, uint is_leaf, uint vertices, uint most, uint *count) {
-    const uint there = *count;
-    uint mine = 0;
-    uint key = NO_SITE;
-    uint asks = 0;
-    if (store_lane(s) < there) {
-        const uint at = (there - 1) - store_lane(s);
-        if (is_leaf != 0) {
-            mine = store_leaf(s, at);
-            key = store_leaf_key(s, at);
-            asks = store_leaf_asks(s, at) & vertices;
-        } else {
-            mine = store_open_block(s, at);
-            key = store_open_key(s, at);
-            asks = store_open_asks(s, at) & vertices;
+// Keeps of the open blocks, or of the leaves at hand, those where one of some vertices is still asked for, of the first alone only where the least
+// power is below its limit; returns how many of the `count` are left.
+INLINE uint keep_asked(Store *s, bool is_leaf, uint vertices, uint count) {
+    const uint limit = store_key_above(s, store_asked(s, 0).limit);
+    uint kept = 0;
+    uint i = store_lane(s);
+    while ((i - store_lane(s)) < count) {
+        uint number = 0;
+        uint key = NO_SITE;
+        uint asks = 0;
+        if (i < count) {
+            if (is_leaf) {
+                number = store_leaf(s, i);
+                key = store_leaf_key(s, i);
+                asks = store_leaf_asks(s, i) & vertices;
+            } else {
+                number = store_open_block(s, i);
+                key = store_open_key(s, i);
+                asks = store_open_asks(s, i) & vertices;
+            }
         }
-    }
-    uint is_taken = is_asked(s, key, asks);
-    const uint all = store_lanes_with(s, is_taken);
-    const uint rank = store_rank_in(s, all);
-    if (rank >= most) {
-        is_taken = 0;
-    }
-    const uint taken = store_lanes_with(s, is_taken);
-    const uint last = store_lanes_with(s, (uint)((is_taken != 0) && ((rank + 1) == most)));
-    uint looked = store_lanes(s);
-    if (last != 0) {
-        looked = store_first_of(s, last) + 1;
-    }
-    if (looked > there) {
-        looked = there;
-    }
-    *count = there - looked;
-    if (is_taken != 0) {
-        if (is_leaf != 0) {
-            store_set_leaf(s, (there - looked) + rank, mine, key, asks);
-        } else {
-            store_set_open_block(s, (there - looked) + rank, mine, key, asks);
+        const bool is_kept = (asks > 1) || ((asks == 1) && (key <= limit));
+        const uint all = store_lanes_with(s, (uint)is_kept);
+        store_lanes_wait(s);
+        if (is_kept) {
+            if (is_leaf) {
+                store_set_leaf(s, kept + store_rank_in(s, all), number, key, asks);
+            } else {
+                store_set_open_block(s, kept + store_rank_in(s, all), number, key, asks);
+            }
         }
+        kept += store_count_of(s, all);
+        i += store_lanes(s);
     }
     store_lanes_wait(s);
-    return store_count_of(s, taken);
+    return kept;
+}
+
+// What of it is still asked for, some vertices being left, where the first one's limit is less than before or a vertex is not asked for any more.
+INLINE Open still_asked(Store *s, uint vertices, Open open) {
+    return (Open){ .blocks = keep_asked(s, 0, vertices, open.blocks), .leaves = keep_asked(s, 1, vertices, open.leaves) };
 }
 
 // Those of some asked vertices, a bit each, at which a site of a node may have a power below their limit; and the key of the least of those.
@@ -257,11 +259,7 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
             some = open.blocks;
         }
     }
-    if (question.vertices != 0) {
-        some = take_last(s, 0, question.vertices, some, &open.blocks);
-    } else {
-        open.blocks -= some;
-    }
+    open.blocks -= some;
     const uint turn = store_lane(s) / WIDTH;
     uint is_there = 0;
     uint block = 0;
@@ -269,7 +267,7 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
     if (turn < some) {
         is_there = 1;
         block = store_open_block(s, open.blocks + turn);
-        of_block = store_open_asks(s, open.blocks + turn) & question.vertices;
+        of_block = store_open_asks(s, open.blocks + turn);
     }
     store_lanes_wait(s);
     const uint level = block >> LEVEL_SHIFT;
@@ -714,11 +712,17 @@ HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay) {
     const uint most = larger_count(lanes / WIDTH, 1);
     uint left = (1 << asked) - 1;
     uint found = NO_SITE;
-    Open open = open_root(s, left);
+    Open open = open_top(s, left);
     *ties = 0;
     for (;;) {
         if ((open.leaves >= most) || ((open.leaves > 0) && (open.blocks == 0))) {
-            const uint some = take_last(s, 1, left, most, &open.leaves);
+            uint some = most;
+            if (open.leaves < some) {
+                some = open.leaves;
+            }
+            open.leaves -= some;
+            const real limit = store_asked(s, 0).limit;
+            const uint before = left;
             uint i = store_lane(s);
             while (i < larger_count(some * WIDTH, lanes)) {
                 uint j = NO_SITE;
@@ -739,6 +743,9 @@ HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay) {
                 i += lanes;
             }
             store_lanes_wait(s);
+            if ((store_asked(s, 0).limit < limit) || (left != before)) {
+                open = still_asked(s, left, open);
+            }
         } else if (open.blocks > 0) {
             const Question question = (Question){ .square = REAL(1.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .limit = REAL(0.0), .vertices = left };
             open = open_blocks(s, question, open);

@@ -6,7 +6,7 @@
 use super::quadratic::FEW_ROUNDINGS_OF_SUM;
 use super::search_store::{Asked, NO_SITE, SearchStore, WIDTH};
 use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
-use super::tree::{Open, Question, open_blocks, open_root, take_last};
+use super::tree::{Open, Question, open_blocks, open_top, still_asked};
 use super::vector::{Real, V3, dot, larger, smaller, sub, v3};
 
 /// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
@@ -178,11 +178,17 @@ pub(crate) fn least_at<S: SearchStore>(s: &mut S, asked: u32, ties: &mut u32, st
     let most: u32 = larger_count(lanes / WIDTH, 1);
     let mut left: u32 = (1 << asked) - 1;
     let mut found: u32 = NO_SITE;
-    let mut open: Open = open_root(s, left);
+    let mut open: Open = open_top(s, left);
     *ties = 0;
     loop {
         if (open.leaves >= most) || ((open.leaves > 0) && (open.blocks == 0)) {
-            let some: u32 = take_last(s, 1, left, most, &mut open.leaves);
+            let mut some: u32 = most;
+            if open.leaves < some {
+                some = open.leaves;
+            }
+            open.leaves -= some;
+            let limit: Real = s.asked(0).limit;
+            let before: u32 = left;
             let mut i: u32 = s.lane();
             while i < larger_count(some * WIDTH, lanes) {
                 let mut j: u32 = NO_SITE;
@@ -203,6 +209,9 @@ pub(crate) fn least_at<S: SearchStore>(s: &mut S, asked: u32, ties: &mut u32, st
                 i += lanes;
             }
             s.lanes_wait();
+            if (s.asked(0).limit < limit) || (left != before) {
+                open = still_asked(s, left, open);
+            }
         } else if open.blocks > 0 {
             let question: Question = Question { square: 1.0, slope: v3(0.0, 0.0, 0.0), limit: 0.0, vertices: left };
             open = open_blocks(s, question, open);

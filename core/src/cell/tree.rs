@@ -39,12 +39,22 @@ fn seer_of<S: SearchStore>(s: &S) -> Seer {
     return Seer { site: s.site(), excess: s.own_excess(), has_weights: s.has_weights() };
 }
 
-/// Opens the root alone, for some asked vertices.
+/// Opens, for some asked vertices, the lowest level of which the lanes take all blocks at one time: the root, where there is one lane.
 #[inline(always)]
-pub(super) fn open_root<S: SearchStore>(s: &mut S, vertices: u32) -> Open {
-    s.set_open_block(0, s.top_level() << LEVEL_SHIFT, 0, vertices);
+pub(super) fn open_top<S: SearchStore>(s: &mut S, vertices: u32) -> Open {
+    let mut level: u32 = s.top_level();
+    let mut blocks: u32 = 1;
+    // (A level has eight times as many nodes, so at most eight times as many blocks.)
+    let last: u32 = (s.sites() - 1) / (WIDTH * WIDTH);
+    while (level > 0) && (((last >> (3 * (level - 1))) * WIDTH) < s.lanes()) {
+        level -= 1;
+        blocks = (last >> (3 * level)) + 1;
+    }
+    if s.lane() < blocks {
+        s.set_open_block(s.lane(), (level << LEVEL_SHIFT) | s.lane(), 0, vertices);
+    }
     s.lanes_wait();
-    return Open { blocks: 1, leaves: 0 };
+    return Open { blocks: blocks, leaves: 0 };
 }
 
 /// Opens the blocks that hold the cell's own site, but for that of its leaf, whose leaves are at hand: the nearest last.
@@ -67,57 +77,52 @@ pub(super) fn open_path<S: SearchStore>(s: &mut S) -> Open {
     return open;
 }
 
-/// Whether one of some vertices is still asked for at a node whose least power has a key: of the first alone only below its limit.
+/// Keeps of the open blocks, or of the leaves at hand, those where one of some vertices is still asked for, of the first alone only where the least
+/// power is below its limit; returns how many of the `count` are left.
 #[inline(always)]
-fn is_asked<S: SearchStore>(s: &S, key: u32, asks: u32) -> u32 {
-    return (((asks & 0xFFFF_FFFE) != 0) || (((asks & 1) != 0) && (key <= s.key_above(s.asked(0).limit)))) as u32;
-}
-
-/// Keeps of the last open blocks, or of the leaves at hand, those that are still asked for, for one of the vertices: so many at most, the last
-/// first, behind the `count` that are left, which it lowers. Returns how many.
-#[inline(always)]
-pub(super) fn take_last<S: SearchStore>(s: &mut S, is_leaf: u32, vertices: u32, most: u32, count: &mut u32) -> u32 {
-    let there: u32 = *count;
-    let mut mine: u32 = 0;
-    let mut key: u32 = NO_SITE;
-    let mut asks: u32 = 0;
-    if s.lane() < there {
-        let at: u32 = (there - 1) - s.lane();
-        if is_leaf != 0 {
-            mine = s.leaf(at);
-            key = s.leaf_key(at);
-            asks = s.leaf_asks(at) & vertices;
-        } else {
-            mine = s.open_block(at);
-            key = s.open_key(at);
-            asks = s.open_asks(at) & vertices;
+fn keep_asked<S: SearchStore>(s: &mut S, is_leaf: bool, vertices: u32, count: u32) -> u32 {
+    let limit: u32 = s.key_above(s.asked(0).limit);
+    let mut kept: u32 = 0;
+    let mut i: u32 = s.lane();
+    while (i - s.lane()) < count {
+        let mut number: u32 = 0;
+        let mut key: u32 = NO_SITE;
+        let mut asks: u32 = 0;
+        if i < count {
+            if is_leaf {
+                number = s.leaf(i);
+                key = s.leaf_key(i);
+                asks = s.leaf_asks(i) & vertices;
+            } else {
+                number = s.open_block(i);
+                key = s.open_key(i);
+                asks = s.open_asks(i) & vertices;
+            }
         }
-    }
-    let mut is_taken: u32 = is_asked(s, key, asks);
-    let all: u32 = s.lanes_with(is_taken);
-    let rank: u32 = s.rank_in(all);
-    if rank >= most {
-        is_taken = 0;
-    }
-    let taken: u32 = s.lanes_with(is_taken);
-    let last: u32 = s.lanes_with(((is_taken != 0) && ((rank + 1) == most)) as u32);
-    let mut looked: u32 = s.lanes();
-    if last != 0 {
-        looked = s.first_of(last) + 1;
-    }
-    if looked > there {
-        looked = there;
-    }
-    *count = there - looked;
-    if is_taken != 0 {
-        if is_leaf != 0 {
-            s.set_leaf((there - looked) + rank, mine, key, asks);
-        } else {
-            s.set_open_block((there - looked) + rank, mine, key, asks);
+        let is_kept: bool = (asks > 1) || ((asks == 1) && (key <= limit));
+        let all: u32 = s.lanes_with(is_kept as u32);
+        s.lanes_wait();
+        if is_kept {
+            if is_leaf {
+                s.set_leaf(kept + s.rank_in(all), number, key, asks);
+            } else {
+                s.set_open_block(kept + s.rank_in(all), number, key, asks);
+            }
         }
+        kept += s.count_of(all);
+        i += s.lanes();
     }
     s.lanes_wait();
-    return s.count_of(taken);
+    return kept;
+}
+
+/// What of it is still asked for, some vertices being left, where the first one's limit is less than before or a vertex is not asked for any more.
+#[inline(always)]
+pub(super) fn still_asked<S: SearchStore>(s: &mut S, vertices: u32, open: Open) -> Open {
+    return Open {
+        blocks: keep_asked(s, false, vertices, open.blocks),
+        leaves: keep_asked(s, true, vertices, open.leaves),
+    };
 }
 
 /// Those of some asked vertices, a bit each, at which a site of a node may have a power below their limit; and the key of the least of those.
@@ -166,11 +171,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
             some = open.blocks;
         }
     }
-    if question.vertices != 0 {
-        some = take_last(s, 0, question.vertices, some, &mut open.blocks);
-    } else {
-        open.blocks -= some;
-    }
+    open.blocks -= some;
     let turn: u32 = s.lane() / WIDTH;
     let mut is_there: u32 = 0;
     let mut block: u32 = 0;
@@ -178,7 +179,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
     if turn < some {
         is_there = 1;
         block = s.open_block(open.blocks + turn);
-        of_block = s.open_asks(open.blocks + turn) & question.vertices;
+        of_block = s.open_asks(open.blocks + turn);
     }
     s.lanes_wait();
     let level: u32 = block >> LEVEL_SHIFT;

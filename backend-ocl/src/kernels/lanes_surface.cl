@@ -210,8 +210,12 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
             }
         }
     }
-    // What rounding may have made is the other kernel's to settle.
-    return (sums->volume > sums->rounding) ? COMPLETE : LEFT;
+    if (sums->volume > sums->rounding) {
+        // What `settle` would say first.
+        return COMPLETE;
+    }
+    turn_to_box(s);
+    return settle(s, sums);
 }
 #endif
 

@@ -164,14 +164,15 @@ impl<'a> Bounds<'a> {
         NOT_BELIEVED * U * self.reach[i].powi(2)
     }
 
-    /// The negative facets that others have with cell `i` and `i` may not believe: the other cell, and the magnitude of the area (length²).
-    pub fn not_believed_facets(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        let most = self.not_believed(i);
-        let has = move |j: usize| self.rows[i].iter().any(|f| f.neighbor == j);
-        self.rows.iter().enumerate().filter(move |(j, _)| !has(*j)).filter_map(move |(j, row)| {
-            let facet = row.iter().find(|f| f.neighbor == i && f.area < 0.0 && -f.area <= most)?;
-            Some((j, -facet.area))
-        })
+    /// The negative facets that cell `i` has but its row may leave out, whether the other cell, which may be empty, has them or not: the other
+    /// site, and the area as the surface has it (length²). Nearly parallel bisectors cut off noise on one side of a facet, not on the other: it is
+    /// the lesser of what the two sides make of it.
+    pub fn unseen_facets(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let (scene, most) = (self.scene, self.not_believed(i));
+        let seen = move |j: usize| self.rows[i].iter().any(|f| f.neighbor == j);
+        let others = (0..scene.len()).filter(move |&j| scene.site(j) != scene.site(i) && !seen(j));
+        let area = move |j: usize| scene.facet_area(i, j).max(scene.facet_area(j, i));
+        others.map(move |j| (j, area(j))).filter(move |&(_, area)| area < 0.0 && -area <= most)
     }
 
     /// How far a bisector of site `i` may be off (length).

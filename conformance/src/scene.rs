@@ -100,27 +100,59 @@ impl Scene {
     /// point and with nothing of the library. What lies on a bisector is the site's of lower index.
     pub fn surface_in_cell(&self, i: usize) -> f64 {
         let mesh = self.room.mesh();
-        let within = |triangle: &[u32; 3]| {
-            let mut polygon: Vec<DVec3> = triangle.iter().map(|&v| DVec3::from(mesh.vertices[v as usize])).collect();
-            for j in (0..self.len()).filter(|&j| j != i) {
-                let heights: Vec<f64> = polygon.iter().map(|&x| self.power_difference(x, i, j)).collect();
-                let inside = |h: f64| h < 0.0 || (h == 0.0 && i < j);
-                let mut rest = Vec::with_capacity(polygon.len() + 1);
-                for (k, (&x, &h)) in polygon.iter().zip(&heights).enumerate() {
-                    let next = (k + 1) % polygon.len();
-                    if inside(h) {
-                        rest.push(x);
-                    }
-                    if inside(h) != inside(heights[next]) {
-                        rest.push(x + (polygon[next] - x) * (h / (h - heights[next])));
-                    }
+        let corners = |triangle: &[u32; 3]| triangle.map(|v| DVec3::from(mesh.vertices[v as usize])).to_vec();
+        mesh.triangles.iter().map(|triangle| vector_area(&self.within(corners(triangle), i, None)).length()).sum()
+    }
+
+    /// Area of the facet between the power cells of sites `i` and `j`, at different positions, by winding number (length²): that of the triangles
+    /// between a point of their bisector and the segments in which it meets the surface, each cut by the bisectors of `i` with all other sites.
+    /// Computed as [`Scene::surface_in_cell`]. Of sites at one position that of largest weight has the facet, of several such the first.
+    pub fn facet_area(&self, i: usize, j: usize) -> f64 {
+        let goes_before = |k: usize| self.weight(k) > self.weight(j) || (self.weight(k) == self.weight(j) && k < j);
+        if (0..self.len()).any(|k| self.site(k) == self.site(j) && goes_before(k)) {
+            return 0.0;
+        }
+        let mesh = self.room.mesh();
+        let normal = (self.site(j) - self.site(i)).normalize();
+        let (mut area, mut point) = (0.0, None);
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(|v| DVec3::from(mesh.vertices[v as usize]));
+            let heights = corners.map(|x| self.power_difference(x, i, j));
+            let (mut enters, mut leaves) = (None, None);
+            for (k, next) in [(0, 1), (1, 2), (2, 0)] {
+                if (heights[k] < 0.0) != (heights[next] < 0.0) {
+                    let end = if heights[k] < 0.0 { &mut leaves } else { &mut enters };
+                    *end = Some(crossing(corners[k], heights[k], corners[next], heights[next]));
                 }
-                polygon = rest;
             }
-            let fan = polygon.windows(2).skip(1).map(|edge| (edge[0] - polygon[0]).cross(edge[1] - polygon[0]));
-            0.5 * fan.sum::<DVec3>().length()
-        };
-        mesh.triangles.iter().map(within).sum()
+            if let (Some(a), Some(b)) = (enters, leaves) {
+                let point = *point.get_or_insert(a);
+                // The cell's side of the surface goes around the facet the other way.
+                area += vector_area(&self.within(vec![point, a, b], i, Some(j))).dot(normal);
+            }
+        }
+        area
+    }
+
+    /// What of a convex polygon is in the power cell of site `i`, or would be without the sites where site `but` is.
+    fn within(&self, mut polygon: Vec<DVec3>, i: usize, but: Option<usize>) -> Vec<DVec3> {
+        let cuts = |j: usize| but.is_none_or(|but| self.site(j) != self.site(but));
+        for j in (0..self.len()).filter(|&j| j != i && cuts(j)) {
+            let heights: Vec<f64> = polygon.iter().map(|&x| self.power_difference(x, i, j)).collect();
+            let inside = |h: f64| h < 0.0 || (h == 0.0 && i < j);
+            let mut rest = Vec::with_capacity(polygon.len() + 1);
+            for (k, (&x, &h)) in polygon.iter().zip(&heights).enumerate() {
+                let next = (k + 1) % polygon.len();
+                if inside(h) {
+                    rest.push(x);
+                }
+                if inside(h) != inside(heights[next]) {
+                    rest.push(crossing(x, h, polygon[next], heights[next]));
+                }
+            }
+            polygon = rest;
+        }
+        polygon
     }
 
     /// Integrals over the room, by winding number, about `middle`; or over what of it is in the power cell of a site. They are those of the
@@ -179,6 +211,17 @@ impl Scene {
     }
 }
 
+/// Where a linear function is 0 between `x`, where it is `h`, and `y`, where it is `g`.
+fn crossing(x: DVec3, h: f64, y: DVec3, g: f64) -> DVec3 {
+    x + (y - x) * (h / (h - g))
+}
+
+/// Area times normal of a plane polygon (length²).
+fn vector_area(polygon: &[DVec3]) -> DVec3 {
+    let fan = polygon.windows(2).skip(1).map(|edge| (edge[0] - polygon[0]).cross(edge[1] - polygon[0]));
+    0.5 * fan.sum::<DVec3>()
+}
+
 /// One facet of an output.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet {
@@ -228,6 +271,29 @@ mod tests {
             let (sum, area) = (parts.iter().sum::<f64>(), scene.room.area());
             assert!((sum - area).abs() <= 1e-13 * area, "{shape:?}: {sum}, not {area}");
             assert!(parts[19] == 0.0 && parts.iter().filter(|part| **part > 0.0).count() > 5, "{shape:?}: {parts:?}");
+        }
+    }
+
+    #[test]
+    fn facets_are_cut_out_of_the_surface() {
+        let mut random = Random::new(3);
+        for shape in [Shape::Box, Shape::Cavity, Shape::FoldedStar(2), Shape::FoldedComb(6)] {
+            let room = room(shape, Pose::Turned);
+            let lo = DVec3::from(room.bounding_box().0);
+            let mut positions: Vec<[f64; 3]> = (0..20).map(|_| (lo + room.extents() * random.point()).into()).collect();
+            positions[19] = positions[0];
+            let mut weights: Vec<f64> = (0..20).map(|_| 0.01 * random.unit()).collect();
+            weights[19] = weights[0];
+            let scene = Scene { positions, weights, room };
+            let rows = rows(&scene.with_facets(&Naive::default()).expect("an output"));
+            let bound = 1e-13 * scene.room.area();
+            for (i, row) in rows.iter().enumerate() {
+                for j in (0..20).filter(|&j| scene.site(j) != scene.site(i)) {
+                    let listed = row.iter().find(|f| f.neighbor == j).map_or(0.0, |f| f.area);
+                    let area = scene.facet_area(i, j);
+                    assert!((area - listed).abs() <= bound, "{shape:?}: facet {i}-{j}: {area:e}, not {listed:e}");
+                }
+            }
         }
     }
 

@@ -197,6 +197,8 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         if (add_polytope(s, REAL(1.0), center, REAL(0.0), VOLUME_ONLY, &whole) != COMPLETE) {
             return LEFT;
         }
+        // (Its vertices are in double precision from here on.)
+        s->is_fine = 1;
         if (volume_is_above_bound(whole) == 0u) {
             return EMPTY;
         }

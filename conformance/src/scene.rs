@@ -256,15 +256,21 @@ mod tests {
     use crate::moments::ENTRIES;
     use crate::sites::Random;
 
+    /// A room and 20 sites in its box, the last where the first is.
+    fn with_twins(shape: Shape, random: &mut Random) -> (Room, Vec<[f64; 3]>) {
+        let room = room(shape, Pose::Turned);
+        let lo = DVec3::from(room.bounding_box().0);
+        let mut positions: Vec<[f64; 3]> = (0..20).map(|_| (lo + room.extents() * random.point()).into()).collect();
+        positions[19] = positions[0];
+        (room, positions)
+    }
+
     #[test]
     fn cells_share_the_surface() {
         let mut random = Random::new(1);
         for shape in [Shape::Box, Shape::Cavity, Shape::FoldedStar(2), Shape::FoldedComb(6)] {
-            let room = room(shape, Pose::Turned);
-            let lo = DVec3::from(room.bounding_box().0);
-            let mut positions: Vec<[f64; 3]> = (0..20).map(|_| (lo + room.extents() * random.point()).into()).collect();
-            // Two of one place: the first has all.
-            positions[19] = positions[0];
+            let (room, positions) = with_twins(shape, &mut random);
+            // Of the two of one place the first has all.
             let weights = (0..19).map(|_| 0.01 * random.unit()).chain([0.0]).collect::<Vec<_>>();
             let scene = Scene { positions, weights, room };
             let parts: Vec<f64> = (0..20).map(|i| scene.surface_in_cell(i)).collect();
@@ -278,10 +284,7 @@ mod tests {
     fn facets_are_cut_out_of_the_surface() {
         let mut random = Random::new(3);
         for shape in [Shape::Box, Shape::Cavity, Shape::FoldedStar(2), Shape::FoldedComb(6)] {
-            let room = room(shape, Pose::Turned);
-            let lo = DVec3::from(room.bounding_box().0);
-            let mut positions: Vec<[f64; 3]> = (0..20).map(|_| (lo + room.extents() * random.point()).into()).collect();
-            positions[19] = positions[0];
+            let (room, positions) = with_twins(shape, &mut random);
             let mut weights: Vec<f64> = (0..20).map(|_| 0.01 * random.unit()).collect();
             weights[19] = weights[0];
             let scene = Scene { positions, weights, room };
@@ -301,10 +304,7 @@ mod tests {
     fn cells_share_the_moments() {
         let mut random = Random::new(2);
         for shape in [Shape::Box, Shape::Cavity, Shape::FoldedStar(2), Shape::FoldedComb(6)] {
-            let room = room(shape, Pose::Turned);
-            let lo = DVec3::from(room.bounding_box().0);
-            let mut positions: Vec<[f64; 3]> = (0..20).map(|_| (lo + room.extents() * random.point()).into()).collect();
-            positions[19] = positions[0];
+            let (room, positions) = with_twins(shape, &mut random);
             let weights = (0..19).map(|_| 0.01 * random.unit()).chain([0.0]).collect::<Vec<_>>();
             let scene = Scene { positions, weights, room };
             let (middle, volume) = (DVec3::from(scene.room.barycenter()), scene.room.volume());

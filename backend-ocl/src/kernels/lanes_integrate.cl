@@ -101,12 +101,7 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
     if (summed != COMPLETE) {
         return LEFT;
     }
-    if (sums->volume > sums->rounding) {
-        // What `settle` would say first.
-        return COMPLETE;
-    }
-    turn_to_box(s);
-    return settle(s, sums);
+    return settle_sums(s, sums);
 }
 
 // The vertices of half-space f, as the view: each lane may have another.

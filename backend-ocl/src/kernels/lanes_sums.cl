@@ -45,6 +45,16 @@ INLINE void turn_to_box(Store *s) {
     s->view = BOX_CORNERS;
 }
 
+// `settle`, of the cell whose integrals these are: `COMPLETE` or `EMPTY`.
+INLINE uint settle_sums(Store *s, CellSums *sums) {
+    if (sums->volume > sums->rounding) {
+        // What it would say first.
+        return COMPLETE;
+    }
+    turn_to_box(s);
+    return settle(s, sums);
+}
+
 // All vertices in double precision: they take the place of the rough ones. Where signs are not settled closely each was born by `find_vertex_once`;
 // the rest of `find_vertex`, which is never reached there, takes 3 % of the time of even sites for being there.
 OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, uint *exact) {

@@ -212,12 +212,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
             }
         }
     }
-    if (sums->volume > sums->rounding) {
-        // What `settle` would say first.
-        return COMPLETE;
-    }
-    turn_to_box(s);
-    return settle(s, sums);
+    return settle_sums(s, sums);
 }
 #endif
 

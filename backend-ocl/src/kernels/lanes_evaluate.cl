@@ -84,7 +84,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #else
     if (status == COMPLETE) {
 #if WITH_TABLE
-        status = complete_by_table(s, shells, site, &visited, &extent);
+        status = complete_by_table(s, shells, &visited, &extent);
 #else
         status = complete_by_tree(s, vantage, &visited, &extent);
 #endif

@@ -144,6 +144,18 @@ typedef struct {
     uint exact;
     // The vertex that the search asks for.
     Asked asked;
+#if WITH_TABLE
+    // Of the search of the table: it, the site's voxel, and the candidates that the lane holds.
+    __global const uchar4 *shells;
+    uint voxel[3];
+    uint held_site[2];
+    uint held_key[2];
+#if WITH_DOMAIN && WITH_EXACT
+    // Whether what is outside the domain was cut off, and whether sites from all over have cut the cell, which are not to cut it twice.
+    uint is_capped;
+    uint is_sampled;
+#endif
+#endif
     // The corners of a facet: places, and how many.
     Place *corner;
     uint corners;

@@ -1,25 +1,8 @@
 // The search of the tree (`tree_search.cl`), where LANES work-items compute a cell together.
 
-#import "lanes_cap.cl"
-#import "lanes_reach.cl"
-#import "tree_store.cl"
+#import "lanes_search.cl"
 
 #if SEARCHES_TREE
-
-INLINE uint store_lanes(Store *s) { return LANES; }
-INLINE uint store_lane(Store *s) { return s->lane; }
-INLINE uint store_lanes_with(Store *s, uint bit) { return lanes_with(bit); }
-INLINE uint store_count_of(Store *s, uint lanes) { return popcount(lanes); }
-INLINE uint store_rank_in(Store *s, uint lanes) { return popcount(lanes & ((1u << s->lane) - 1u)); }
-INLINE uint store_first_of(Store *s, uint lanes) { return lowest_bit(lanes); }
-INLINE uint store_least_of_lanes(Store *s, uint x) { return ~lanes_most(~x); }
-INLINE uint store_lane_value(Store *s, uint x, uint from) { return lane_value(x, from); }
-INLINE real store_lane_real(Store *s, real x, uint from) {
-    const uint2 own = as_uint2(x);
-    return as_double((uint2)(lane_value(own.x, from), lane_value(own.y, from)));
-}
-INLINE void store_lanes_wait(Store *s) { lanes_wait(); }
-
 INLINE uint store_open_block(Store *s, uint i) { return s->cell->open[i]; }
 INLINE uint store_leaf(Store *s, uint i) { return s->cell->leaf[i]; }
 #if KEEPS_KEYS
@@ -46,18 +29,6 @@ INLINE void store_set_candidate(Store *s, uint i, uint site, uint key) {
     s->cell->candidate_key[i] = key;
 }
 
-// (In single precision: in double, with its two roots, each call took 1,800 cycles, of 210,000 that a search of white noise took.)
-INLINE real store_square_of_reach(Store *s, V3 center) {
-#if WITH_WEIGHTS
-    const V3 from = origin_of(s->cell);
-    const float3 place = (float3)((float)(center.x - from.x), (float)(center.y - from.y), (float)(center.z - from.z));
-    const float far = (farthest_from(s, place) + (ROUGH * ((fabs(place.x) + fabs(place.y)) + fabs(place.z)))) * ROUGH_SAFE;
-#else
-    const float far = farthest_of(s);
-#endif
-    return (real)((far * far) * ROUGH_SAFE);
-}
-
 INLINE uint store_settled(Store *s, uint v) { return s->cell->triplet[v] & SETTLED; }
 INLINE void store_set_settled(Store *s, uint v, uint settled) {
     if (s->lane == 0u) {
@@ -66,15 +37,6 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
     }
 }
 
-INLINE uint store_cut_by(Store *s, uint j) {
-    const uint status = cut_together(s, bisector_with(s, j), j);
-#if WITH_DOMAIN
-    if (((status == CUT) && (s->cell->outside > 0.0f)) && (extent_of(farthest_of(s)) <= s->cell->outside)) {
-        return EMPTY;
-    }
-#endif
-    return status;
-}
 // Where a vertex is off by more than this share of its distance it is worked out in double-double: what it is off by decides how many sites may
 // have the least power there.
 #define FINE_ENOUGH REAL(1e-12)

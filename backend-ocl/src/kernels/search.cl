@@ -2,6 +2,7 @@
 // first the voxels around the cell's own (`table_search.cl`).
 
 #import "tree_alone.cl"
+#import "table_store.cl"
 
 // Begins the cell of a site as the container's box.
 INLINE uint begin_alone(Store *s, uint site) {
@@ -20,9 +21,7 @@ INLINE uint begin_alone(Store *s, uint site) {
     s->is_capped = 0;
     s->is_sampled = 0;
     s->rings = 0;
-    s->voxel[0] = voxel_along(params, 0, own.x);
-    s->voxel[1] = voxel_along(params, 1, own.y);
-    s->voxel[2] = voxel_along(params, 2, own.z);
+    find_voxel(s);
 #endif
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
@@ -30,32 +29,10 @@ INLINE uint begin_alone(Store *s, uint site) {
 }
 
 #if WITH_TABLE
-INLINE uint store_offsets(Store *s) { return SHELLS; }
-INLINE Offset store_offset(Store *s, uint i) {
-    const uchar4 shell = s->shells[i];
-    const int radius = (int)SHELL_RADIUS;
-    return (Offset){ .x = (int)shell.x - radius, .y = (int)shell.y - radius, .z = (int)shell.z - radius, .apart = (real)shell.w };
-}
-INLINE SiteRange store_sites_at(Store *s, Offset offset) {
-    __global const Params *params = s->world.params;
-    // Below zero is beyond the end, too.
-    const uint i = s->voxel[0] + (uint)offset.x;
-    const uint j = s->voxel[1] + (uint)offset.y;
-    const uint k = s->voxel[2] + (uint)offset.z;
-    if ((i >= params->grid_dims[0]) || ((j >= params->grid_dims[1]) || (k >= params->grid_dims[2]))) {
-        return (SiteRange){ 0 };
-    }
-    const uint2 range = s->world.voxels[i + (params->grid_dims[0] * (j + (params->grid_dims[1] * k)))];
-    return (SiteRange){ .begin = range.x, .end = range.y };
-}
-INLINE V3 store_place_in_voxel(Store *s) {
-    __global const Params *params = s->world.params;
-    const real per_width = params->grid_per_width;
-    return (V3){ .x = ((s->site.x - params->grid_lo[0]) * per_width) - (real)s->voxel[0],
-                 .y = ((s->site.y - params->grid_lo[1]) * per_width) - (real)s->voxel[1],
-                 .z = ((s->site.z - params->grid_lo[2]) * per_width) - (real)s->voxel[2] };
-}
-INLINE real store_voxels_per_length(Store *s) { return s->world.params->grid_per_width * REAL(1.0000001); }
+INLINE uint store_window(Store *s) { return 64u; }
+INLINE uint store_in_window(Store *s, uint i) { return s->candidate[i]; }
+INLINE void store_set_in_window(Store *s, uint i, uint x) { s->candidate[i] = x; }
+INLINE void store_hold(Store *s, uint c, uint site, uint key) { store_set_candidate(s, c, site, key); }
 INLINE uint store_sum_before(Store *s, uint x, uint *all) {
     *all = x;
     return 0;
@@ -87,7 +64,7 @@ OUTLINE uint cap_far(Store *s) {
 }
 
 // Whether a cell is known to lie outside is looked for after the voxel itself and those at its faces, edges and corners.
-INLINE uint store_look_outside(Store *s, uint offsets, real reach) {
+INLINE uint store_look_outside(Store *s, uint offsets, float reach) {
     if (s->world.params->has_domain == 0u) {
         return UNTOUCHED;
     }
@@ -98,7 +75,7 @@ INLINE uint store_look_outside(Store *s, uint offsets, real reach) {
             return EMPTY;
         }
     }
-    const real from = CAP_FROM * s->world.params->grid_width;
+    const real from = REAL(2.0) * (CAP_FROM * s->world.params->grid_width);
     return (((offsets >= INNER_SHELLS) && (s->is_capped == 0u)) && (reach >= (from * from))) ? cap_far(s) : UNTOUCHED;
 }
 
@@ -114,7 +91,8 @@ INLINE uint complete_cell(Store *s, __global const uchar4 *shells, uint site, ui
     const Vantage vantage = vantage_of(s);
 #if WITH_TABLE
     s->shells = shells;
-    status = search_table(s, vantage, visited);
+    float reach = 0.0f;
+    status = search_table(s, &reach, visited);
 #else
     status = search_near(s, vantage, visited);
 #endif

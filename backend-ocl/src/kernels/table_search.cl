@@ -1,99 +1,141 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
-#import "tree_search.cl"
+#import "candidates.cl"
 
-INLINE real limit_in_voxels(Store *s, real reach);
-INLINE real gap_to_voxel(int offset, real place);
-HOT uint search_table(Store *s, Vantage vantage, uint *visited);
+INLINE float limit_in_voxels(Store *s, float reach);
+INLINE float gap_to_voxel(int offset, float place);
+INLINE uint gather_voxels(Store *s, VoxelPlace place, float reach, uint *next);
+HOT uint search_table(Store *s, float *reach, uint *visited);
 
 // core/src/cell/table.rs
 
 // The squared distance in voxels from which on a voxel's sites cannot cut the cell.
-INLINE real limit_in_voxels(Store *s, real reach) {
-    const real voxels = (sqrt((REAL(4.0) * reach) * SAFE) * store_voxels_per_length(s)) + SLACK_IN_VOXELS;
+INLINE float limit_in_voxels(Store *s, float reach) {
+    const float voxels = (sqrt(reach) * store_voxels_per_length(s)) + SLACK_IN_VOXELS;
     return (voxels * voxels) * SAFE_IN_VOXELS;
 }
 
 // How far along an axis a place in a voxel is from the voxel `offset` beyond.
-INLINE real gap_to_voxel(int offset, real place) {
-    const real begin = (real)offset;
-    return larger(larger(begin - place, place - (begin + REAL(1.0))), REAL(0.0));
+INLINE float gap_to_voxel(int offset, float place) {
+    const float begin = (float)offset;
+    return fmax(fmax((begin - place), place - (begin + ONE_VOXEL)), NO_GAP);
 }
 
-// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended.
-HOT uint search_table(Store *s, Vantage vantage, uint *visited) {
-    const V3 place = store_place_in_voxel(s);
-    real reach = store_square_of_reach(s, vantage.center);
+// The voxels within reach that come next in the table, at most one for each lane, into the window; returns how many. `next` is the offset to be
+// looked at then: `offsets()` where the table has ended, more where all others are out of reach.
+INLINE uint gather_voxels(Store *s, VoxelPlace place, float reach, uint *next) {
+    const float limit = limit_in_voxels(s, reach);
+    uint found = 0;
+    bool goes_on = 1;
+    while (goes_on) {
+        const uint own = *next + store_lane(s);
+        const Offset offset = store_offset(s, own);
+        const float x = gap_to_voxel(offset.x, place.x);
+        const float y = gap_to_voxel(offset.y, place.y);
+        const float z = gap_to_voxel(offset.z, place.z);
+        const uint voxel = store_voxel_at(s, offset);
+        const bool is_near = ((own < store_offsets(s)) && (voxel != NO_VOXEL)) && ((((x * x) + (y * y)) + (z * z)) < limit);
+        const uint all = store_lanes_with(s, (uint)is_near);
+        const uint rank = found + store_rank_in(s, all);
+        if (is_near && (rank < store_lanes(s))) {
+            store_set_in_window(s, rank, voxel);
+        }
+        const uint out = store_lanes_with(s, (uint)(is_near && (rank >= store_lanes(s))));
+        const uint past = store_lanes_with(s, (uint)((own < store_offsets(s)) && (offset.apart >= limit)));
+        if (out != 0) {
+            // The first that has no place is the next to be looked at.
+            *next += store_first_of(s, out);
+            found = store_lanes(s);
+            goes_on = 0;
+        } else {
+            found += store_count_of(s, all);
+            *next += store_lanes(s);
+            if (*next > store_offsets(s)) {
+                *next = store_offsets(s);
+            }
+            if (past != 0) {
+                // All later voxels are at least as far away.
+                *next = store_offsets(s) + 1;
+            }
+            goes_on = (found <= (store_lanes(s) / 2)) && (*next < store_offsets(s));
+        }
+    }
+    store_lanes_wait(s);
+    return found;
+}
+
+// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended. `reach` is the square of
+// its reach, afterwards.
+HOT uint search_table(Store *s, float *reach, uint *visited) {
+    const V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    const VoxelPlace place = store_place_in_voxel(s);
+    *reach = store_square_of_reach(s, center);
     uint next = 0;
     for (;;) {
-        const uint outside = store_look_outside(s, next, reach);
+        const uint outside = store_look_outside(s, next, *reach);
         if (outside == CUT) {
-            reach = store_square_of_reach(s, vantage.center);
+            *reach = store_square_of_reach(s, center);
         } else if (outside != UNTOUCHED) {
             return outside;
         }
         // A voxel for each lane, and where its sites stand among those of all.
-        const real limit = limit_in_voxels(s, reach);
+        const uint found = gather_voxels(s, place, *reach, &next);
         SiteRange range = (SiteRange){ .begin = 0, .end = 0 };
-        uint before = 0;
-        uint all = 0;
-        while ((all == 0) && (next < store_offsets(s))) {
-            uint is_past = 0;
-            range = (SiteRange){ .begin = 0, .end = 0 };
-            if ((next + store_lane(s)) < store_offsets(s)) {
-                const Offset offset = store_offset(s, next + store_lane(s));
-                const real x = gap_to_voxel(offset.x, place.x);
-                const real y = gap_to_voxel(offset.y, place.y);
-                const real z = gap_to_voxel(offset.z, place.z);
-                if (offset.apart >= limit) {
-                    is_past = 1;
-                } else if ((((x * x) + (y * y)) + (z * z)) < limit) {
-                    range = store_sites_at(s, offset);
-                }
-            }
-            before = store_sum_before(s, range.end - range.begin, &all);
-            next += store_lanes(s);
-            if (next > store_offsets(s)) {
-                next = store_offsets(s);
-            }
-            if (store_lanes_with(s, is_past) != 0) {
-                next = store_offsets(s) + 1;
-            }
+        if (store_lane(s) < found) {
+            range = store_sites_in(s, store_in_window(s, store_lane(s)));
         }
+        const uint own = range.end - range.begin;
+        uint all = 0;
+        const uint before = store_sum_before(s, own, &all);
         uint window = 0;
         while (window < all) {
+            store_lanes_wait(s);
             uint i = 0;
-            while (i < (range.end - range.begin)) {
-                if (((before + i) >= window) && ((before + i) < (window + WINDOW))) {
-                    store_set_candidate(s, (before + i) - window, range.begin + i, NO_SITE);
+            while (i < own) {
+                const uint at = ((before + i) - window);
+                if (at < store_window(s)) {
+                    store_set_in_window(s, at, range.begin + i);
                 }
                 i += 1;
             }
             store_lanes_wait(s);
             uint count = all - window;
-            if (count > WINDOW) {
-                count = WINDOW;
+            if (count > store_window(s)) {
+                count = store_window(s);
             }
-            i = store_lane(s);
-            while (i < count) {
-                const uint j = store_candidate(s, i);
-                if (j != store_own_site(s)) {
-                    const V3 way = store_way_to(s, j);
-                    store_set_candidate(s, i, j, store_key_below(s, v3_dot(way, way)));
+            // (A site out of reach does not get its key, so that the lanes agree at once that none is left.)
+            const uint limit = store_key_of_reach(s, *reach);
+            uint c = 0;
+            while (c < store_held(s, count)) {
+                const uint at = (c * store_lanes(s)) + store_lane(s);
+                uint site = store_own_site(s);
+                uint key = NO_SITE;
+                if ((window + at) < all) {
+                    site = store_in_window(s, at);
+                    const V3 way = store_way_to(s, site);
+                    const uint its = store_key_below(s, v3_dot(way, way));
+                    if ((site != store_own_site(s)) && (its < limit)) {
+                        key = its;
+                    }
                 }
-                i += store_lanes(s);
+                store_hold(s, c, site, key);
+                c += 1;
             }
-            const uint status = visit_candidates(s, vantage, count, NO_SITE, &reach, visited);
+            const uint status = visit_candidates(s, center, count, NO_SITE, reach, visited);
             if (status != UNTOUCHED) {
                 return status;
             }
-            window += WINDOW;
+            window += store_window(s);
         }
-        if ((all == 0) && (next >= store_offsets(s))) {
-            if (next > store_offsets(s)) {
-                return COMPLETE;
-            }
-            return UNTOUCHED;
+        if (next >= store_offsets(s)) {
+            break;
         }
     }
+    if (*reach <= NO_GAP) {
+        return EMPTY;
+    }
+    if (next > store_offsets(s)) {
+        return COMPLETE;
+    }
+    return UNTOUCHED;
 }

@@ -12,6 +12,7 @@ INLINE uint store_count_of(Store *s, uint lanes) { return lanes; }
 INLINE uint store_rank_in(Store *s, uint lanes) { return 0u; }
 INLINE uint store_first_of(Store *s, uint lanes) { return 0u; }
 INLINE uint store_least_of_lanes(Store *s, uint x) { return x; }
+INLINE uint store_lane_of_key(Store *s, uint own, uint least) { return 0u; }
 INLINE uint store_lane_value(Store *s, uint x, uint from) { return x; }
 INLINE real store_lane_real(Store *s, real x, uint from) { return x; }
 INLINE void store_lanes_wait(Store *s) {}
@@ -34,9 +35,13 @@ INLINE void store_set_candidate(Store *s, uint i, uint site, uint key) {
     s->candidate[i] = site;
     s->candidate_key[i] = key;
 }
+INLINE uint store_held(Store *s, uint count) { return count; }
+INLINE uint store_held_site(Store *s, uint c) { return s->candidate[c]; }
+INLINE uint store_held_key(Store *s, uint c) { return s->candidate_key[c]; }
+INLINE void store_let_go(Store *s, uint c) { s->candidate_key[c] = NO_SITE; }
 
 // In single precision, as `store_farthest`; so is the place.
-INLINE real store_square_of_reach(Store *s, V3 center) {
+INLINE float store_square_of_reach(Store *s, V3 center) {
     const float3 c = (float3)((float)center.x, (float)center.y, (float)center.z);
     float most = ROUGH_SQUARE;
     float radius = (float)ROUGH * ((fabs(c.x) + fabs(c.y)) + fabs(c.z));
@@ -46,8 +51,10 @@ INLINE real store_square_of_reach(Store *s, V3 center) {
         radius = fmax(radius, s->rough[v].w);
     }
     const float far = (sqrt(most) + (3.0f * radius)) * ROUGH_SAFE;
-    return (real)((far * far) * ROUGH_SAFE);
+    return (4.0f * far) * (far * ROUGH_SAFE);
 }
+
+INLINE uint store_key_of_reach(Store *s, float square) { return in_order(square); }
 
 INLINE uint store_settled(Store *s, uint v) { return s->triplet[v] & SETTLED; }
 INLINE void store_set_settled(Store *s, uint v, uint settled) {

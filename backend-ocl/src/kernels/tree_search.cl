@@ -1,7 +1,7 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
-#import "cell.cl"
 #import "tree_store.cl"
+#import "candidates.cl"
 
 INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
 INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
@@ -24,9 +24,6 @@ INLINE real size_around(Store *s);
 HOT uint search_near(Store *s, Vantage vantage, uint *visited);
 HOT uint near_key(Store *s, Vantage vantage, real *near);
 HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint count);
-INLINE uint take_nearest(Store *s, uint count, uint limit);
-HOT uint visit_candidates(Store *s, Vantage vantage, uint count, uint below, real *reach, uint *visited);
-INLINE uint key_of_reach(Store *s, real reach, uint below);
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited);
 HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key);
 HOT uint ask_near_first(Store *s, uint at_once);
@@ -395,7 +392,7 @@ INLINE real size_around(Store *s) {
 HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
     real near = REAL(0.0);
     Wanted wanted = (Wanted){ .above = 0, .below = near_key(s, vantage, &near) };
-    real reach = store_square_of_reach(s, vantage.center);
+    float reach = store_square_of_reach(s, vantage.center);
     uint is_rest = 0;
     Open open = open_path(s);
     uint looked = 0;
@@ -408,7 +405,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
                 some = open.leaves;
             }
             open.leaves -= some;
-            const uint limit = key_of_reach(s, reach, wanted.below);
+            const uint limit = key_limit(s, reach, wanted.below);
             count = gather(s, vantage, open.leaves, some, (Wanted){ .above = wanted.above, .below = limit }, count);
             looked += some;
             if (looked > MOST_NEAR_LEAVES) {
@@ -417,15 +414,16 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
         } else if (!is_batch && (open.blocks > 0)) {
             real within = reach;
             if (is_rest == 0) {
-                within = smaller(reach, REAL(0.25) * near);
+                within = smaller(reach, near);
             }
-            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = (within / vantage.lambda) * SAFE, .vertices = 0 };
+            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = ((REAL(0.25) * within) / vantage.lambda) * SAFE, .vertices = 0 };
             open = open_blocks(s, question, open);
         } else if (count > 0) {
-            const uint status = visit_candidates(s, vantage, count, wanted.below, &reach, visited);
+            const uint status = visit_candidates(s, vantage.center, count, wanted.below, &reach, visited);
             if (status != UNTOUCHED) {
                 return status;
             }
+            store_lanes_wait(s);
             count = 0;
             if (*visited > MOST_NEAR_SITES) {
                 return UNTOUCHED;
@@ -438,7 +436,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
                 }
                 reach = store_square_of_reach(s, vantage.center);
             }
-            if ((REAL(4.0) * reach) > (FAR_SQUARE * near)) {
+            if (reach > (FAR_SQUARE * near)) {
                 return UNTOUCHED;
             }
             is_rest = 1;
@@ -468,7 +466,8 @@ HOT uint near_key(Store *s, Vantage vantage, real *near) {
     uint last = store_own_site(s);
     uint turn = 0;
     while ((turn < NEAR_SITES) && (turn < count)) {
-        last = take_nearest(s, count, NO_SITE);
+        const Held held = nearest_held(s, count);
+        last = take_held(s, held, store_least_of_lanes(s, held.key));
         turn += 1;
     }
     if (turn == 0) {
@@ -505,63 +504,6 @@ HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wante
     }
     store_lanes_wait(s);
     return there;
-}
-
-// Takes the nearest of the candidates out: its site, or `NO_SITE` where none has a key below `limit`.
-INLINE uint take_nearest(Store *s, uint count, uint limit) {
-    uint own = NO_SITE;
-    uint place = 0;
-    uint i = store_lane(s);
-    while (i < count) {
-        const uint key = store_candidate_key(s, i);
-        if (key < own) {
-            own = key;
-            place = i;
-        }
-        i += store_lanes(s);
-    }
-    const uint nearest = store_least_of_lanes(s, own);
-    if (nearest >= limit) {
-        return NO_SITE;
-    }
-    const uint from = store_first_of(s, store_lanes_with(s, (uint)(own == nearest)));
-    const uint at = store_lane_value(s, place, from);
-    const uint j = store_candidate(s, at);
-    // (A lane reads no other keys than its own.)
-    if (store_lane(s) == from) {
-        store_set_candidate(s, at, j, NO_SITE);
-    }
-    return j;
-}
-
-// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
-// after.
-HOT uint visit_candidates(Store *s, Vantage vantage, uint count, uint below, real *reach, uint *visited) {
-    uint limit = key_of_reach(s, *reach, below);
-    for (;;) {
-        const uint j = take_nearest(s, count, limit);
-        if (j == NO_SITE) {
-            store_lanes_wait(s);
-            return UNTOUCHED;
-        }
-        *visited += 1;
-        const uint status = store_cut_by(s, j);
-        if (status == CUT) {
-            *reach = store_square_of_reach(s, vantage.center);
-            limit = key_of_reach(s, *reach, below);
-        } else if (status != UNTOUCHED) {
-            return status;
-        }
-    }
-}
-
-// The key from which on sites cannot cut the cell, or `below` if that is less.
-INLINE uint key_of_reach(Store *s, real reach, uint below) {
-    const uint key = store_key_above(s, (REAL(4.0) * reach) * SAFE);
-    if (below < key) {
-        return below;
-    }
-    return key;
 }
 
 // core/src/cell/far.rs

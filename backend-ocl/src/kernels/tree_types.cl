@@ -166,15 +166,30 @@ typedef struct {
 
 #define LEAST_LENGTH ((real)(REAL(1e-150)))
 
+// core/src/cell/candidates.rs
+
+// One of the candidates that a lane holds.
+typedef struct {
+    // Its key, or `NO_SITE` of none.
+    uint key;
+    // Its number.
+    uint number;
+} Held;
+
 // core/src/cell/table.rs
 
-// Sites that become candidates at one time.
-#define WINDOW ((uint)(64))
-
 // What is allowed for the roundings of a distance in voxels, which is below 16, and of its square.
-#define SLACK_IN_VOXELS ((real)(REAL(1e-5)))
+#define SLACK_IN_VOXELS ((float)(REAL(1e-5)))
 
-#define SAFE_IN_VOXELS ((real)(REAL(1.00001)))
+#define SAFE_IN_VOXELS ((float)(REAL(1.00001)))
+
+// As they are where there is no other number beside them that says so.
+#define NO_GAP ((float)(REAL(0.0)))
+
+#define ONE_VOXEL ((float)(REAL(1.0)))
+
+// The number of what is no voxel.
+#define NO_VOXEL ((uint)(0xFFFFFFFF))
 
 // A voxel's place, in voxels from the site's own.
 typedef struct {
@@ -186,8 +201,18 @@ typedef struct {
     int z;
     // A lower bound of the squared distance, in voxels, from any place in the site's voxel to this one and to all that come later, in the table or
     // not.
-    real apart;
+    float apart;
 } Offset;
+
+// A place in a voxel, in voxels.
+typedef struct {
+    // Along x.
+    float x;
+    // Along y.
+    float y;
+    // Along z.
+    float z;
+} VoxelPlace;
 
 // Consecutive sorted sites.
 typedef struct {

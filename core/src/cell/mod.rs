@@ -10,8 +10,8 @@
 //! This text is meant to be translated to OpenCL C, so it keeps to a subset of Rust: constants, `#[repr(C)]` structs,
 //! free functions; the first parameter may be the store, any other `&mut` is to a local; no slices, references into the
 //! store, tuples, `Option`, `match`, iterators, closures, operators on structs, or panics; locals carry types; float expressions are
-//! fully parenthesised, with `sqrt` and `fabs` alone and no fused operation; integers never wrap; functions return a `u32` status or
-//! a plain value. Only what is behind `store.rs` (the trait; `plain.rs` is the store that tests use) is written by hand for each backend.
+//! fully parenthesised, with `sqrt`, `abs` and `max` alone and no fused operation; integers wrap in `wrapping_sub` alone; functions return a `u32`
+//! status or a plain value. Only what is behind `store.rs` (the trait; `plain.rs` is the store that tests use) is written by hand for each backend.
 
 // The dialect says what C would say.
 #![allow(
@@ -24,6 +24,7 @@
 )]
 
 pub mod bound;
+mod candidates;
 mod cap;
 mod clip;
 mod cone;
@@ -64,7 +65,7 @@ pub use restrict::{integrate_cell, lies_outside};
 pub use security::{box_cannot_cut, farthest_vertex, security_reach};
 pub use status::*;
 pub use store::{CellStore, Triangle, Voxel};
-pub use vector::{Real, UNIT_ROUNDOFF, V3, v3};
+pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
 pub use vertex::{Triplet, find_vertex_once};
 pub use wide::Minors;
 

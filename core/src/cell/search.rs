@@ -13,11 +13,12 @@
 //! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
 
 use super::bound::reach_of_bisector;
+use super::candidates::{Held, key_limit, nearest_held, take_held, visit_candidates};
 use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH};
 use super::security::SAFE;
 use super::status::{COMPLETE, CUT, UNTOUCHED};
 use super::tree::{Open, Question, open_blocks, open_path};
-use super::vector::{Real, V3, add, dot, larger, scale, smaller, sub, v3};
+use super::vector::{Real, Rough, V3, add, dot, larger, scale, smaller, sub, v3};
 
 /// Leaves whose sites become candidates at one time.
 const LEAVES_AT_ONCE: u32 = 4;
@@ -121,7 +122,7 @@ struct Wanted {
 pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
     let mut near: Real = 0.0;
     let mut wanted: Wanted = Wanted { above: 0, below: near_key(s, vantage, &mut near) };
-    let mut reach: Real = s.square_of_reach(vantage.center);
+    let mut reach: Rough = s.square_of_reach(vantage.center);
     let mut is_rest: u32 = 0;
     let mut open: Open = open_path(s);
     let mut looked: u32 = 0;
@@ -134,7 +135,7 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
                 some = open.leaves;
             }
             open.leaves -= some;
-            let limit: u32 = key_of_reach(s, reach, wanted.below);
+            let limit: u32 = key_limit(s, reach, wanted.below);
             count = gather(s, vantage, open.leaves, some, Wanted { above: wanted.above, below: limit }, count);
             looked += some;
             if looked > MOST_NEAR_LEAVES {
@@ -143,20 +144,21 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
         } else if !is_batch && (open.blocks > 0) {
             let mut within: Real = reach;
             if is_rest == 0 {
-                within = smaller(reach, 0.25 * near);
+                within = smaller(reach, near);
             }
             let question: Question = Question {
                 square: 1.0 - vantage.lambda,
                 slope: vantage.slope,
-                limit: (within / vantage.lambda) * SAFE,
+                limit: ((0.25 * within) / vantage.lambda) * SAFE,
                 vertices: 0,
             };
             open = open_blocks(s, question, open);
         } else if count > 0 {
-            let status: u32 = visit_candidates(s, vantage, count, wanted.below, &mut reach, visited);
+            let status: u32 = visit_candidates(s, vantage.center, count, wanted.below, &mut reach, visited);
             if status != UNTOUCHED {
                 return status;
             }
+            s.lanes_wait();
             count = 0;
             if *visited > MOST_NEAR_SITES {
                 return UNTOUCHED;
@@ -169,7 +171,7 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
                 }
                 reach = s.square_of_reach(vantage.center);
             }
-            if (4.0 * reach) > (FAR_SQUARE * near) {
+            if reach > (FAR_SQUARE * near) {
                 return UNTOUCHED;
             }
             is_rest = 1;
@@ -200,7 +202,8 @@ fn near_key<S: SearchStore>(s: &mut S, vantage: Vantage, near: &mut Real) -> u32
     let mut last: u32 = s.own_site();
     let mut turn: u32 = 0;
     while (turn < NEAR_SITES) && (turn < count) {
-        last = take_nearest(s, count, NO_SITE);
+        let held: Held = nearest_held(s, count);
+        last = take_held(s, held, s.least_of_lanes(held.key));
         turn += 1;
     }
     if turn == 0 {
@@ -238,71 +241,4 @@ fn gather<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, leaves: u32, 
     }
     s.lanes_wait();
     return there;
-}
-
-/// Takes the nearest of the candidates out: its site, or `NO_SITE` where none has a key below `limit`.
-#[inline(always)]
-fn take_nearest<S: SearchStore>(s: &mut S, count: u32, limit: u32) -> u32 {
-    let mut own: u32 = NO_SITE;
-    let mut place: u32 = 0;
-    let mut i: u32 = s.lane();
-    while i < count {
-        let key: u32 = s.candidate_key(i);
-        if key < own {
-            own = key;
-            place = i;
-        }
-        i += s.lanes();
-    }
-    let nearest: u32 = s.least_of_lanes(own);
-    if nearest >= limit {
-        return NO_SITE;
-    }
-    let from: u32 = s.first_of(s.lanes_with((own == nearest) as u32));
-    let at: u32 = s.lane_value(place, from);
-    let j: u32 = s.candidate(at);
-    // (A lane reads no other keys than its own.)
-    if s.lane() == from {
-        s.set_candidate(at, j, NO_SITE);
-    }
-    return j;
-}
-
-/// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
-/// after.
-#[inline]
-pub(super) fn visit_candidates<S: SearchStore>(
-    s: &mut S,
-    vantage: Vantage,
-    count: u32,
-    below: u32,
-    reach: &mut Real,
-    visited: &mut u32,
-) -> u32 {
-    let mut limit: u32 = key_of_reach(s, *reach, below);
-    loop {
-        let j: u32 = take_nearest(s, count, limit);
-        if j == NO_SITE {
-            s.lanes_wait();
-            return UNTOUCHED;
-        }
-        *visited += 1;
-        let status: u32 = s.cut_by(j);
-        if status == CUT {
-            *reach = s.square_of_reach(vantage.center);
-            limit = key_of_reach(s, *reach, below);
-        } else if status != UNTOUCHED {
-            return status;
-        }
-    }
-}
-
-/// The key from which on sites cannot cut the cell, or `below` if that is less.
-#[inline(always)]
-fn key_of_reach<S: SearchStore>(s: &S, reach: Real, below: u32) -> u32 {
-    let key: u32 = s.key_above((4.0 * reach) * SAFE);
-    if below < key {
-        return below;
-    }
-    return key;
 }

@@ -3,7 +3,7 @@
 //! Like `store.rs` the boundary of the dialect.
 
 use super::tree::asks_by_powers;
-use super::vector::{Real, V3};
+use super::vector::{Real, Rough, V3};
 
 /// Sites in a leaf of the tree, and nodes in a block.
 pub const WIDTH: u32 = 8;
@@ -103,6 +103,10 @@ pub trait SearchStore {
     fn least_of_lanes(&self, x: u32) -> u32 {
         x
     }
+    /// A lane whose key is the least of all.
+    fn lane_of_key(&self, own: u32, least: u32) -> u32 {
+        self.first_of(self.lanes_with((own == least) as u32))
+    }
     /// What lane `from` has.
     fn lane_value(&self, x: u32, _from: u32) -> u32 {
         x
@@ -180,6 +184,22 @@ pub trait SearchStore {
     fn candidate_key(&self, i: u32) -> u32;
     /// Sets candidate `i` and its key.
     fn set_candidate(&mut self, i: u32, site: u32, key: u32);
+    /// How many of `count` candidates this lane holds: number `c` of lane `l` is candidate `c·lanes + l`. Not alike.
+    fn held(&self, count: u32) -> u32 {
+        count
+    }
+    /// The site of candidate `c` of this lane: not alike.
+    fn held_site(&self, c: u32) -> u32 {
+        self.candidate(c)
+    }
+    /// Its key: not alike.
+    fn held_key(&self, c: u32) -> u32 {
+        self.candidate_key(c)
+    }
+    /// Takes it out: its key becomes `NO_SITE`.
+    fn let_go(&mut self, c: u32) {
+        self.set_candidate(c, self.candidate(c), NO_SITE);
+    }
     /// Room for candidates that tie, at least [`MOST_CANDIDATES`].
     fn most_ties(&self) -> u32;
 
@@ -192,8 +212,11 @@ pub trait SearchStore {
 
     /// Whether the cell is restricted to a domain.
     fn has_domain(&self) -> u32;
-    /// An upper bound of the squared distance from a place to the cell's farthest vertex.
-    fn square_of_reach(&self, center: V3) -> Real;
+    /// The square of the cell's reach about a place, rounded up: of twice the distance of its farthest vertex. No site as heavy that is beyond can
+    /// cut it.
+    fn square_of_reach(&self, center: V3) -> Rough;
+    /// The key from which on a candidate is beyond.
+    fn key_of_reach(&self, square: Rough) -> u32;
     /// Cuts the cell by the bisector with site `j`: as `clip`; `EMPTY` also where it is known to be outside the domain.
     fn cut_by(&mut self, j: u32) -> u32;
     /// Cuts off what of the cell is outside the domain, where it reaches farther than `radius` from its site: as `cap_outside`; `EMPTY` where it

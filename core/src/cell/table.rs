@@ -1,18 +1,21 @@
-//! The near search of sites that fill space evenly and whose weights do not differ: the voxels around the cell's own, in the order of a table of
-//! offsets, nearest first. What it does not prove complete is completed by its vertices (`far.rs`).
+//! The near search of sites that fill space evenly and whose weights do not differ, on devices: the voxels around the cell's own, in the order of a
+//! table of offsets, nearest first. What it does not prove complete is completed by its vertices (`far.rs`).
 
-use super::search::{Vantage, visit_candidates};
+use super::candidates::visit_candidates;
 use super::search_store::{NO_SITE, SearchStore};
-use super::security::SAFE;
-use super::status::{COMPLETE, CUT, UNTOUCHED};
-use super::vector::{Real, V3, dot, larger};
-
-/// Sites that become candidates at one time.
-const WINDOW: u32 = 64;
+use super::status::{COMPLETE, CUT, EMPTY, UNTOUCHED};
+use super::vector::{Rough, V3, dot, v3};
 
 /// What is allowed for the roundings of a distance in voxels, which is below 16, and of its square.
-const SLACK_IN_VOXELS: Real = 1e-5;
-const SAFE_IN_VOXELS: Real = 1.00001;
+const SLACK_IN_VOXELS: Rough = 1e-5;
+const SAFE_IN_VOXELS: Rough = 1.00001;
+
+/// As they are where there is no other number beside them that says so.
+const NO_GAP: Rough = 0.0;
+const ONE_VOXEL: Rough = 1.0;
+
+/// The number of what is no voxel.
+pub const NO_VOXEL: u32 = 0xFFFF_FFFF;
 
 /// A voxel's place, in voxels from the site's own.
 #[repr(C)]
@@ -26,7 +29,19 @@ pub struct Offset {
     pub z: i32,
     /// A lower bound of the squared distance, in voxels, from any place in the site's voxel to this one and to all that come later, in the table or
     /// not.
-    pub apart: Real,
+    pub apart: Rough,
+}
+
+/// A place in a voxel, in voxels.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct VoxelPlace {
+    /// Along x.
+    pub x: Rough,
+    /// Along y.
+    pub y: Rough,
+    /// Along z.
+    pub z: Rough,
 }
 
 /// Consecutive sorted sites.
@@ -39,113 +54,165 @@ pub struct SiteRange {
     pub end: u32,
 }
 
-/// What the search of the table needs beside the tree's.
+/// What the search of the table needs beside the tree's. Its `square_of_reach` is 0 where the cell is known to be outside the domain.
 pub trait TableStore: SearchStore {
     /// Number of offsets in the table.
     fn offsets(&self) -> u32;
-    /// Offset `i`: not alike.
+    /// Offset `i`, or any where there are not so many: not alike.
     fn offset(&self, i: u32) -> Offset;
-    /// The sites in the voxel at an offset; none where it is outside the grid.
-    fn sites_at(&self, offset: Offset) -> SiteRange;
-    /// Where in its voxel the cell's site is, in voxels.
-    fn place_in_voxel(&self) -> V3;
+    /// The voxel at an offset, or `NO_VOXEL` outside the grid: not alike.
+    fn voxel_at(&self, offset: Offset) -> u32;
+    /// Its sites: not alike.
+    fn sites_in(&self, voxel: u32) -> SiteRange;
+    /// Where in its voxel the cell's site is.
+    fn place_in_voxel(&self) -> VoxelPlace;
     /// Voxels along a length of 1, rounded up.
-    fn voxels_per_length(&self) -> Real;
+    fn voxels_per_length(&self) -> Rough;
+    /// How many sites become candidates at one time.
+    fn window(&self) -> u32;
+    /// Number `i` of so many that all lanes see: not alike.
+    fn in_window(&self, i: u32) -> u32;
+    /// Sets it.
+    fn set_in_window(&mut self, i: u32, x: u32);
+    /// Sets candidate `c` of this lane, of those that it holds: of some that there are not its key is `NO_SITE`.
+    fn hold(&mut self, c: u32, site: u32, key: u32);
     /// The sum of the numbers of the lanes before this one, which is not alike, and of all; they are below 128.
     fn sum_before(&self, x: u32, all: &mut u32) -> u32;
     /// Ends, or cuts off, what of the cell is outside the domain, after so many offsets, where it reaches so far: as `clip`, or how the search ends.
-    fn look_outside(&mut self, offsets: u32, reach: Real) -> u32;
+    fn look_outside(&mut self, offsets: u32, reach: Rough) -> u32;
 }
 
 /// The squared distance in voxels from which on a voxel's sites cannot cut the cell.
 #[inline(always)]
-fn limit_in_voxels<S: TableStore>(s: &S, reach: Real) -> Real {
-    let voxels: Real = (((4.0 * reach) * SAFE).sqrt() * s.voxels_per_length()) + SLACK_IN_VOXELS;
+fn limit_in_voxels<S: TableStore>(s: &S, reach: Rough) -> Rough {
+    let voxels: Rough = (reach.sqrt() * s.voxels_per_length()) + SLACK_IN_VOXELS;
     return (voxels * voxels) * SAFE_IN_VOXELS;
 }
 
 /// How far along an axis a place in a voxel is from the voxel `offset` beyond.
 #[inline(always)]
-fn gap_to_voxel(offset: i32, place: Real) -> Real {
-    let begin: Real = offset as Real;
-    return larger(larger(begin - place, place - (begin + 1.0)), 0.0);
+fn gap_to_voxel(offset: i32, place: Rough) -> Rough {
+    let begin: Rough = offset as Rough;
+    return (begin - place).max(place - (begin + ONE_VOXEL)).max(NO_GAP);
 }
 
-/// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended.
+/// The voxels within reach that come next in the table, at most one for each lane, into the window; returns how many. `next` is the offset to be
+/// looked at then: `offsets()` where the table has ended, more where all others are out of reach.
+#[inline(always)]
+fn gather_voxels<S: TableStore>(s: &mut S, place: VoxelPlace, reach: Rough, next: &mut u32) -> u32 {
+    let limit: Rough = limit_in_voxels(s, reach);
+    let mut found: u32 = 0;
+    let mut goes_on: bool = true;
+    while goes_on {
+        let own: u32 = *next + s.lane();
+        let offset: Offset = s.offset(own);
+        let x: Rough = gap_to_voxel(offset.x, place.x);
+        let y: Rough = gap_to_voxel(offset.y, place.y);
+        let z: Rough = gap_to_voxel(offset.z, place.z);
+        let voxel: u32 = s.voxel_at(offset);
+        let is_near: bool = ((own < s.offsets()) && (voxel != NO_VOXEL)) && ((((x * x) + (y * y)) + (z * z)) < limit);
+        let all: u32 = s.lanes_with(is_near as u32);
+        let rank: u32 = found + s.rank_in(all);
+        if is_near && (rank < s.lanes()) {
+            s.set_in_window(rank, voxel);
+        }
+        let out: u32 = s.lanes_with((is_near && (rank >= s.lanes())) as u32);
+        let past: u32 = s.lanes_with(((own < s.offsets()) && (offset.apart >= limit)) as u32);
+        if out != 0 {
+            // The first that has no place is the next to be looked at.
+            *next += s.first_of(out);
+            found = s.lanes();
+            goes_on = false;
+        } else {
+            found += s.count_of(all);
+            *next += s.lanes();
+            if *next > s.offsets() {
+                *next = s.offsets();
+            }
+            if past != 0 {
+                // All later voxels are at least as far away.
+                *next = s.offsets() + 1;
+            }
+            goes_on = (found <= (s.lanes() / 2)) && (*next < s.offsets());
+        }
+    }
+    s.lanes_wait();
+    return found;
+}
+
+/// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended. `reach` is the square of
+/// its reach, afterwards.
 #[inline]
-pub fn search_table<S: TableStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
-    let place: V3 = s.place_in_voxel();
-    let mut reach: Real = s.square_of_reach(vantage.center);
+pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u32) -> u32 {
+    let center: V3 = v3(0.0, 0.0, 0.0);
+    let place: VoxelPlace = s.place_in_voxel();
+    *reach = s.square_of_reach(center);
     let mut next: u32 = 0;
     loop {
-        let outside: u32 = s.look_outside(next, reach);
+        let outside: u32 = s.look_outside(next, *reach);
         if outside == CUT {
-            reach = s.square_of_reach(vantage.center);
+            *reach = s.square_of_reach(center);
         } else if outside != UNTOUCHED {
             return outside;
         }
         // A voxel for each lane, and where its sites stand among those of all.
-        let limit: Real = limit_in_voxels(s, reach);
+        let found: u32 = gather_voxels(s, place, *reach, &mut next);
         let mut range: SiteRange = SiteRange { begin: 0, end: 0 };
-        let mut before: u32 = 0;
-        let mut all: u32 = 0;
-        while (all == 0) && (next < s.offsets()) {
-            let mut is_past: u32 = 0;
-            range = SiteRange { begin: 0, end: 0 };
-            if (next + s.lane()) < s.offsets() {
-                let offset: Offset = s.offset(next + s.lane());
-                let x: Real = gap_to_voxel(offset.x, place.x);
-                let y: Real = gap_to_voxel(offset.y, place.y);
-                let z: Real = gap_to_voxel(offset.z, place.z);
-                if offset.apart >= limit {
-                    is_past = 1;
-                } else if (((x * x) + (y * y)) + (z * z)) < limit {
-                    range = s.sites_at(offset);
-                }
-            }
-            before = s.sum_before(range.end - range.begin, &mut all);
-            next += s.lanes();
-            if next > s.offsets() {
-                next = s.offsets();
-            }
-            if s.lanes_with(is_past) != 0 {
-                next = s.offsets() + 1;
-            }
+        if s.lane() < found {
+            range = s.sites_in(s.in_window(s.lane()));
         }
+        let own: u32 = range.end - range.begin;
+        let mut all: u32 = 0;
+        let before: u32 = s.sum_before(own, &mut all);
         let mut window: u32 = 0;
         while window < all {
+            s.lanes_wait();
             let mut i: u32 = 0;
-            while i < (range.end - range.begin) {
-                if ((before + i) >= window) && ((before + i) < (window + WINDOW)) {
-                    s.set_candidate((before + i) - window, range.begin + i, NO_SITE);
+            while i < own {
+                let at: u32 = (before + i).wrapping_sub(window);
+                if at < s.window() {
+                    s.set_in_window(at, range.begin + i);
                 }
                 i += 1;
             }
             s.lanes_wait();
             let mut count: u32 = all - window;
-            if count > WINDOW {
-                count = WINDOW;
+            if count > s.window() {
+                count = s.window();
             }
-            i = s.lane();
-            while i < count {
-                let j: u32 = s.candidate(i);
-                if j != s.own_site() {
-                    let way: V3 = s.way_to(j);
-                    s.set_candidate(i, j, s.key_below(dot(way, way)));
+            // (A site out of reach does not get its key, so that the lanes agree at once that none is left.)
+            let limit: u32 = s.key_of_reach(*reach);
+            let mut c: u32 = 0;
+            while c < s.held(count) {
+                let at: u32 = (c * s.lanes()) + s.lane();
+                let mut site: u32 = s.own_site();
+                let mut key: u32 = NO_SITE;
+                if (window + at) < all {
+                    site = s.in_window(at);
+                    let way: V3 = s.way_to(site);
+                    let its: u32 = s.key_below(dot(way, way));
+                    if (site != s.own_site()) && (its < limit) {
+                        key = its;
+                    }
                 }
-                i += s.lanes();
+                s.hold(c, site, key);
+                c += 1;
             }
-            let status: u32 = visit_candidates(s, vantage, count, NO_SITE, &mut reach, visited);
+            let status: u32 = visit_candidates(s, center, count, NO_SITE, reach, visited);
             if status != UNTOUCHED {
                 return status;
             }
-            window += WINDOW;
+            window += s.window();
         }
-        if (all == 0) && (next >= s.offsets()) {
-            if next > s.offsets() {
-                return COMPLETE;
-            }
-            return UNTOUCHED;
+        if next >= s.offsets() {
+            break;
         }
     }
+    if *reach <= NO_GAP {
+        return EMPTY;
+    }
+    if next > s.offsets() {
+        return COMPLETE;
+    }
+    return UNTOUCHED;
 }

@@ -3,6 +3,9 @@
 /// The floating-point type of the algorithm.
 pub type Real = f64;
 
+/// The type of bounds that have room for it: single precision on devices.
+pub type Rough = f64;
+
 /// Half the distance from 1 to the next number: the largest relative error of one rounding.
 ///
 /// Single: `5.960464477539063e-8`.

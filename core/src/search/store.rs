@@ -4,7 +4,7 @@ use super::in_order;
 use super::one_cell::{Cell, reach_from, rounding_about};
 use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NodeBox, NodeSlab, NodeWeights, SearchStore};
-use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Real, UNTOUCHED, V3, v3};
+use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Real, Rough, UNTOUCHED, V3, v3};
 use crate::site_tree::{SiteTree, WIDTH};
 use pulp::{Arch, NullaryFnOnce};
 use std::collections::HashSet;
@@ -320,9 +320,12 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     fn has_domain(&self) -> u32 {
         self.cell.store.has_domain()
     }
-    fn square_of_reach(&self, center: V3) -> Real {
-        let reach = reach_from(self.cell.store, center, rounding_about(center));
-        reach * reach * super::SAFE
+    fn square_of_reach(&self, center: V3) -> Rough {
+        let far = reach_from(self.cell.store, center, rounding_about(center));
+        4.0 * (far * far * super::SAFE)
+    }
+    fn key_of_reach(&self, square: Rough) -> u32 {
+        self.key_above(square * super::SAFE)
     }
     fn cut_by(&mut self, j: u32) -> u32 {
         let cuts = self.cell.outcome.cuts;

@@ -378,6 +378,8 @@ impl<'a> Emitter<'a> {
         match name.as_str() {
             "abs" => Ok(format!("fabs{}", grouped(&receiver))),
             "sqrt" => Ok(format!("sqrt{}", grouped(&receiver))),
+            "max" => Ok(format!("fmax({receiver}, {})", arguments.join(""))),
+            "wrapping_sub" => Ok(format!("({receiver} - {})", arguments.join(""))),
             _ => self.unit.error(call.method.span(), "such method"),
         }
     }
@@ -465,6 +467,7 @@ pub(super) fn type_name(unit: &Unit, ty: &Type) -> Result<String, String> {
     let Some(name) = path.path.get_ident() else { return unit.error(ty.span(), "such type") };
     Ok(match name.to_string().as_str() {
         "Real" => "real".to_owned(),
+        "Rough" => "float".to_owned(),
         "u32" | "usize" => "uint".to_owned(),
         "i32" => "int".to_owned(),
         // Of the interface: the host's own types.

@@ -35,6 +35,9 @@ const FILES: [&str; 16] = [
 /// The files of the search for the sites that cut a cell.
 const SEARCH_FILES: [&str; 6] = ["search_store", "quadratic", "bound", "tree", "search", "far"];
 
+/// The file of what either search does with the sites that it finds.
+const CANDIDATE_FILES: [&str; 1] = ["candidates"];
+
 /// The file of the search of even sites before it.
 const TABLE_FILES: [&str; 1] = ["table"];
 
@@ -48,6 +51,7 @@ const FUNCTIONS: &str = "backend-ocl/src/kernels/cell.cl";
 const SEARCH_TYPES: &str = "backend-ocl/src/kernels/tree_types.cl";
 const NODES: &str = "backend-ocl/src/kernels/nodes.cl";
 const SEARCH: &str = "backend-ocl/src/kernels/tree_search.cl";
+const CANDIDATES: &str = "backend-ocl/src/kernels/candidates.cl";
 const TABLE: &str = "backend-ocl/src/kernels/table_search.cl";
 const KERNELS: &str = "backend-ocl/src/kernels";
 const PARITY: &str = "backend-ocl/src/kernels/parity.cl";
@@ -107,16 +111,18 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
     let units = units_of(&FILES)?;
     let [types, functions] = translate(&units)?;
     let [search_types, search] = translate(&units_of(&SEARCH_FILES)?)?;
+    let [candidate_types, candidates] = translate(&units_of(&CANDIDATE_FILES)?)?;
     let [table_types, table_search] = translate(&units_of(&TABLE_FILES)?)?;
     let [_, nodes] = translate(&units_of(&NODE_FILES)?)?;
     let [node_types, _] = translate(&units_of(&["node"])?)?;
     let parity::Parity { kernels, table } = parity::parity(&units)?;
-    let files: [(_, &[&str], _); 8] = [
+    let files: [(_, &[&str], _); 9] = [
         (TYPES, &["<prelude>"], types),
         (FUNCTIONS, &["<store>", "\"world.cl\"", "\"further.cl\""], functions),
-        (SEARCH_TYPES, &["\"cell_types.cl\""], format!("{search_types}{table_types}{node_types}")),
-        (SEARCH, &["\"cell.cl\"", "\"tree_store.cl\""], search),
-        (TABLE, &["\"tree_search.cl\""], table_search),
+        (SEARCH_TYPES, &["\"cell_types.cl\""], format!("{search_types}{candidate_types}{table_types}{node_types}")),
+        (CANDIDATES, &["\"cell.cl\"", "\"tree_types.cl\""], candidates),
+        (SEARCH, &["\"tree_store.cl\"", "\"candidates.cl\""], search),
+        (TABLE, &["\"candidates.cl\""], table_search),
         (NODES, &["\"tree_types.cl\"", "\"node_source.cl\""], nodes),
         (PARITY, &["\"parity_state.cl\""], kernels),
         (PARITY_TABLE, &[], table),
@@ -125,6 +131,7 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
     let mut files = files.map(|(name, imports, text)| (name, cell(imports, text))).to_vec();
     refuse_second_names(root, &units_of(&FILES)?)?;
     refuse_second_names(root, &units_of(&SEARCH_FILES)?)?;
+    refuse_second_names(root, &units_of(&CANDIDATE_FILES)?)?;
     refuse_second_names(root, &units_of(&TABLE_FILES)?)?;
     refuse_second_names(root, &units_of(&NODE_FILES)?)?;
     for Interface { modules, borrowed, target } in INTERFACES {

@@ -110,7 +110,7 @@ fn what_the_dialect_lacks_is_refused_with_its_line() {
     for (rust, said) in [
         ("fn f() {\n    let x = 1;\n}", "text.rs line 2: the dialect has no local without type"),
         ("fn f() {\n    for i in 0..3 {}\n}", "text.rs line 2: the dialect has no such expression"),
-        ("fn f(x: Real) -> Real {\n    return x.max(1.0);\n}", "text.rs line 2: the dialect has no such method"),
+        ("fn f(x: Real) -> Real {\n    return x.min(1.0);\n}", "text.rs line 2: the dialect has no such method"),
         ("fn f() -> (u32, u32) {\n}", "text.rs line 1: the dialect has no such type"),
         ("const A: u32 = 1;\nconst A: u32 = 2;", "text.rs line 2: the dialect has no second `A`"),
     ] {

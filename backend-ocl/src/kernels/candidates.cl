@@ -1,0 +1,67 @@
+// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
+
+#import "cell.cl"
+#import "tree_types.cl"
+
+INLINE Held nearest_held(Store *s, uint count);
+INLINE uint take_held(Store *s, Held held, uint least);
+HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *reach, uint *visited);
+INLINE uint key_limit(Store *s, float reach, uint below);
+
+// core/src/cell/candidates.rs
+
+// The nearest of the candidates that this lane holds: not alike.
+INLINE Held nearest_held(Store *s, uint count) {
+    Held nearest = (Held){ .key = NO_SITE, .number = 0 };
+    uint c = 0;
+    while (c < store_held(s, count)) {
+        const uint key = store_held_key(s, c);
+        if (key < nearest.key) {
+            nearest.key = key;
+            nearest.number = c;
+        }
+        c += 1;
+    }
+    return nearest;
+}
+
+// Takes the nearest of the lanes' candidates out, whose key is `least`; returns its site.
+INLINE uint take_held(Store *s, Held held, uint least) {
+    const uint from = store_lane_of_key(s, held.key, least);
+    const uint j = store_lane_value(s, store_held_site(s, held.number), from);
+    if (store_lane(s) == from) {
+        store_let_go(s, held.number);
+    }
+    return j;
+}
+
+// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
+// after.
+HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *reach, uint *visited) {
+    uint limit = key_limit(s, *reach, below);
+    for (;;) {
+        const Held held = nearest_held(s, count);
+        const uint least = store_least_of_lanes(s, held.key);
+        if (least >= limit) {
+            return UNTOUCHED;
+        }
+        const uint j = take_held(s, held, least);
+        *visited += 1;
+        const uint status = store_cut_by(s, j);
+        if (status == CUT) {
+            *reach = store_square_of_reach(s, center);
+            limit = key_limit(s, *reach, below);
+        } else if (status != UNTOUCHED) {
+            return status;
+        }
+    }
+}
+
+// The key from which on sites cannot cut the cell, or `below` if that is less.
+INLINE uint key_limit(Store *s, float reach, uint below) {
+    const uint key = store_key_of_reach(s, reach);
+    if (below < key) {
+        return below;
+    }
+    return key;
+}

@@ -1,0 +1,82 @@
+//! Sites that may cut the cell, each with a key: the smaller, the earlier the site had better cut. Each lane holds some of them.
+
+use super::search_store::{NO_SITE, SearchStore};
+use super::status::{CUT, UNTOUCHED};
+use super::vector::{Rough, V3};
+
+/// One of the candidates that a lane holds.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub(super) struct Held {
+    /// Its key, or `NO_SITE` of none.
+    pub key: u32,
+    /// Its number.
+    pub number: u32,
+}
+
+/// The nearest of the candidates that this lane holds: not alike.
+#[inline(always)]
+pub(super) fn nearest_held<S: SearchStore>(s: &S, count: u32) -> Held {
+    let mut nearest: Held = Held { key: NO_SITE, number: 0 };
+    let mut c: u32 = 0;
+    while c < s.held(count) {
+        let key: u32 = s.held_key(c);
+        if key < nearest.key {
+            nearest.key = key;
+            nearest.number = c;
+        }
+        c += 1;
+    }
+    return nearest;
+}
+
+/// Takes the nearest of the lanes' candidates out, whose key is `least`; returns its site.
+#[inline(always)]
+pub(super) fn take_held<S: SearchStore>(s: &mut S, held: Held, least: u32) -> u32 {
+    let from: u32 = s.lane_of_key(held.key, least);
+    let j: u32 = s.lane_value(s.held_site(held.number), from);
+    if s.lane() == from {
+        s.let_go(held.number);
+    }
+    return j;
+}
+
+/// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
+/// after.
+#[inline]
+pub(super) fn visit_candidates<S: SearchStore>(
+    s: &mut S,
+    center: V3,
+    count: u32,
+    below: u32,
+    reach: &mut Rough,
+    visited: &mut u32,
+) -> u32 {
+    let mut limit: u32 = key_limit(s, *reach, below);
+    loop {
+        let held: Held = nearest_held(s, count);
+        let least: u32 = s.least_of_lanes(held.key);
+        if least >= limit {
+            return UNTOUCHED;
+        }
+        let j: u32 = take_held(s, held, least);
+        *visited += 1;
+        let status: u32 = s.cut_by(j);
+        if status == CUT {
+            *reach = s.square_of_reach(center);
+            limit = key_limit(s, *reach, below);
+        } else if status != UNTOUCHED {
+            return status;
+        }
+    }
+}
+
+/// The key from which on sites cannot cut the cell, or `below` if that is less.
+#[inline(always)]
+pub(super) fn key_limit<S: SearchStore>(s: &S, reach: Rough, below: u32) -> u32 {
+    let key: u32 = s.key_of_reach(reach);
+    if below < key {
+        return below;
+    }
+    return key;
+}

@@ -82,6 +82,15 @@ pub fn open_sharing_cells() -> Result<Box<dyn Backend>> {
     Ok(Box::new(laguerre_ocl::Ocl::sharing_cells(&DeviceChoice::First)?))
 }
 
+/// The same where the sub-groups of a device share a cell.
+///
+/// # Errors
+/// `Unavailable` where no device has any.
+#[cfg(all(feature = "ocl", feature = "test-util"))]
+pub fn open_sharing_in_sub_groups() -> Result<Box<dyn Backend>> {
+    Ok(Box::new(laguerre_ocl::Ocl::sharing_in_sub_groups()?))
+}
+
 #[cfg(not(feature = "ocl"))]
 fn open_ocl(_devices: DeviceChoice, _precision: Precision) -> Result<Box<dyn Backend>> {
     Err(Error::new(

@@ -13,6 +13,10 @@ const GRID: Text =
 const ALONE: Text = Text { entries: &["evaluate.cl"], prelude: "prelude.cl", store: Some("store.cl") };
 const TOGETHER: Text = Text { entries: &["lanes_evaluate.cl"], prelude: "prelude.cl", store: Some("lanes_store.cl") };
 
+/// How lanes talk, by itself.
+#[cfg(any(test, feature = "test-util"))]
+const TRIAL: Text = Text { entries: &["lanes_trial.cl"], prelude: "prelude.cl", store: None };
+
 /// A cell in single precision.
 const SINGLE: Text = Text { entries: &["single.cl"], prelude: "single_prelude.cl", store: Some("single_store.cl") };
 
@@ -25,6 +29,8 @@ const PARITY: Text = Text { entries: &["parity.cl"], prelude: "prelude.cl", stor
 pub(crate) enum Build {
     Grid,
     Cells(Way, Asked),
+    #[cfg(any(test, feature = "test-util"))]
+    Trial(Lanes),
     Single(Capacities),
     /// With the numbers of half-spaces, vertices and neighbors that calls are made for.
     #[cfg(any(test, feature = "test-util"))]
@@ -36,8 +42,42 @@ pub(crate) enum Build {
 pub(crate) enum Way {
     /// One work-item, with so much room.
     Alone(Capacities),
-    /// A group of so many work-items: `LANES` of `lanes_store.cl`.
-    Together(usize, Stage),
+    /// Several.
+    Together(Lanes, Stage),
+}
+
+/// Work-items that compute a cell together (`lanes_talk.cl`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Lanes {
+    /// A warp of NVIDIA's.
+    Warp,
+    /// One, in the way of several.
+    #[cfg(any(test, feature = "test-util"))]
+    One,
+    /// A sub-group of so many.
+    #[cfg(any(test, feature = "test-util"))]
+    SubGroup(u32),
+}
+
+impl Lanes {
+    pub(crate) const fn count(self) -> usize {
+        match self {
+            Self::Warp => 32,
+            #[cfg(any(test, feature = "test-util"))]
+            Self::One => 1,
+            #[cfg(any(test, feature = "test-util"))]
+            Self::SubGroup(count) => count as usize,
+        }
+    }
+
+    /// Options of the compiler.
+    const fn options(self) -> &'static str {
+        match self {
+            #[cfg(any(test, feature = "test-util"))]
+            Self::SubGroup(_) => " -D WITH_SUBGROUPS=1 -cl-std=CL3.0 -cl-opt-disable",
+            _ => "",
+        }
+    }
 }
 
 /// What cells that are computed together are built for.
@@ -92,7 +132,7 @@ impl Way {
         match self {
             // They share nothing; a multiple of what any GPU runs in step.
             Self::Alone(_) => (64, 1),
-            Self::Together(lanes, stage) => (lanes * stage.shape().cells as usize, lanes),
+            Self::Together(lanes, stage) => (lanes.count() * stage.shape().cells as usize, lanes.count()),
         }
     }
 }
@@ -178,6 +218,8 @@ impl Build {
             Self::Grid => GRID,
             Self::Cells(Way::Alone(_), _) => ALONE,
             Self::Cells(Way::Together(..), _) => TOGETHER,
+            #[cfg(any(test, feature = "test-util"))]
+            Self::Trial(_) => TRIAL,
             Self::Single(_) => SINGLE,
             #[cfg(any(test, feature = "test-util"))]
             Self::Parity(..) => PARITY,
@@ -194,7 +236,7 @@ impl Build {
                     Way::Together(lanes, stage) => {
                         let Shape { cells, far, exact, surface, room, .. } = stage.shape();
                         vec![
-                            Flag::Lanes(lanes as u32),
+                            Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Domain(*domain),
                             Flag::Weights(*weights),
@@ -215,6 +257,8 @@ impl Build {
                 flags.extend(asked);
                 flags
             }
+            #[cfg(any(test, feature = "test-util"))]
+            Self::Trial(lanes) => vec![Flag::Lanes(lanes.count() as u32)],
             Self::Single(room) => room_of(room),
             #[cfg(any(test, feature = "test-util"))]
             Self::Parity(room, neighbors) => {
@@ -226,13 +270,17 @@ impl Build {
 
     /// The compiler's options.
     pub(crate) fn options(&self) -> String {
-        let registers = match self {
-            Self::Cells(Way::Together(2.., stage), _) => stage.shape().registers,
-            _ => None,
+        let (lanes, registers) = match self {
+            Self::Cells(Way::Together(lanes, stage), _) => (Some(lanes), stage.shape().registers),
+            #[cfg(any(test, feature = "test-util"))]
+            Self::Trial(lanes) => (Some(lanes), None),
+            _ => (None, None),
         };
+        let registers = registers.filter(|_| lanes == Some(&Lanes::Warp));
         let defined = self.flags().into_iter().map(Flag::in_c).map(|(name, value)| format!("-D {name}={value}"));
         let registers = registers.map(|count| format!("-cl-nv-maxrregcount={count}"));
-        defined.chain(registers).collect::<Vec<_>>().join(" ")
+        let options = defined.chain(registers).collect::<Vec<_>>().join(" ");
+        options + lanes.map_or("", |lanes| lanes.options())
     }
 
     /// One of each text and stage.
@@ -242,8 +290,14 @@ impl Build {
             Asked { facets: true, facet_second: true, integral: true, domain: true, weights: false, table: true };
         let room = Capacities { planes: 64, vertices: 128 };
         let stages = [Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide, Stage::Vast];
-        let together = stages.map(|stage| Self::Cells(Way::Together(32, stage), asked));
-        let others = [Self::Grid, Self::Cells(Way::Alone(room), asked), Self::Single(room), Self::Parity(room, 10)];
+        let together = stages.map(|stage| Self::Cells(Way::Together(Lanes::Warp, stage), asked));
+        let others = [
+            Self::Grid,
+            Self::Trial(Lanes::Warp),
+            Self::Cells(Way::Alone(room), asked),
+            Self::Single(room),
+            Self::Parity(room, 10),
+        ];
         others.into_iter().chain(together)
     }
 }

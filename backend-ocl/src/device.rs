@@ -6,6 +6,7 @@ mod schedule;
 mod tests;
 
 use crate::buffer::{failed, rooms};
+use crate::builds::Lanes;
 use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
 use crate::interface::data::{Counters, Params, SHELL_RADIUS};
@@ -29,16 +30,13 @@ use opencl3::types::cl_device_id;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Work-items of NVIDIA's that run in step and talk through their registers.
-const WARP: usize = 32;
-
 /// A device that is open.
 pub(crate) struct Device {
     id: cl_device_id,
     /// For messages.
     pub(crate) name: String,
-    /// How many work-items compute a cell together, where they can.
-    together: Option<usize>,
+    /// The work-items that compute a cell together, where they do.
+    together: Option<Lanes>,
     /// Bytes of its memory.
     memory_size: u64,
     context: Handle<Context>,
@@ -115,7 +113,7 @@ impl Device {
         Ok(Self {
             id,
             name: found.info.name.clone(),
-            together: found.is_nvidia().then_some(WARP),
+            together: found.is_nvidia().then_some(Lanes::Warp),
             memory_size: found.info.memory,
             context,
             queue,
@@ -136,7 +134,14 @@ impl Device {
     /// Lets one work-item compute a cell as several would; whether that is not how the device does it anyway.
     #[cfg(feature = "test-util")]
     pub(crate) fn share_cells(&mut self) -> bool {
-        self.together.replace(1).is_none()
+        self.together.replace(Lanes::One).is_none()
+    }
+
+    /// Lets a sub-group compute a cell together; whether the device has any, and does not do so anyway.
+    #[cfg(feature = "test-util")]
+    pub(crate) fn share_in_sub_groups(&mut self) -> bool {
+        let lanes = crate::lanes::sub_group(self.id, &self.context, &self.queue);
+        lanes.is_some() && std::mem::replace(&mut self.together, lanes).is_none()
     }
 
     /// Brings the sites, and the domain if it is another one, to the device.

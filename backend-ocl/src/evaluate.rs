@@ -48,6 +48,22 @@ impl Ocl {
             false => Err(Error::new(ErrorKind::Unavailable, "this is how the device computes cells anyway")),
         }
     }
+
+    /// The same by the first device whose sub-groups can share a cell.
+    ///
+    /// # Errors
+    /// As [`Ocl::new`]; `Unavailable` where there is none.
+    #[cfg(feature = "test-util")]
+    pub fn sharing_in_sub_groups() -> Result<Self> {
+        let mut opened = Self { backend: "ocl-lanes", ..Self::new(&DeviceChoice::All)? };
+        let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
+        match devices.iter_mut().position(Device::share_in_sub_groups) {
+            Some(number) => *devices = vec![devices.swap_remove(number)],
+            None => return Err(Error::new(ErrorKind::Unavailable, "no device has sub-groups that could share a cell")),
+        }
+        opened.name = devices[0].name.clone();
+        Ok(opened)
+    }
 }
 
 impl Backend for Ocl {

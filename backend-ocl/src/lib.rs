@@ -10,6 +10,8 @@ mod fallback;
 mod grid;
 mod handle;
 mod interface;
+#[cfg(feature = "test-util")]
+mod lanes;
 mod launch;
 mod params;
 #[cfg(feature = "test-util")]

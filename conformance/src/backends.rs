@@ -27,6 +27,9 @@ pub fn open(name: &str, threads: Option<usize>) -> Option<Result<Box<dyn Backend
         // The other of the OpenCL backend's two kernels.
         #[cfg(feature = "ocl")]
         "ocl-sharing" => Some(laguerre::open_sharing_cells()),
+        // The same with lanes that talk, where a device has sub-groups.
+        #[cfg(feature = "ocl")]
+        "ocl-lanes" => Some(laguerre::open_sharing_in_sub_groups()),
         _ => None,
     }
 }
@@ -38,4 +41,4 @@ pub fn required() -> Vec<String> {
 }
 
 /// The names that this suite knows.
-const NAMES: [&str; 3] = ["cpu", "ocl", "ocl-sharing"];
+const NAMES: [&str; 4] = ["cpu", "ocl", "ocl-sharing", "ocl-lanes"];

@@ -2,7 +2,7 @@
 
 use super::Device;
 use super::schedule::{FIRST, Todo};
-use crate::builds::{Stage, Way};
+use crate::builds::{Lanes, Stage, Way};
 use crate::interface::data::Counters;
 use crate::program::MOST_PLANES;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, INTEGRAL};
@@ -47,8 +47,8 @@ impl Device {
         }
     }
 
-    /// How many work-items compute a cell together, if they do: together no proof is cut short, and what few ask for is not computed.
-    pub(super) fn lanes(&self, request: &Request) -> Option<usize> {
+    /// The work-items that compute a cell together, if they do: together no proof is cut short, and what few ask for is not computed.
+    pub(super) fn lanes(&self, request: &Request) -> Option<Lanes> {
         let whole = request.epsilon.is_none() && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
         self.together.filter(|_| whole)
     }
@@ -58,7 +58,7 @@ impl Device {
     ///
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
     /// not completed with exact signs, either.
-    pub(super) fn choose_table(&mut self, lanes: usize, share: Range<usize>) -> Result<()> {
+    pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<()> {
         if self.shared.params.has_table == 0 || self.domain.is_some() || share.len() < WORTH_A_SAMPLE {
             return Ok(());
         }
@@ -74,7 +74,7 @@ impl Device {
     }
 
     /// Whether most cells of a range, where they are many, are not completed by the first stage.
-    pub(super) fn most_fail(&mut self, lanes: usize, share: Range<usize>) -> Result<bool> {
+    pub(super) fn most_fail(&mut self, lanes: Lanes, share: Range<usize>) -> Result<bool> {
         if share.len() < WORTH_A_SAMPLE {
             return Ok(false);
         }

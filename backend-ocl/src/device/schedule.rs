@@ -1,9 +1,9 @@
 //! The scheduler of one device (paper, Alg. 1): passes, substeps, batches.
 
 use super::sample::MAY_FAIL;
-use super::{Computed, Device, Memory, WARP};
+use super::{Computed, Device, Memory};
 use crate::buffer::{failed, lacked_memory};
-use crate::builds::{Stage, Way};
+use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;
 use crate::interface::data::{Counters, VAST_WORDS};
 use crate::interface::kernels::{self, LookAbout, World};
@@ -177,7 +177,7 @@ impl Device {
         room: Capacities,
         cells: &Todo,
         is_first: bool,
-        together: Option<(usize, Stage)>,
+        together: Option<(Lanes, Stage)>,
         for_host: &mut Vec<u32>,
     ) -> Result<PassOutcome<Todo>> {
         let mut now = cells.clone();
@@ -292,7 +292,7 @@ impl Device {
     }
 
     /// The cells of a batch that turn out to be near the surface, while their records are there; returns the seconds it took.
-    fn near_cells(&mut self, lanes: usize, count: usize) -> Result<f64> {
+    fn near_cells(&mut self, lanes: Lanes, count: usize) -> Result<f64> {
         let begin = self.seconds;
         std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
         self.counters.undecided = 0;
@@ -359,8 +359,10 @@ impl Device {
             Todo::Listed(_) => (1, 0),
         };
         let first = (start + turns.start) as u32;
-        let in_step = matches!(way, Way::Alone(_)) && self.together.is_some();
-        let apart = if in_step { (FEW_ITEMS / turns.len().max(1)).clamp(1, WARP) } else { 1 };
+        let apart = match (way, self.together) {
+            (Way::Alone(_), Some(lanes)) => (FEW_ITEMS / turns.len().max(1)).clamp(1, lanes.count()),
+            _ => 1,
+        };
         let begin = Instant::now();
         let world = World {
             params: &shared.room,

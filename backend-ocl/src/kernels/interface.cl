@@ -389,6 +389,9 @@ typedef struct {
     uint output_width, \
     uint count
 
+#define TRY_LANES_ARGUMENTS \
+    __global uint *right
+
 // Sizes as on the host: a compiler that pads does not build this.
 typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];
 typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];

@@ -2,15 +2,20 @@
 
 #import "lanes_exact.cl"
 
-// Words of a bit for each vertex, LANES bits in each. Every lane keeps all of them, or where they are many one.
+// Words of a bit for each vertex, LANES bits in each. Every lane keeps all of them, in registers unless they are many; then one, if there are enough
+// lanes.
 #define WORDS (LANES_V / LANES)
-#if (LANES == 32u) && (WORDS > 8u)
+#define MANY_WORDS (WORDS > 8u)
+#if (LANES > 1u) && (MANY_WORDS && (WORDS <= LANES))
 #define SPREADS_WORDS 1
 #define KEPT_WORDS 1
-#define UNROLLED_WORDS
 #else
 #define SPREADS_WORDS 0
 #define KEPT_WORDS WORDS
+#endif
+#if (LANES > 1u) && MANY_WORDS
+#define UNROLLED_WORDS
+#else
 #define UNROLLED_WORDS UNROLLED
 #endif
 INLINE uint word_of(const uint *bits, uint word) {
@@ -87,7 +92,7 @@ INLINE Trial trial_of(Store *s, Plane plane) {
 INLINE uint is_marked(const uint *bits, uint v) {
 #if SPREADS_WORDS
     return (lane_value(bits[0], v / LANES) >> (v & (LANES - 1u))) & 1u;
-#elif LANES == 32u
+#elif (LANES > 1u) && !MANY_WORDS
     uint its = bits[0];
     UNROLLED_WORDS
     for (uint word = 1; word < WORDS; word++) {
@@ -95,7 +100,8 @@ INLINE uint is_marked(const uint *bits, uint v) {
     }
     return (its >> (v & (LANES - 1u))) & 1u;
 #else
-    return bits[v];
+    // (Of an edge that is not there, any number.)
+    return (bits[min(v / LANES, WORDS - 1u)] >> (v % LANES)) & 1u;
 #endif
 }
 

@@ -19,6 +19,7 @@
 #import "output.cl"
 
 // As `cells` of `evaluate.cl`, with LANES work-items for each cell and CELLS cells in a group.
+OF_LANES
 __kernel void cells(CELLS_ARGUMENTS) {
 #if WITH_ROOM != 2
     __local Cell cells[CELLS];
@@ -49,7 +50,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
     s->own = site;
-    s->lane = (uint)get_local_id(0) % LANES;
+    s->lane = own_lane();
 #if WITH_DOMAIN && !TAKES_NEAR
     const int2 about = abouts[site];
     const float clear = (as_float(about.x) > 0.0f) ? extent_of(as_float(about.x)) : -1.0f;

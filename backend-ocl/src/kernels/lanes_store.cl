@@ -8,9 +8,7 @@
 #import "params.cl"
 #import "tree_types.cl"
 #import "ties.cl"
-
-// Built with -D LANES: 32, a warp of NVIDIA's, which talks through its registers; or 1, with which any device can run it and find the same
-// cells.
+#import "lanes_talk.cl"
 
 // Whether finished cells near the surface are given to the stage WITH_SURFACE, as records; and whether this is that stage.
 #define GIVES_NEAR (WITH_DOMAIN && !WITH_FACETS && !WITH_SURFACE && !WITH_EXACT)
@@ -160,43 +158,6 @@ typedef struct {
     Place *corner;
     uint corners;
 } Store;
-
-#if LANES == 32u
-// Before a loop over words or places that have to stay in registers.
-#define UNROLLED _Pragma("unroll")
-// The lanes wait for each other, and see what they wrote.
-INLINE void lanes_wait() { asm volatile("bar.warp.sync 0xffffffff;" ::: "memory"); }
-// The lanes for which `bit` is not 0.
-INLINE uint lanes_with(uint bit) {
-    uint all;
-    asm volatile("{ .reg .pred p; setp.ne.u32 p, %1, 0; vote.sync.ballot.b32 %0, p, 0xffffffff; }" : "=r"(all) : "r"(bit));
-    return all;
-}
-// The largest of the lanes' numbers.
-INLINE uint lanes_most(uint x) {
-    uint most;
-    asm volatile("redux.sync.max.u32 %0, %1, 0xffffffff;" : "=r"(most) : "r"(x));
-    return most;
-}
-// What lane `from` has.
-INLINE uint lane_value(uint x, uint from) {
-    uint value;
-    asm volatile("shfl.sync.idx.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(value) : "r"(x), "r"(from));
-    return value;
-}
-INLINE uint lane_beside(uint x, uint step) {
-    uint value;
-    asm volatile("shfl.sync.bfly.b32 %0, %1, %2, 31, 0xffffffff;" : "=r"(value) : "r"(x), "r"(step));
-    return value;
-}
-#else
-#define UNROLLED
-INLINE void lanes_wait() {}
-INLINE uint lanes_with(uint bit) { return (bit != 0u) ? 1u : 0u; }
-INLINE uint lanes_most(uint x) { return x; }
-INLINE uint lane_value(uint x, uint from) { return x; }
-INLINE uint lane_beside(uint x, uint step) { return x; }
-#endif
 
 // What all lanes have alike, so that the compiler knows it: it does not of what depends on a work-item's number, or is the result of a function
 // that is not inlined, and where a loop may end so, all that happens in it is slower (all cells by 5 %, with a domain 11 %; one NVIDIA H200).

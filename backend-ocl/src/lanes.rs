@@ -1,0 +1,47 @@
+//! Whether the work-items of a sub-group can compute a cell together (`lanes_talk.cl`).
+
+use crate::buffer::Room;
+use crate::builds::{Build, Lanes};
+use crate::interface::parity::TryLanes;
+use crate::launch::Kernel;
+use crate::program::compile;
+use laguerre_core::Result;
+use opencl3::command_queue::CommandQueue;
+use opencl3::context::Context;
+use opencl3::device::Device;
+use opencl3::types::cl_device_id;
+
+/// Sizes of sub-groups that are tried: vertices of a cell are shared out among 32 best, and more have no place in a number's bits.
+const SIZES: [u32; 3] = [32, 16, 8];
+
+/// Cells of a group that tries lanes (`lanes_trial.cl`), and groups.
+const CELLS: usize = 4;
+const GROUPS: usize = 16;
+
+/// What sub-groups need to have.
+const EXTENSIONS: [&str; 2] = ["cl_khr_subgroup_ballot", "cl_khr_subgroup_shuffle"];
+
+/// The largest sub-group of the device that is what the kernels take it for, if there is one.
+pub(crate) fn sub_group(id: cl_device_id, context: &Context, queue: &CommandQueue) -> Option<Lanes> {
+    let extensions = Device::new(id).extensions().ok()?;
+    let has = |name: &&str| extensions.split_whitespace().any(|word| word == *name);
+    // (A size that the device does not have does not build, or is answered by another.)
+    let is_right = |size: &u32| are_right(Lanes::SubGroup(*size), id, context, queue).unwrap_or(false);
+    let size = EXTENSIONS.iter().all(has).then(|| SIZES.into_iter().find(is_right))??;
+    Some(Lanes::SubGroup(size))
+}
+
+fn are_right(lanes: Lanes, id: cl_device_id, context: &Context, queue: &CommandQueue) -> Result<bool> {
+    let program = compile(context, id, Build::Trial(lanes))?;
+    let kernel: Kernel<TryLanes<'static>> = Kernel::new(&program)?;
+    let group = CELLS * lanes.count();
+    if kernel.largest_group(id)? < group {
+        return Ok(false);
+    }
+    let mut right = Room::new("a trial of sub-groups");
+    right.fill(context, queue, &vec![0; GROUPS * group])?;
+    kernel.run(queue, GROUPS * group, group, TryLanes { right: &right })?;
+    let mut all = Vec::new();
+    right.read(queue, GROUPS * group, &mut all)?;
+    Ok(all.iter().all(|&is_right: &u32| is_right == 1))
+}

@@ -183,7 +183,7 @@ typedef struct {
 
 #define SAFE_IN_VOXELS ((float)(REAL(1.00001)))
 
-// As they are where there is no other number beside them that says so.
+// (Named, since a literal would be a `Real`, in double precision on devices.)
 #define NO_GAP ((float)(REAL(0.0)))
 
 #define ONE_VOXEL ((float)(REAL(1.0)))

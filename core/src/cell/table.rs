@@ -10,7 +10,7 @@ use super::vector::{Rough, V3, dot, v3};
 const SLACK_IN_VOXELS: Rough = 1e-5;
 const SAFE_IN_VOXELS: Rough = 1.00001;
 
-/// As they are where there is no other number beside them that says so.
+/// (Named, since a literal would be a `Real`, in double precision on devices.)
 const NO_GAP: Rough = 0.0;
 const ONE_VOXEL: Rough = 1.0;
 

@@ -69,6 +69,20 @@ fn the_store_is_called_and_locals_are_pointed_to() {
 }
 
 #[test]
+fn bounds_that_have_room_are_single_and_integers_wrap_where_they_say_so() {
+    assert_c(
+        "const NONE: Rough = 0.0;\nfn f(x: Rough, i: u32) -> Rough {\n    let at: u32 = (i + 1).wrapping_sub(2);\n    \
+         return (x - NONE).max(NONE).sqrt();\n}",
+        &[
+            "#define NONE ((float)(REAL(0.0)))",
+            "float f(float x, uint i)",
+            "at = ((i + 1) - 2);",
+            "sqrt(fmax((x - NONE), NONE))",
+        ],
+    );
+}
+
+#[test]
 fn how_much_is_inlined_is_said() {
     assert_c("#[inline]\nfn f() {\n}", &["HOT void f() {"]);
     assert_c("#[inline(always)]\nfn f() {\n}", &["INLINE void f() {"]);

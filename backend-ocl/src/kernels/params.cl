@@ -19,9 +19,6 @@ INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
 // Number i of that sample, as evenly spread over the sorted sites.
 INLINE uint sampled_site(__global const Params *params, uint i) { return (uint)(((ulong)i * params->tree_sites) / SAMPLE); }
 
-// What single precision may err by in a distance to a voxel, in units of a voxel: distances are below 16, and pads below 1e-9.
-#define SHELL_SLACK 1e-5f
-
 // Room for the roundings of a place in voxels of the domain's grid in single precision, three of them, of which the site's is relative.
 #define VOXEL_SLACK 1e-4f
 #define VOXEL_ROUNDING 1e-6f

@@ -178,7 +178,7 @@ typedef struct {
 
 // core/src/cell/table.rs
 
-// What is allowed for the roundings of a distance in voxels, which is below 16, and of its square.
+// What is allowed for the roundings of a distance in voxels, in single precision and below 16, and of its square.
 #define SLACK_IN_VOXELS ((float)(REAL(1e-5)))
 
 #define SAFE_IN_VOXELS ((float)(REAL(1.00001)))

@@ -6,7 +6,7 @@ use super::search_store::{NO_SITE, SearchStore};
 use super::status::{COMPLETE, CUT, EMPTY, UNTOUCHED};
 use super::vector::{Rough, V3, dot, v3};
 
-/// What is allowed for the roundings of a distance in voxels, which is below 16, and of its square.
+/// What is allowed for the roundings of a distance in voxels, in single precision and below 16, and of its square.
 const SLACK_IN_VOXELS: Rough = 1e-5;
 const SAFE_IN_VOXELS: Rough = 1.00001;
 
@@ -74,7 +74,7 @@ pub trait TableStore: SearchStore {
     fn in_window(&self, i: u32) -> u32;
     /// Sets it.
     fn set_in_window(&mut self, i: u32, x: u32);
-    /// Sets candidate `c` of this lane, of those that it holds: of some that there are not its key is `NO_SITE`.
+    /// Sets candidate `c` of this lane; its key is `NO_SITE` where there is no such candidate.
     fn hold(&mut self, c: u32, site: u32, key: u32);
     /// The sum of the numbers of the lanes before this one, which is not alike, and of all; they are below 128.
     fn sum_before(&self, x: u32, all: &mut u32) -> u32;

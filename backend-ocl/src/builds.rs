@@ -324,11 +324,15 @@ mod tests {
         let text: Vec<&str> = source.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
         let text = text.join("\n");
         assert!(!text.contains("double") && !text.contains("fp64"));
-        // A literal with a point or an exponent is double unless it stands in `REAL(…)`, which makes it single.
+        // A literal with a point or an exponent is double unless it ends with an f, or stands in `REAL(…)`, which adds one.
         for (at, _) in text.match_indices('.') {
             let before = &text[..at];
             let digits = before.trim_end_matches(|c: char| c.is_ascii_digit());
-            if digits.len() < before.len() && !digits.ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+            let after = text[at + 1..].trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, 'e' | '-'));
+            if digits.len() < before.len()
+                && !digits.ends_with(|c: char| c.is_alphanumeric() || c == '_')
+                && !after.starts_with('f')
+            {
                 assert!(
                     digits.trim_end_matches('-').ends_with("REAL("),
                     "{}",

@@ -9,7 +9,7 @@ use crate::buffer::{failed, rooms};
 use crate::builds::Lanes;
 use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
-use crate::interface::data::{Counters, Params, SHELL_RADIUS};
+use crate::interface::data::{Counters, Params};
 use crate::interface::kernels::MeasureClearances;
 use crate::params::Shared;
 use crate::platform::{self, Found};
@@ -109,7 +109,7 @@ impl Device {
         let (context, queue) = platform::open(found)?;
         let grid_kernels = GridKernels::build(&context, id)?;
         let mut memory = Memory::new();
-        memory.shells.fill(&context, &queue, &shells::table(SHELL_RADIUS as i32))?;
+        memory.shells.fill(&context, &queue, &shells::table())?;
         Ok(Self {
             id,
             name: found.info.name.clone(),

@@ -9,8 +9,8 @@ use crate::interface::kernels::{
 };
 use crate::params::Shared;
 use crate::program::GridKernels;
+use crate::voxels::Voxels;
 use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
-use laguerre_core::site_grid::Voxels;
 use laguerre_core::site_tree::{Boxes, MadeTree, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;

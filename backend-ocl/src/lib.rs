@@ -22,6 +22,7 @@ mod results;
 mod shells;
 mod single;
 mod sources;
+mod voxels;
 
 pub use evaluate::Ocl;
 pub use platform::devices;

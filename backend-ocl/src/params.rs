@@ -2,9 +2,9 @@
 
 use crate::buffer::Room;
 use crate::interface::data::{Params, Range};
+use crate::voxels::Voxels;
 use laguerre_core::diagram::FramedContainer;
 use laguerre_core::integrand::FramedIntegrand;
-use laguerre_core::site_grid::Voxels;
 use laguerre_core::site_tree::{self, SiteTree};
 use laguerre_core::{Request, Result};
 use laguerre_core::{cell, frame};

@@ -1,8 +1,11 @@
 //! The table of voxel offsets, nearest first, that the kernels go through.
 
-/// Offsets of up to `radius` along each axis, plus `radius`, and a lower bound of the squared distance in voxels between the nearest points of this voxel and the first, and
+use crate::interface::data::SHELL_RADIUS;
+
+/// Offsets of up to [`SHELL_RADIUS`] along each axis, plus that, and a lower bound of the squared distance in voxels between the nearest points of this voxel and the first, and
 /// of any later one and the first, in the table or not; sorted by that distance, then by the distance of their centers.
-pub(crate) fn table(radius: i32) -> Vec<[u8; 4]> {
+pub(crate) fn table() -> Vec<[u8; 4]> {
+    let radius = SHELL_RADIUS as i32;
     let span = -radius..=radius;
     let mut offsets: Vec<[i32; 3]> =
         span.clone().flat_map(|x| span.clone().flat_map(move |y| (-radius..=radius).map(move |z| [x, y, z]))).collect();
@@ -19,25 +22,18 @@ pub(crate) fn table(radius: i32) -> Vec<[u8; 4]> {
 
 #[cfg(test)]
 mod tests {
-    use crate::interface::{data, single};
+    use crate::interface::data::{INNER_SHELLS, SHELL_RADIUS, SHELLS};
 
     #[test]
     fn the_first_rings_are_where_the_search_looks() {
-        let entries = |radius, shells, inner| {
-            assert_eq!(inner, 27);
-            (radius as i32, shells as usize)
-        };
-        let double = entries(data::SHELL_RADIUS, data::SHELLS, data::INNER_SHELLS);
-        let single = entries(single::SHELL_RADIUS, single::SHELLS, single::INNER_SHELLS);
-        for (radius, shells) in [double, single] {
-            let (table, center, last) = (super::table(radius), radius as u8, radius.pow(2) as u8);
-            assert_eq!(table.len(), shells);
-            assert_eq!(table[0], [center, center, center, 0]);
-            // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
-            assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
-            assert!(table.is_sorted_by_key(|e| e[3]));
-            // Between the nearest voxel that is not in the table and the first there are `radius` others.
-            assert!(table.iter().all(|e| e[3] <= last));
-        }
+        let (table, center, last) = (super::table(), SHELL_RADIUS as u8, SHELL_RADIUS.pow(2) as u8);
+        assert_eq!(table.len(), SHELLS as usize);
+        assert_eq!(table[0], [center, center, center, 0]);
+        // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
+        assert_eq!(INNER_SHELLS, 27);
+        assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
+        assert!(table.is_sorted_by_key(|e| e[3]));
+        // Between the nearest voxel that is not in the table and the first there are as many others as the radius.
+        assert!(table.iter().all(|e| e[3] <= last));
     }
 }

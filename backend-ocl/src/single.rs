@@ -7,19 +7,16 @@ use crate::buffer::{failed, rooms};
 use crate::builds::Build;
 use crate::evaluate::{join_passes, on_all, on_device, shares};
 use crate::fallback;
-use crate::grid::SITES_PER_VOXEL;
 use crate::handle::Handle;
-use crate::interface::single::{OUTCOME_EXACT, OUTCOME_STATUS, Params, SHELL_RADIUS, SingleCells};
+use crate::interface::single::{Boxes, OUTCOME_EXACT, OUTCOME_STATUS, Params, SingleCells, Slabs, WeightBounds};
 use crate::launch::Kernel;
 use crate::platform::{self, Found, choose};
 use crate::program::compile;
-use crate::shells;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
-use laguerre_core::site_grid::SiteGrid;
 use laguerre_core::{
     Backend, BackendInfo, CellStatus, DeviceChoice, Error, Output, PassReport, PowerDiagram, Precision, Request, Result,
 };
@@ -36,9 +33,6 @@ use std::time::Instant;
 /// Room of the first pass, and of the last one: what needs more is the host's.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 const MOST_PLANES: u32 = 144;
-
-/// Levels of the pyramid that `single.cl` can go down: nodes are exact in single precision.
-const MOST_LEVELS: usize = 24;
 
 /// Cells that are computed at once, and work-items of a group.
 const BATCH: usize = 1 << 20;
@@ -68,11 +62,11 @@ unsafe impl Send for Device {}
 rooms! {
     struct Memory {
         params: Params = "parameters",
-        shells: [u8; 4] = "the table of offsets",
         sites: [f32; 4] = "sorted sites",
         rests: [f32; 4] = "sorted sites",
-        voxels: u32 = "the site grid",
-        weights: f32 = "the pyramid",
+        boxes: Boxes = "the tree over the sites",
+        slabs: Slabs = "the tree over the sites",
+        weight_bounds: WeightBounds = "the tree over the sites",
         windings: i32 = "the domain's grid",
         surface_table: u32 = "the domain's grid",
         list: u32 = "a list of cells",
@@ -120,7 +114,7 @@ impl Backend for Single {
             let message = "--precision f32 gives volumes and barycenters only: give --precision f64 for facets, second moments and integrals";
             return Err(Error::input(message));
         }
-        let prepared = diagram.prepare_grid(SITES_PER_VOXEL)?;
+        let prepared = diagram.prepare()?;
         let scene = Scene::new(&prepared);
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let shares = shares(prepared.sites.len(), devices.len());
@@ -153,7 +147,7 @@ impl Backend for Single {
         let mut proved = request.clone();
         proved.epsilon = None;
         if !for_host.is_empty() {
-            fallback::compute(&diagram.prepare()?, &proved, &for_host, &mut assembler)?;
+            fallback::compute(&prepared, &proved, &for_host, &mut assembler)?;
         }
         let mut output = assembler.finish();
         output.exact_cells = exact_cells;
@@ -167,15 +161,13 @@ impl Backend for Single {
 impl Device {
     fn open(found: &Found) -> Result<Self> {
         let (context, queue) = platform::open(found)?;
-        let mut memory = Memory::new();
-        memory.shells.fill(&context, &queue, &shells::table(SHELL_RADIUS as i32))?;
         Ok(Self {
             id: found.id.0,
             name: found.info.name.clone(),
             context,
             queue,
             kernels: HashMap::new(),
-            memory,
+            memory: Memory::new(),
             domain: None,
             seconds: 0.0,
         })
@@ -184,7 +176,7 @@ impl Device {
     /// Computes the cells of a range of the sorted sites.
     fn compute(
         &mut self,
-        prepared: &Prepared<SiteGrid>,
+        prepared: &Prepared,
         scene: &Scene,
         request: &Request,
         share: Range<usize>,
@@ -192,10 +184,6 @@ impl Device {
         let mut computed =
             Computed { passes: Vec::new(), cells: Vec::new(), exact_cells: 0, for_host: Vec::new(), seconds: 0.0 };
         let all: Vec<u32> = share.map(|site| site as u32).collect();
-        if prepared.sites.levels().len() > MOST_LEVELS {
-            computed.for_host = all;
-            return Ok(computed);
-        }
         self.load(prepared, scene)?;
         self.seconds = 0.0;
         let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| {
@@ -218,13 +206,14 @@ impl Device {
     }
 
     /// Brings the sites, and the domain if it is another one, to the device.
-    fn load(&mut self, prepared: &Prepared<SiteGrid>, scene: &Scene) -> Result<()> {
+    fn load(&mut self, prepared: &Prepared, scene: &Scene) -> Result<()> {
         let Self { context, queue, memory, .. } = self;
         memory.params.fill(context, queue, &[scene.params])?;
         memory.sites.fill(context, queue, &scene.sites)?;
         memory.rests.fill(context, queue, &scene.rests)?;
-        memory.voxels.fill(context, queue, prepared.sites.offsets())?;
-        memory.weights.fill(context, queue, &scene.weights)?;
+        memory.boxes.fill(context, queue, &scene.boxes)?;
+        memory.slabs.fill(context, queue, &scene.slabs)?;
+        memory.weight_bounds.fill(context, queue, &scene.weight_bounds)?;
         let grid = prepared.container.shared_grid();
         if grid.is_some_and(|new| self.domain.as_ref().is_some_and(|old| Arc::ptr_eq(old, new))) {
             return Ok(());
@@ -260,9 +249,9 @@ impl Device {
             params: &memory.params,
             sites: &memory.sites,
             rests: &memory.rests,
-            voxels: &memory.voxels,
-            weights: &memory.weights,
-            shells: &memory.shells,
+            boxes: &memory.boxes,
+            slabs: &memory.slabs,
+            weight_bounds: &memory.weight_bounds,
             windings: &memory.windings,
             surface_table: &memory.surface_table,
             list: &memory.list,

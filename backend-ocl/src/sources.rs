@@ -13,7 +13,7 @@ const FILES: &[(&str, &str)] = files![
     "bound_nodes.cl" "candidates.cl" "cell.cl" "cell_types.cl" "clearance.cl" "evaluate.cl" "further.cl" "grid.cl" "interface.cl"
     "lanes_cap.cl" "lanes_clip.cl" "lanes_evaluate.cl" "lanes_exact.cl" "lanes_integrate.cl" "lanes_near.cl" "lanes_reach.cl"
     "lanes_search.cl" "lanes_store.cl" "lanes_sums.cl" "lanes_surface.cl" "lanes_table.cl" "lanes_talk.cl" "lanes_tree.cl" "marks.cl" "node_source.cl" "nodes.cl" "order.cl"
-    "output.cl" "params.cl" "prelude.cl" "search.cl" "single.cl" "single_interface.cl" "single_prelude.cl" "single_store.cl"
+    "output.cl" "params.cl" "prelude.cl" "rough.cl" "search.cl" "single.cl" "single_interface.cl" "single_prelude.cl" "single_store.cl" "sites.cl"
     "store.cl" "surface_table.cl" "table_search.cl" "table_store.cl" "ties.cl" "tree_search.cl" "tree_store.cl" "tree_types.cl" "tree_alone.cl" "world.cl"
 ];
 

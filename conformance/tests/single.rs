@@ -6,7 +6,10 @@ use laguerre::{
     Backend, CellStatus, DeviceChoice, Domain, Error, ErrorKind, Integrand, Output, PowerDiagram, Precision, Request,
     Selection,
 };
-use laguerre_conformance::sites::Random;
+use laguerre_conformance::case::Case;
+use laguerre_conformance::domains::{Pose, Shape};
+use laguerre_conformance::sites::{Random, Sites};
+use laguerre_conformance::weights::Weights;
 use laguerre_core::required::if_available;
 use laguerre_core::shapes::{icosphere, torus};
 
@@ -135,6 +138,30 @@ fn domains() {
         let positions: Vec<[f64; 3]> = white(10_000, 9).iter().map(|p| p.map(|x| 3.2 * x - 1.6)).collect();
         assert_good(name, &in_domain(&positions, &mesh.domain()), 0.4);
     }
+}
+
+/// Whatever the arrangement of sites and weights, in a box and in a domain: the same statuses, and volumes within their bound.
+#[test]
+fn every_arrangement() {
+    let Some(single) = open(Precision::F32) else { return };
+    let double = laguerre::open(Selection::Cpu { threads: None }).unwrap();
+    let (mut cells, mut of_host) = (0, 0);
+    for (seed, (&sites, &weights)) in
+        Sites::ALL.iter().flat_map(|sites| Weights::ALL.iter().map(move |weights| (sites, weights))).enumerate()
+    {
+        for shape in [Shape::Box, Shape::Torus] {
+            let case = Case { seed: seed as u64, count: 300, sites, weights, shape, pose: Pose::Plain };
+            let diagram = case.scene().diagram().unwrap();
+            let (found, wanted) = (evaluate(&*single, &diagram), evaluate(&*double, &diagram));
+            assert_eq!(found.status, wanted.status, "{case:?}");
+            for (i, (a, b)) in found.volume.iter().zip(&wanted.volume).enumerate() {
+                assert!((a - b).abs() <= SHARE * b.abs(), "{case:?}: the volume of cell {i} is {a}, not {b}");
+            }
+            cells += found.status.len();
+            of_host += found.host_cells;
+        }
+    }
+    println!("{of_host} of {cells} cells on the host");
 }
 
 #[test]

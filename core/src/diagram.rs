@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
-use crate::site_grid::SiteGrid;
 use crate::site_tree::SiteTree;
 use crate::{Domain, Error, Result, memory};
 
@@ -167,24 +166,11 @@ impl PowerDiagram {
     /// `Input` where a site or weight is out of range of the container ([`FARTHEST_SITE`], [`LARGEST_WEIGHT_SPREAD`]),
     /// or where there is none.
     pub fn prepare(&self) -> Result<Prepared> {
-        self.prepare_with(SiteTree::new)
-    }
-
-    /// The same with sites sorted into a grid, with about `sites_per_voxel` sites in a voxel.
-    ///
-    /// # Errors
-    /// As [`PowerDiagram::prepare`].
-    pub fn prepare_grid(&self, sites_per_voxel: f64) -> Result<Prepared<SiteGrid>> {
-        self.prepare_with(|positions, weights| SiteGrid::with_density(positions, weights, sites_per_voxel))
-    }
-
-    fn prepare_with<T>(&self, sort: impl Fn(&[[f64; 3]], &[f64]) -> T) -> Result<Prepared<T>> {
         let container = self.framed_container()?;
         self.check_range(&container)?;
         let positions: Vec<[f64; 3]> = self.positions.iter().map(|&p| container.frame.enter(p)).collect();
         let weights: Vec<f64> = self.weights.iter().map(|&w| container.frame.enter_weight(w)).collect();
-        let sites = sort(&positions, &weights);
-        Ok(Prepared { container, sites })
+        Ok(Prepared { container, sites: SiteTree::new(&positions, &weights) })
     }
 
     /// The container in its internal frame.
@@ -314,14 +300,14 @@ impl FramedContainer {
 
 /// A diagram in the internal frame, its sites sorted on the host.
 #[derive(Debug)]
-pub struct Prepared<T = SiteTree> {
+pub struct Prepared {
     /// The container of the cells.
     pub container: FramedContainer,
     /// The sites, sorted.
-    pub sites: T,
+    pub sites: SiteTree,
 }
 
-impl<T> Prepared<T> {
+impl Prepared {
     /// The domain's grid, if the diagram is restricted to a domain.
     pub fn domain_grid(&self) -> Option<&DomainGrid> {
         self.container.domain_grid()

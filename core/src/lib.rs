@@ -27,7 +27,6 @@ pub mod required;
 pub mod search;
 #[cfg(any(test, feature = "test-util"))]
 pub mod shapes;
-pub mod site_grid;
 pub mod site_tree;
 pub mod summation;
 

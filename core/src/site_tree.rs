@@ -27,39 +27,39 @@ pub(crate) const NOWHERE: f64 = 1e150;
 /// Eight sibling nodes: the tight boxes of their sites.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Boxes {
+pub struct Boxes<Real = f64> {
     /// Minimum corners, axis by axis.
-    pub lo: [[f64; WIDTH]; 3],
+    pub lo: [[Real; WIDTH]; 3],
     /// Maximum corners, axis by axis.
-    pub hi: [[f64; WIDTH]; 3],
+    pub hi: [[Real; WIDTH]; 3],
 }
 
 /// An upper bound of the weights of each of eight sibling nodes, less [`SiteTree::base_weight`]:
 /// `w_j − base ≤ c + g·(p_j − m) + Σ_k q_k (p_j − m)_k²`, `m` the middle of the box. `c` has room for all roundings of evaluating it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct WeightBounds {
+pub struct WeightBounds<Real = f64> {
     /// Constant.
-    pub c: [f64; WIDTH],
+    pub c: [Real; WIDTH],
     /// Slope, axis by axis.
-    pub g: [[f64; WIDTH]; 3],
+    pub g: [[Real; WIDTH]; 3],
     /// Curvature, axis by axis.
-    pub q: [[f64; WIDTH]; 3],
+    pub q: [[Real; WIDTH]; 3],
 }
 
 /// A slab that holds the sites of each of eight sibling nodes, across their thinnest direction: it tells sites that lie along a surface from
 /// a sphere that touches the surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Slabs {
+pub struct Slabs<Real = f64> {
     /// Unit normals, axis by axis; zero where the box says as much.
-    pub normal: [[f64; WIDTH]; 3],
+    pub normal: [[Real; WIDTH]; 3],
     /// Least `normal·p`, rounded down.
-    pub lo: [f64; WIDTH],
+    pub lo: [Real; WIDTH],
     /// Largest `normal·p`, rounded up.
-    pub hi: [f64; WIDTH],
+    pub hi: [Real; WIDTH],
     /// Largest weight, less the base.
-    pub largest_weight: [f64; WIDTH],
+    pub largest_weight: [Real; WIDTH],
 }
 
 /// Eight consecutive sites, coordinate by coordinate.

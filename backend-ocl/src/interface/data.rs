@@ -8,6 +8,9 @@ pub(crate) const SHELL_RADIUS: u32 = 6;
 pub(crate) const SHELLS: u32 = 2197;
 pub(crate) const INNER_SHELLS: u32 = 27;
 
+/// A voxel with more sites than this is crowded: the table is blind inside it, and the tree over all sites is searched alone.
+pub(crate) const CROWDED: u32 = 64;
+
 /// Sites from all over that a cell is cut by where it reaches to other parts of the domain.
 pub(crate) const SAMPLE: u32 = 512;
 

@@ -26,6 +26,7 @@ INLINE V3 solve(Cramer by, real inverse);
 OUTLINE real residual(Plane plane, V3 x);
 OUTLINE real residual_about(Plane plane, V3 c, V3 x);
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
+INLINE real farthest_vertex(Store *s);
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
 OUTLINE Minors minors_of(Plane a, Plane b, Plane c);
 OUTLINE int sign_by_minors(Minors minors, Plane e);
@@ -66,10 +67,6 @@ OUTLINE void clear_links(Store *s);
 OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge);
 INLINE uint is_boundary_edge(Store *s, uint end, uint a, uint b);
 OUTLINE void compact_planes(Store *s);
-INLINE real farthest_vertex(Store *s);
-INLINE real security_reach(real r, real dw);
-INLINE uint box_cannot_cut(Store *s, V3 lo, V3 hi, real dw);
-INLINE real outside_of(real x, real lo, real hi);
 OUTLINE real integrate_function(Store *s, V3 center);
 OUTLINE void add_fans_at_edge(Store *s, uint v, uint f, uint g, V3 center, Wide *sum);
 OUTLINE uint first_vertex_on(Store *s, uint f, uint g, uint end);
@@ -339,6 +336,13 @@ OUTLINE real residual_about(Plane plane, V3 c, V3 x) {
 // `r_a·bc + r_b·ca + r_c·ab`.
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab) {
     return add(add(scale(ra, bc), scale(rb, ca)), scale(rc, ab));
+}
+
+// An upper bound of the distance from the site to the farthest vertex.
+INLINE real farthest_vertex(Store *s) {
+    const V3 largest = store_farthest(s);
+    // The radius bounds each component; √3 < 2.
+    return (sqrt(largest.x) + (REAL(2.0) * largest.y)) * (REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF));
 }
 
 // core/src/cell/store.rs
@@ -937,56 +941,6 @@ OUTLINE void compact_planes(Store *s) {
     }
     clear_links(s);
     store_set_planes(s, kept);
-}
-
-// core/src/cell/security.rs
-
-// An upper bound of the distance from the site to the farthest vertex.
-INLINE real farthest_vertex(Store *s) {
-    const V3 largest = store_farthest(s);
-    // The radius bounds each component; √3 < 2.
-    return (sqrt(largest.x) + (REAL(2.0) * largest.y)) * SAFE;
-}
-
-// The quick test: a site at distance at least this from the cell's site, of weight at most `W`, cannot cut a cell whose
-// farthest vertex is at most `r` away, where `dw = W − w_i`: `r + √(max(0, r² + dw))`; with equal weights the `2r` of the paper.
-INLINE real security_reach(real r, real dw) {
-    const real inner = ((r * r) * SAFE) + dw;
-    if (inner <= REAL(0.0)) {
-        return r;
-    }
-    return (r + sqrt(inner)) * SAFE;
-}
-
-// The sharp test: whether (1) no site in the box `[lo, hi]` (in the frame of the site) of weight at most `W` can cut the cell,
-// `dw = W − w_i`: `dist²(v, box) − W ≥ ‖v‖² − w_i` for every vertex `v`.
-INLINE uint box_cannot_cut(Store *s, V3 lo, V3 hi, real dw) {
-    uint v = 0;
-    while (v < store_vertices(s)) {
-        const V3 position = store_position(s, v);
-        const V3 gap = v3(outside_of(position.x, lo.x, hi.x), outside_of(position.y, lo.y, hi.y), outside_of(position.z, lo.z, hi.z));
-        const real distance = v3_dot(gap, gap);
-        const real power = v3_dot(position, position) + dw;
-        // The slope of dist² − ‖v‖² is twice the nearest point of the box, v plus or minus the gap.
-        const real slope = REAL(2.0) * norm_1(add(v3(fabs(position.x), fabs(position.y), fabs(position.z)), gap));
-        const real margin = (((slope + store_radius(s, v)) * (REAL(4.0) * store_radius(s, v))) + ((REAL(16.0) * UNIT_ROUNDOFF) * ((distance + v3_dot(position, position)) + fabs(dw)))) + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(gap) * slope));
-        if ((distance - power) < margin) {
-            return 0;
-        }
-        v += 1;
-    }
-    return 1;
-}
-
-// How far `x` lies outside `[lo, hi]`.
-INLINE real outside_of(real x, real lo, real hi) {
-    if (x < lo) {
-        return lo - x;
-    }
-    if (x > hi) {
-        return x - hi;
-    }
-    return REAL(0.0);
 }
 
 // core/src/cell/quadrature.rs

@@ -260,11 +260,6 @@ typedef struct {
 
 // core/src/cell/clip.rs
 
-// core/src/cell/security.rs
-
-// Relative room for the roundings of the tests below: at most ten operations each.
-#define SAFE ((real)(REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF)))
-
 // core/src/cell/quadrature.rs
 
 // A node of the quadrature rule on a tetrahedron.

@@ -2,11 +2,6 @@
 
 #import "cell_types.cl"
 
-// core/src/site_grid.rs
-
-// A voxel with more sites than this is crowded: a uniform grid is blind inside it, and the tree over all sites is searched instead.
-#define CROWDED ((uint)(64))
-
 // core/src/site_tree.rs
 
 // Sites in a leaf, and nodes in a block.
@@ -70,6 +65,9 @@ typedef struct {
 #define SHELLS ((uint)(2197))
 
 #define INNER_SHELLS ((uint)(27))
+
+// A voxel with more sites than this is crowded: the table is blind inside it, and the tree over all sites is searched alone.
+#define CROWDED ((uint)(64))
 
 // Sites from all over that a cell is cut by where it reaches to other parts of the domain.
 #define SAMPLE ((uint)(512))

@@ -294,3 +294,5 @@ INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ 0 }; }
 INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
 INLINE uint store_next_conflict(Store *s, uint from, uint end) { return end; }
 INLINE uint store_mark_conflicts(Store *s, uint k) { return 0; }
+
+#import "sites.cl"

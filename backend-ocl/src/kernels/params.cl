@@ -1,8 +1,9 @@
 // What the kernels that sort sites and those that use them share, beside what the host tells them (`interface.cl`).
 
 #import "interface.cl"
+#import "rough.cl"
 
-// The voxel along an axis that holds x, clamped into the grid (`SiteGrid::voxel_of`).
+// The voxel along an axis that holds x, clamped into the grid .
 INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
     const real q = (x - params->grid_lo[axis]) / params->grid_width;
     const uint last = params->grid_dims[axis] - 1u;
@@ -22,12 +23,6 @@ INLINE uint sampled_site(__global const Params *params, uint i) { return (uint)(
 // Room for the roundings of a place in voxels of the domain's grid in single precision, three of them, of which the site's is relative.
 #define VOXEL_SLACK 1e-4f
 #define VOXEL_ROUNDING 1e-6f
-
-// Below this the squares of single precision could underflow.
-#define ROUGH_SQUARE 1e-30f
-
-// What single precision rounds off in a few operations.
-#define ROUGH_SAFE 1.000002f
 
 // A place along an axis, in voxels of the domain's grid; what is to be allowed for; and the voxel there, or the one next to it.
 INLINE float place_in_domain(__global const Params *params, uint axis, real x) {

@@ -383,6 +383,14 @@ __kernel void parity_combine(PARITY_ARGUMENTS) {
     give_V3(&out, result);
 }
 
+__kernel void parity_farthest_vertex(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const real result = farthest_vertex(s);
+    give_real(&out, result);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_sign_of_conflict(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -694,42 +702,6 @@ __kernel void parity_compact_planes(PARITY_ARGUMENTS) {
     PARITY_STORE;
     compact_planes(s);
     parity_dump(&out, s);
-}
-
-__kernel void parity_farthest_vertex(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const real result = farthest_vertex(s);
-    give_real(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_security_reach(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const real r = take_real(&in);
-    const real dw = take_real(&in);
-    const real result = security_reach(r, dw);
-    give_real(&out, result);
-}
-
-__kernel void parity_box_cannot_cut(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const V3 lo = take_V3(&in);
-    const V3 hi = take_V3(&in);
-    const real dw = take_real(&in);
-    const uint result = box_cannot_cut(s, lo, hi, dw);
-    give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_outside_of(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const real x = take_real(&in);
-    const real lo = take_real(&in);
-    const real hi = take_real(&in);
-    const real result = outside_of(x, lo, hi);
-    give_real(&out, result);
 }
 
 __kernel void parity_integrate_function(PARITY_ARGUMENTS) {

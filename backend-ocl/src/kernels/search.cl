@@ -1,6 +1,42 @@
 // The search for the sites that cut a cell, where one work-item computes it: the tree (`tree_alone.cl`), or WITH_TABLE, where weights do not differ,
 // first the voxels around the cell's own (`table_search.cl`).
 
+#import "cell.cl"
+
+OUTLINE uint store_was_tried(Store *s, uint j) {
+    for (uint f = 0; f < s->planes; f++) {
+        if (s->source[f] == j) {
+            return 1;
+        }
+    }
+    return 0;
+}
+INLINE uint store_touches(Store *s, uint v, uint j) {
+    const Triplet t = store_triplet(s, v);
+    return (s->source[t.a] == j) || (s->source[t.b] == j) || (s->source[t.c] == j);
+}
+INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
+INLINE uint store_cut_by(Store *s, uint j) {
+#if WITH_TABLE
+    if ((s->is_sampled != 0u) && (store_was_tried(s, j) != 0u)) {
+        return UNTOUCHED;
+    }
+#endif
+    const V3 d = store_way_to(s, j);
+    const real enlarged = s->world.params->enlarged;
+    if (enlarged > REAL(0.0)) {
+        const real stop = enlarged * (REAL(2.0) * farthest_vertex(s));
+        if (v3_dot(d, d) >= (stop * stop)) {
+            s->uncertified = 1;
+            return UNTOUCHED;
+        }
+    }
+    return clip(s, bisector(d, -store_excess_of(s, j)), j);
+}
+INLINE uint store_cut_outside(Store *s, real radius) {
+    return (lies_outside(s) != 0u) ? EMPTY : cap_outside(s, radius);
+}
+
 #import "tree_alone.cl"
 #import "table_store.cl"
 
@@ -51,7 +87,7 @@ OUTLINE uint cap_far(Store *s) {
     for (uint i = 0; i < SAMPLE; i++) {
         const uint site = sampled_site(s->world.params, i);
         const V3 d = store_way_to(s, site);
-        const real reach = security_reach(farthest_vertex(s), REAL(0.0));
+        const real reach = REAL(2.0) * farthest_vertex(s);
         if ((site != s->own) && (v3_dot(d, d) < (reach * reach))) {
             const uint cut = store_cut_by(s, site);
             if ((cut != CUT) && (cut != UNTOUCHED)) {

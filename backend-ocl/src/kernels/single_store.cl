@@ -1,9 +1,17 @@
 // Where a cell lives whose numbers are single: in the private memory of its work-item, with all its half-spaces. Lengths are in a unit
-// of the grid's (`Params` of `single_interface.cl`), so that products of four coefficients neither overflow nor underflow.
+// of the sites' (`Params` of `single_interface.cl`), so that products of four coefficients neither overflow nor underflow.
+
+// Whether weights differ is asked at run time.
+#define WITH_WEIGHTS 1
 
 #import "single_interface.cl"
+#import "tree_types.cl"
+#import "rough.cl"
 
 #define WORDS ((CAP_V + 31) / 32)
+
+// What rounding to single precision adds to a place.
+#define ROUGH REAL(0.0)
 
 // Sites and domain, in global memory. What only cells at the surface need is not there: those are the host's.
 typedef struct {
@@ -11,10 +19,10 @@ typedef struct {
     // Sorted sites, x, y, z, weight, each as the sum of two numbers.
     __global const real4 *sites;
     __global const real4 *rests;
-    // Where the sites of each voxel begin; one more at the end.
-    __global const uint *voxels;
-    // Largest weight of each node, level after level.
-    __global const real *weights;
+    // The tree over them.
+    __global const Boxes *boxes;
+    __global const Slabs *slabs;
+    __global const WeightBounds *weight_bounds;
     __global const real *domain_vertices;
     __global const uint *triangles;
     __global const uint *lowest_voxels;
@@ -29,11 +37,22 @@ typedef struct {
     // Triangles that the cell has tried, and one more than the last of them: each is tried once, with no other in between.
     uint tried;
     uint last_tried;
-    // The cell's site, and its sorted index.
-    real4 own;
-    real4 own_rest;
-    uint site;
+    // The cell's site, what its place and weight are more than these, and its sorted index.
+    V3 site;
+    real weight;
+    real4 rest;
+    uint own;
     uint exact;
+    // Of the search: what of the tree is open, the leaves and candidates at hand, and the vertex that is asked for.
+    uint open[MOST_OPEN];
+    uint open_key[MOST_OPEN];
+    uint leaf[MOST_LEAVES];
+    uint leaf_key[MOST_LEAVES];
+    uint candidate[MOST_CANDIDATES];
+    uint candidate_key[MOST_CANDIDATES];
+    Asked asked;
+    // Whether a site was met that is too near for single numbers to tell what it does.
+    uint is_too_near;
     // 1: half-spaces are moved outward by all that rounding may have moved them.
     uint is_widened;
     // Upper bound of the distance to the farthest vertex.
@@ -44,14 +63,13 @@ typedef struct {
     real shift;
     // The least `n·v + d` of the half-space at hand.
     real least;
-    uint visited;
     uint planes;
     uint vertices;
     Plane plane[CAP_P];
     uint tag[CAP_P];
     ushort link[CAP_P];
     // Position and error radius.
-    real4 vertex[CAP_V];
+    real4 rough[CAP_V];
     // Three indices of ten bits.
     uint triplet[CAP_V];
     uint conflict[WORDS];
@@ -78,20 +96,22 @@ INLINE void store_set_link(Store *s, uint f, uint link) { s->link[f] = (ushort)l
 
 INLINE Triplet store_triplet(Store *s, uint v) {
     const uint t = s->triplet[v];
-    return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = t >> 20 };
+    return (Triplet){ .a = t & 1023u, .b = (t >> 10) & 1023u, .c = (t >> 20) & 1023u };
 }
+// Beside a triplet, that its vertex is settled (`tree_search.cl`).
+#define SETTLED (1u << 30)
 INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = t.a | (t.b << 10) | (t.c << 20); }
 
 INLINE V3 store_position(Store *s, uint v) {
-    return (V3){ .x = s->vertex[v].x, .y = s->vertex[v].y, .z = s->vertex[v].z };
+    return (V3){ .x = s->rough[v].x, .y = s->rough[v].y, .z = s->rough[v].z };
 }
-INLINE real store_radius(Store *s, uint v) { return s->vertex[v].w; }
+INLINE real store_radius(Store *s, uint v) { return s->rough[v].w; }
 INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
-    s->vertex[v] = (real4)(position.x, position.y, position.z, radius);
+    s->rough[v] = (real4)(position.x, position.y, position.z, radius);
 }
 INLINE void store_move_vertex(Store *s, uint from, uint to) {
     s->triplet[to] = s->triplet[from];
-    s->vertex[to] = s->vertex[from];
+    s->rough[to] = s->rough[from];
 }
 
 // Far above what underflow can lose of the products of a half-space and a vertex, far below what anything here is worth.
@@ -108,7 +128,7 @@ INLINE uint store_mark_conflicts(Store *s, uint k) {
         uint conflict = 0;
         uint keep = 0;
         for (uint b = 0; b < here; b++) {
-            const real4 v = s->vertex[first + b];
+            const real4 v = s->rough[first + b];
             const real value = (((plane.n.x * v.x) + (plane.n.y * v.y)) + (plane.n.z * v.z)) + plane.d;
             const real bound = (size * v.w) + slack;
             s->least = fmin(s->least, value - bound);
@@ -127,14 +147,31 @@ INLINE V3 store_farthest(Store *s) {
     real square = REAL(0.0);
     real radius = REAL(0.0);
     for (uint v = 0; v < s->vertices; v++) {
-        const real4 p = s->vertex[v];
+        const real4 p = s->rough[v];
         square = fmax(square, ((p.x * p.x) + (p.y * p.y)) + (p.z * p.z));
         radius = fmax(radius, p.w);
     }
     return (V3){ .x = square, .y = radius, .z = REAL(0.0) };
 }
 
-INLINE V3 store_site(Store *s) { return (V3){ .x = s->own.x, .y = s->own.y, .z = s->own.z }; }
+INLINE V3 store_site(Store *s) { return s->site; }
+
+// From the cell's site to another: within `2u|d| + position_error`, componentwise.
+INLINE V3 store_way_to(Store *s, uint j) {
+    const real4 other = s->world.sites[j];
+    const real4 rest = s->world.rests[j];
+    const V3 d = (V3){ .x = (other.x - s->site.x) + (rest.x - s->rest.x), .y = (other.y - s->site.y) + (rest.y - s->rest.y),
+                       .z = (other.z - s->site.z) + (rest.z - s->rest.z) };
+    const real largest = fmax(fmax(fabs(d.x), fabs(d.y)), fabs(d.z));
+    s->is_too_near |= (largest < s->world.params->least_distance) ? 1u : 0u;
+    return d;
+}
+// What another site weighs more: within `2u|excess| + weight_error`.
+INLINE real store_excess_of(Store *s, uint j) {
+    return (s->world.sites[j].w - s->weight) + (s->world.rests[j].w - s->rest.w);
+}
+INLINE real store_own_excess(Store *s) { return s->weight; }
+INLINE real store_largest_excess(Store *s) { return s->world.params->largest_weight - s->weight; }
 
 // Only where cells meet the surface, or for facets.
 INLINE void store_save(Store *s) {}

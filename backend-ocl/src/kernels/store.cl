@@ -1,5 +1,8 @@
 // Where a cell lives that one work-item computes: in its private memory, which GPUs interleave between work-items.
 
+// Whether weights differ is asked at run time.
+#define WITH_WEIGHTS 1
+
 #import "params.cl"
 #import "tree_types.cl"
 #import "ties.cl"
@@ -322,3 +325,4 @@ INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { re
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
 
 #import "marks.cl"
+#import "sites.cl"

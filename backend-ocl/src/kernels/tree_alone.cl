@@ -1,8 +1,5 @@
 // The search of the tree (`tree_search.cl`), where one work-item computes a cell.
 
-// Whether weights differ is asked at run time.
-#define WITH_WEIGHTS 1
-
 #import "tree_store.cl"
 
 INLINE uint store_lanes(Store *s) { return 1u; }
@@ -64,40 +61,6 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
 
 INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);
-}
-OUTLINE uint store_was_tried(Store *s, uint j) {
-    for (uint f = 0; f < s->planes; f++) {
-        if (s->source[f] == j) {
-            return 1;
-        }
-    }
-    return 0;
-}
-INLINE uint store_touches(Store *s, uint v, uint j) {
-    const Triplet t = store_triplet(s, v);
-    return (s->source[t.a] == j) || (s->source[t.b] == j) || (s->source[t.c] == j);
-}
-INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
-INLINE uint store_cut_by(Store *s, uint j) {
-#if WITH_TABLE
-    if ((s->is_sampled != 0u) && (store_was_tried(s, j) != 0u)) {
-        return UNTOUCHED;
-    }
-#endif
-    const real4 other = s->world.sites[j];
-    const V3 d = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
-    const real enlarged = s->world.params->enlarged;
-    if (enlarged > REAL(0.0)) {
-        const real stop = enlarged * (REAL(2.0) * farthest_vertex(s));
-        if (v3_dot(d, d) >= (stop * stop)) {
-            s->uncertified = 1;
-            return UNTOUCHED;
-        }
-    }
-    return clip(s, bisector(d, s->weight - other.w), j);
-}
-INLINE uint store_cut_outside(Store *s, real radius) {
-    return (lies_outside(s) != 0u) ? EMPTY : cap_outside(s, radius);
 }
 
 #import "tree_search.cl"

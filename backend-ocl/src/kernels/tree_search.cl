@@ -28,7 +28,7 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited);
 HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key);
 HOT uint ask_near_first(Store *s, uint at_once);
 INLINE uint ask(Store *s, uint v, uint i);
-INLINE Asked asked_at(Store *s, uint v, V3 place, real radius);
+INLINE Asked asked_at(real largest_excess, uint v, V3 place, real radius);
 HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay);
 INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties);
 INLINE uint larger_count(uint a, uint b);
@@ -624,13 +624,13 @@ INLINE uint ask(Store *s, uint v, uint i) {
     if (store_fine_position(s, v, &place, &radius) != COMPLETE) {
         return 0;
     }
-    const Asked asked = asked_at(s, v, place, radius);
+    const Asked asked = asked_at(store_largest_excess(s), v, place, radius);
     store_set_asked(s, i, asked);
     return 1;
 }
 
-// What is asked for at a place that is off by up to `radius` along each axis.
-INLINE Asked asked_at(Store *s, uint v, V3 place, real radius) {
+// What is asked for at a place that is off by up to `radius` along each axis, of sites that weigh up to `largest_excess` more than the cell's.
+INLINE Asked asked_at(real largest_excess, uint v, V3 place, real radius) {
     const real own = v3_dot(place, place);
     const real lost = PER_LENGTH * radius;
     // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
@@ -640,7 +640,7 @@ INLINE Asked asked_at(Store *s, uint v, V3 place, real radius) {
     const real lost_of_square = (REAL(0.5) * lost) / length;
     const real share = lost_of_square + (REAL(4.0) * FEW_ROUNDINGS_OF_SUM);
     const real lost_of_all = (REAL(1.5) * lost) * length;
-    const real room = lost_of_all + (share * larger(store_largest_excess(s), REAL(0.0)));
+    const real room = lost_of_all + (share * larger(largest_excess, REAL(0.0)));
     const real limit = ((own * (REAL(1.0) + (REAL(2.0) * FEW_ROUNDINGS_OF_SUM))) + room) * (REAL(1.0) + (REAL(2.0) * share));
     return (Asked){ .vertex = v, .place = place, .own = own, .lost = lost_of_all, .lost_of_square = lost_of_square, .limit = limit };
 }

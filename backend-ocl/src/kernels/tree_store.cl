@@ -5,10 +5,6 @@
 
 INLINE uint store_sites(Store *s) { return s->world.params->tree_sites; }
 INLINE uint store_own_site(Store *s) { return s->own; }
-INLINE V3 store_way_to(Store *s, uint j) {
-    const real4 other = s->world.sites[j];
-    return (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
-}
 INLINE uint store_top_level(Store *s) { return s->world.params->tree_top; }
 INLINE uint block_of_tree(Store *s, uint level, uint node) { return s->world.params->tree_begin[level] + (node / WIDTH); }
 INLINE NodeBox store_node_box(Store *s, uint level, uint node) {
@@ -40,9 +36,6 @@ INLINE uint store_most_ties(Store *s) { return MOST_CANDIDATES; }
 
 #if WITH_WEIGHTS
 INLINE uint store_has_weights(Store *s) { return s->world.params->equal_weights == 0u; }
-INLINE real store_excess_of(Store *s, uint j) { return s->world.sites[j].w - s->weight; }
-INLINE real store_own_excess(Store *s) { return s->weight - s->world.params->smallest_weight; }
-INLINE real store_largest_excess(Store *s) { return s->world.params->largest_weight - s->weight; }
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
     __global const WeightBounds *block = s->world.weight_bounds + block_of_tree(s, level, node);
     const uint k = node % WIDTH;
@@ -53,9 +46,6 @@ INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
 }
 #else
 INLINE uint store_has_weights(Store *s) { return 0u; }
-INLINE real store_excess_of(Store *s, uint j) { return REAL(0.0); }
-INLINE real store_own_excess(Store *s) { return REAL(0.0); }
-INLINE real store_largest_excess(Store *s) { return REAL(0.0); }
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) { return (NodeWeights){ 0 }; }
 #endif
 

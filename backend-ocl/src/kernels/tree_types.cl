@@ -134,6 +134,9 @@ typedef struct {
 
 #define MOST_NEAR_SITES ((uint)(400))
 
+// Room for the roundings of a limit.
+#define SAFE ((real)(REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF)))
+
 // The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
 #define MOST_CURVATURE ((real)(REAL(0.96)))
 
@@ -162,9 +165,22 @@ typedef struct {
 #define MOST_COMPARED ((uint)(64))
 
 // What a power loses with the square of the distance is kept to half the inverse of this.
+//
+// Single: `1e3`.
+#if SINGLE
+#define LENGTHS_OF_LOST ((real)(REAL(1e3)))
+#else
 #define LENGTHS_OF_LOST ((real)(REAL(1e10)))
+#endif
 
+// Of a place at the site itself.
+//
+// Single: `1e-15`.
+#if SINGLE
+#define LEAST_LENGTH ((real)(REAL(1e-15)))
+#else
 #define LEAST_LENGTH ((real)(REAL(1e-150)))
+#endif
 
 // core/src/cell/candidates.rs
 

@@ -115,7 +115,6 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(near_degenerate::exact_positions_are_rounded_once),
     given!(near_degenerate::signs_are_exact),
     given!(near_degenerate::no_false_proof),
-    given!(near_degenerate::boxes_hold_their_sites),
     given!(near_degenerate::integrals_are_of_the_polygons),
     given!(near_degenerate::untouched_cells_are_whole),
     given!(near_degenerate::face_in_line_with_corners),

@@ -2,12 +2,14 @@
 //! diagrams allow for the condition of such cells, and so cannot see these promises broken.
 
 use glam::DVec3;
+use laguerre_core::cell::bound::{Seer, least_power_of_node, reach_of_bisector};
+use laguerre_core::cell::far::asked_at;
+use laguerre_core::cell::search_store::{NodeBox, NodeSlab, NodeWeights};
 use laguerre_core::cell::{
     self, CellStore, CellSums, FACETS, MARK_CONFLICT, MARK_KEEP, PlainStore, Plane, Triplet, V3, bisector,
-    box_cannot_cut, farthest_vertex, security_reach, v3,
+    farthest_vertex, v3,
 };
 use laguerre_core::exact;
-use laguerre_core::site_grid::SiteGrid;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Domain, PowerDiagram, Request};
 
@@ -105,7 +107,7 @@ pub fn signs_are_exact(_: &dyn Backend) -> Verdict {
     Ok(())
 }
 
-/// A site that the security tests leave out is in conflict with no vertex, though it miss one by a rounding.
+/// A site that the search leaves out, near or far, is in conflict with no vertex, though it miss one by a rounding.
 pub fn no_false_proof(_: &dyn Backend) -> Verdict {
     let mut random = Random::new(3);
     let mut proofs = [0; 2];
@@ -141,18 +143,17 @@ pub fn no_false_proof(_: &dyn Backend) -> Verdict {
                 let [a, b, c] = planes_of(&store, v);
                 exact::sign_of_planes(a, b, c, plane) < 0
             });
-            let reach = security_reach(farthest, -difference);
-            let quick = dot(site, site) >= reach * reach;
-            let sharp = box_cannot_cut(&store, site, site, -difference) != 0;
-            proofs[0] += usize::from(quick);
-            proofs[1] += usize::from(sharp);
+            let near = reach_of_bisector(v3(0.0, 0.0, 0.0), site, -difference) >= 4.0 * farthest * farthest;
+            let far = (0..store.vertices()).all(|v| power_is_beyond(&store, v, site, -difference));
+            proofs[0] += usize::from(near);
+            proofs[1] += usize::from(far);
             ensure!(
-                !(quick && conflicts),
-                "the quick test leaves out {site:?}, which cuts; weights differ by {difference}"
+                !(near && conflicts),
+                "the search near leaves out {site:?}, which cuts; weights differ by {difference}"
             );
             ensure!(
-                !(sharp && conflicts),
-                "the sharp test leaves out {site:?}, which cuts; weights differ by {difference}"
+                !(far && conflicts),
+                "the search far leaves out {site:?}, which cuts; weights differ by {difference}"
             );
         }
     }
@@ -160,46 +161,15 @@ pub fn no_false_proof(_: &dyn Backend) -> Verdict {
     Ok(())
 }
 
-/// A node's box holds its sites, those on the very border of a voxel too: what is proved about the box is true of them.
-pub fn boxes_hold_their_sites(_: &dyn Backend) -> Verdict {
-    let mut random = Random::new(9);
-    let mut grids = 0;
-    for _ in 0..100 {
-        let ends = [random.point(), random.point()];
-        let (lo, hi) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-        let grid_of = |others: &[DVec3]| {
-            let all: Vec<[f64; 3]> = [lo, hi].iter().chain(others).map(|&p| p.into()).collect();
-            SiteGrid::new(&all, &[])
-        };
-        let places: Vec<(DVec3, DVec3)> = (0..500)
-            .map(|_| (random.point() * (hi - lo), f64::EPSILON * (random.point() * 6.0 - 3.0).round()))
-            .collect();
-        let on_borders = |width: f64| -> Vec<DVec3> {
-            let moved = |&(at, off): &(DVec3, DVec3)| ((lo + (at / width).round() * width) * (1.0 + off)).clamp(lo, hi);
-            places.iter().map(moved).collect()
-        };
-        // The grid depends on how much of their box the sites fill, and so, a little, on where its borders put them.
-        let mut grid = grid_of(&on_borders((hi - lo).max_element() / 8.0));
-        let is_found = (0..4).any(|_| {
-            let width = grid.voxel_width();
-            grid = grid_of(&on_borders(width));
-            grid.voxel_width() == width
-        });
-        if !is_found {
-            continue;
-        }
-        grids += 1;
-        for &[x, y, z, _] in grid.sites() {
-            let voxel = grid.voxel_of([x, y, z]);
-            for level in 0..grid.levels().len() {
-                let (lo, hi) = grid.node_box(level, voxel.map(|i| i >> level));
-                let holds = [x, y, z].iter().enumerate().all(|(k, c)| (lo[k]..=hi[k]).contains(c));
-                ensure!(holds, "site {:?} is not in its box {lo:?} to {hi:?}", [x, y, z]);
-            }
-        }
-    }
-    ensure!(grids > 50, "{grids} grids");
-    Ok(())
+/// Whether a node of one site, which weighs `excess` more than the cell's, is not opened for vertex `v`.
+fn power_is_beyond(store: &PlainStore<'_>, v: u32, site: V3, excess: f64) -> bool {
+    let seer = Seer { site: v3(0.0, 0.0, 0.0), excess: (-excess).max(0.0), has_weights: 1 };
+    let more = excess + seer.excess;
+    let bounds = NodeBox { lo: site, hi: site };
+    let slab = NodeSlab { normal: v3(1.0, 0.0, 0.0), lo: site.x, hi: site.x, largest: more };
+    let weights = NodeWeights { offset: more, ..NodeWeights::default() };
+    let place = store.position(v);
+    least_power_of_node(seer, place, bounds, slab, weights) >= asked_at(excess, v, place, store.radius(v)).limit
 }
 
 /// Areas and volume are those of the polygons that the vertices span, however far the site is and however nearly parallel two

@@ -16,7 +16,12 @@ const PER_LENGTH: Real = 8.0;
 const MOST_COMPARED: u32 = 64;
 
 /// What a power loses with the square of the distance is kept to half the inverse of this.
+///
+/// Single: `1e3`.
 const LENGTHS_OF_LOST: Real = 1e10;
+/// Of a place at the site itself.
+///
+/// Single: `1e-15`.
 const LEAST_LENGTH: Real = 1e-150;
 
 /// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
@@ -139,14 +144,14 @@ fn ask<S: SearchStore>(s: &mut S, v: u32, i: u32) -> u32 {
     if s.fine_position(v, &mut place, &mut radius) != COMPLETE {
         return 0;
     }
-    let asked: Asked = asked_at(s, v, place, radius);
+    let asked: Asked = asked_at(s.largest_excess(), v, place, radius);
     s.set_asked(i, asked);
     return 1;
 }
 
-/// What is asked for at a place that is off by up to `radius` along each axis.
+/// What is asked for at a place that is off by up to `radius` along each axis, of sites that weigh up to `largest_excess` more than the cell's.
 #[inline(always)]
-pub(crate) fn asked_at<S: SearchStore>(s: &S, v: u32, place: V3, radius: Real) -> Asked {
+pub fn asked_at(largest_excess: Real, v: u32, place: V3, radius: Real) -> Asked {
     let own: Real = dot(place, place);
     let lost: Real = PER_LENGTH * radius;
     // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
@@ -156,7 +161,7 @@ pub(crate) fn asked_at<S: SearchStore>(s: &S, v: u32, place: V3, radius: Real) -
     let lost_of_square: Real = (0.5 * lost) / length;
     let share: Real = lost_of_square + (4.0 * FEW_ROUNDINGS_OF_SUM);
     let lost_of_all: Real = (1.5 * lost) * length;
-    let room: Real = lost_of_all + (share * larger(s.largest_excess(), 0.0));
+    let room: Real = lost_of_all + (share * larger(largest_excess, 0.0));
     let limit: Real = ((own * (1.0 + (2.0 * FEW_ROUNDINGS_OF_SUM))) + room) * (1.0 + (2.0 * share));
     return Asked {
         vertex: v,

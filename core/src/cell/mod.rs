@@ -1,8 +1,7 @@
 //! THE algorithm, written once: one cell, in the frame of its site, over a [`CellStore`] that says where it lives.
 //!
-//! A cell begins as a box ([`begin`]), is cut by bisectors ([`clip`]) until the security tests
-//! ([`security_reach`], [`box_cannot_cut`]) prove that no other site can cut it, and is integrated over the container
-//! ([`integrate_cell`]). Signs are exact and a zero is no conflict, which amounts to moving each plane outward by an
+//! A cell begins as a box ([`begin`]), is cut by bisectors ([`clip`]) until the search proves that no other site can cut it
+//! ([`search::search_near`], [`far::search_far`]), and is integrated over the container ([`integrate_cell`]). Signs are exact and a zero is no conflict, which amounts to moving each plane outward by an
 //! infinitesimal that dominates all earlier ones: the cell is always a simple polytope, and clipping cannot fail.
 //!
 //! # The dialect
@@ -43,7 +42,6 @@ mod quadrature;
 mod restrict;
 pub mod search;
 pub mod search_store;
-mod security;
 mod status;
 mod store;
 pub mod table;
@@ -62,11 +60,10 @@ pub use plain::PlainStore;
 pub use plane::{Plane, bisector};
 pub use quadrature::Node;
 pub use restrict::{integrate_cell, lies_outside};
-pub use security::{box_cannot_cut, farthest_vertex, security_reach};
 pub use status::*;
 pub use store::{CellStore, Triangle, Voxel};
 pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
-pub use vertex::{Triplet, find_vertex_once};
+pub use vertex::{Triplet, farthest_vertex, find_vertex_once};
 pub use wide::Minors;
 
 /// The flags of [`integrate_cell`] that answer a request.

@@ -15,10 +15,9 @@
 use super::bound::reach_of_bisector;
 use super::candidates::{Held, key_limit, nearest_held, take_held, visit_candidates};
 use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH};
-use super::security::SAFE;
 use super::status::{COMPLETE, CUT, UNTOUCHED};
 use super::tree::{Open, Question, open_blocks, open_path};
-use super::vector::{Real, Rough, V3, add, dot, larger, scale, smaller, sub, v3};
+use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, larger, scale, smaller, sub, v3};
 
 /// Leaves whose sites become candidates at one time.
 const LEAVES_AT_ONCE: u32 = 4;
@@ -37,6 +36,9 @@ const LEAST_OF_KEY: Real = 1e-37;
 const FAR_SQUARE: Real = 9.0;
 const MOST_NEAR_LEAVES: u32 = 400;
 const MOST_NEAR_SITES: u32 = 400;
+
+/// Room for the roundings of a limit.
+const SAFE: Real = 1.0 + (16.0 * UNIT_ROUNDOFF);
 
 /// The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
 const MOST_CURVATURE: Real = 0.96;

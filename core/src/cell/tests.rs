@@ -2,8 +2,11 @@
 
 use super::*;
 use super::{
+    bound::{Seer, least_power_of_node, reach_of_bisector},
     facet::reset_facets,
+    far::asked_at,
     integrate::{foot_on_edge, integrate, side},
+    search_store::{NodeBox, NodeSlab, NodeWeights},
     vector::{cross, dot, norm_1, sub},
 };
 
@@ -124,27 +127,31 @@ fn lattices_stay_simple_in_any_order() {
 }
 
 #[test]
-fn security_tests_have_no_false_proof() {
+fn the_search_has_no_false_proof() {
     let mut store = unit_box();
     let r = farthest_vertex(&store);
     assert!((r - 0.75_f64.sqrt()).abs() < 1e-13 && r >= 0.75_f64.sqrt());
-    // A site just inside twice the radius, in the direction of a corner, cuts; at the reach it does not.
-    let toward = |distance: f64| scale_to(distance);
-    assert_eq!(clip(&mut store, bisector(toward(2.0 * r * (1.0 - 1e-12)), 0.0), 0), CUT);
-    let mut store = unit_box();
-    assert!(security_reach(r, 0.0) >= 2.0 * r);
-    assert_eq!(clip(&mut store, bisector(toward(security_reach(r, 0.0)), 0.0), 0), UNTOUCHED);
-    // With a heavier neighbour the reach grows just so far.
-    let reach = security_reach(r, 0.3);
-    assert_eq!(clip(&mut store, bisector(toward(reach), -0.3), 0), UNTOUCHED);
-    assert_eq!(clip(&mut store, bisector(toward(reach * (1.0 - 1e-12)), -0.3), 0), CUT);
-    // The sharp test: a wall of sites beyond a face cuts its corners when it stands nearer to them than the site does.
-    let store = unit_box();
-    let wall = |x: f64| (v3(x, -0.5, -0.5), v3(x, 0.5, 0.5));
-    let (lo, hi) = wall(0.5 + 0.75_f64.sqrt() + 1e-12);
-    assert_eq!(box_cannot_cut(&store, lo, hi, 0.0), 1);
-    let (lo, hi) = wall(0.5 + 0.75_f64.sqrt() - 1e-12);
-    assert_eq!(box_cannot_cut(&store, lo, hi, 0.0), 0);
+    // A site, as heavy or heavier, that the cell just reaches cuts it in the direction of a corner; one just beyond does not.
+    let origin = v3(0.0, 0.0, 0.0);
+    for excess in [0.0, 0.3] {
+        let reach = r + (r * r + excess).sqrt();
+        for (share, end) in [(1.0 - 1e-12, CUT), (1.0 + 1e-12, UNTOUCHED)] {
+            let site = scale_to(reach * share);
+            assert_eq!(reach_of_bisector(origin, site, excess) >= 4.0 * r * r, end == UNTOUCHED);
+            assert_eq!(clip(&mut store, bisector(site, -excess), 0), end);
+            store = unit_box();
+        }
+    }
+    // A wall of sites beyond a face cuts its corners when it stands nearer to them than the site does.
+    let seer = Seer { site: origin, excess: 0.0, has_weights: 0 };
+    for (off, is_left_out) in [(1e-12, true), (-1e-12, false)] {
+        let x = 0.5 + 0.75_f64.sqrt() + off;
+        let wall = NodeBox { lo: v3(x, -0.5, -0.5), hi: v3(x, 0.5, 0.5) };
+        let slab = NodeSlab { normal: v3(1.0, 0.0, 0.0), lo: x, hi: x, largest: 0.0 };
+        let least = |corner: V3| least_power_of_node(seer, corner, wall, slab, NodeWeights::default());
+        let is_out = |v: u32| least(store.position(v)) >= asked_at(0.0, v, store.position(v), store.radius(v)).limit;
+        assert_eq!((0..store.vertices()).all(is_out), is_left_out);
+    }
 }
 
 fn scale_to(distance: f64) -> V3 {

@@ -174,3 +174,11 @@ pub(super) fn residual_about(plane: Plane, c: V3, x: V3) -> Real {
 pub(super) fn combine(ra: Real, rb: Real, rc: Real, bc: V3, ca: V3, ab: V3) -> V3 {
     return add(add(scale(ra, bc), scale(rb, ca)), scale(rc, ab));
 }
+
+/// An upper bound of the distance from the site to the farthest vertex.
+#[inline(always)]
+pub fn farthest_vertex<S: CellStore>(s: &S) -> Real {
+    let largest: V3 = s.farthest();
+    // The radius bounds each component; √3 < 2.
+    return (largest.x.sqrt() + (2.0 * largest.y)) * (1.0 + (16.0 * UNIT_ROUNDOFF));
+}

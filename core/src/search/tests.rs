@@ -87,7 +87,7 @@ fn descend(tree: &SiteTree, room: &mut Room, site: u32, places: &[V3]) -> (Optio
     let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
     let mut search = Searched::new(&mut cell, tree, room, 0.0);
     for (i, &place) in places.iter().enumerate() {
-        let asked = asked_at(&search, 0, place, 0.0);
+        let asked = asked_at(search.largest_excess(), 0, place, 0.0);
         search.set_asked(i as u32, asked);
     }
     let (mut ties, mut stay) = (0, 0);

@@ -1,6 +1,6 @@
 //! The mapping itself: items, statements, expressions.
 
-use super::source::Unit;
+use super::source::{Unit, is_of_numbers};
 use std::collections::HashMap;
 use std::fmt::Write;
 use syn::spanned::Spanned;
@@ -48,7 +48,7 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                     }
                 }
             }
-            Item::Struct(item) if item.generics.params.is_empty() && is_plain(&item.attrs) => {
+            Item::Struct(item) if is_of_numbers(&item.generics) && is_plain(&item.attrs) => {
                 parts.types.push('\n');
                 comments(&mut parts.types, &item.attrs);
                 let emitter = Emitter::new(unit);

@@ -9,10 +9,10 @@ use std::fmt::Write;
 use syn::spanned::Spanned;
 use syn::{Expr, Item, Lit, Type};
 
-/// The C of a module of the interface and of items borrowed from other modules, which come first.
-pub(crate) fn interface(borrowed: &[Unit], module: &[Unit]) -> Result<String, String> {
+/// The C of a module of the interface and of items borrowed from other modules, which come first; `real` is how many bytes a `Real` has.
+pub(crate) fn interface(borrowed: &[Unit], module: &[Unit], real: usize) -> Result<String, String> {
     let mut text = String::new();
-    let mut layouts = Layouts::default();
+    let mut layouts = Layouts { real, ..Layouts::default() };
     for unit in borrowed.iter().chain(module) {
         let _ = write!(text, "\n// {}\n{}{}", unit.name, emit::unit(unit)?.types, kernels(unit)?);
         for item in &unit.items {
@@ -43,6 +43,7 @@ pub(crate) fn only(mut unit: Unit, names: &[&str]) -> Result<Unit, String> {
 /// Sizes of structs, and the constants that are lengths of arrays.
 #[derive(Default)]
 struct Layouts {
+    real: usize,
     structs: Vec<(String, usize)>,
     aligned: HashMap<String, usize>,
     lengths: HashMap<String, usize>,
@@ -97,8 +98,9 @@ impl Layouts {
                 match name.as_str() {
                     "f64" | "u64" => Ok((8, 8)),
                     "f32" | "u32" | "i32" => Ok((4, 4)),
+                    "Real" => Ok((self.real, self.real)),
                     // Of the dialect, three numbers.
-                    "V3" => Ok((24, 8)),
+                    "V3" => Ok((3 * self.real, self.real)),
                     _ => match self.structs.iter().find(|(found, _)| *found == name) {
                         Some((_, bytes)) => Ok((*bytes, self.aligned[&name])),
                         None => unit.error(path.span(), "such type in a shared struct"),

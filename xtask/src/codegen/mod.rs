@@ -13,7 +13,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files of the algorithm, each after what it uses by value.
-const FILES: [&str; 16] = [
+const FILES: [&str; 15] = [
     "vector",
     "status",
     "plane",
@@ -22,7 +22,6 @@ const FILES: [&str; 16] = [
     "wide",
     "expansion",
     "clip",
-    "security",
     "quadrature",
     "integrate",
     "facet",
@@ -62,13 +61,18 @@ const INTERFACES: [Interface; 2] = [
     Interface {
         modules: &["data", "kernels", "parity"],
         borrowed: &[
-            ("core/src/site_grid.rs", &["CROWDED"]),
             ("core/src/site_tree.rs", &["WIDTH", "NOWHERE", "Boxes", "WeightBounds", "Slabs"]),
             ("core/src/assemble.rs", &["FacetRecord"]),
         ],
         target: "backend-ocl/src/kernels/interface.cl",
+        real: size_of::<f64>(),
     },
-    Interface { modules: &["single"], borrowed: &[], target: "backend-ocl/src/kernels/single_interface.cl" },
+    Interface {
+        modules: &["single"],
+        borrowed: &[("core/src/site_tree.rs", &["WIDTH", "Boxes", "WeightBounds", "Slabs"])],
+        target: "backend-ocl/src/kernels/single_interface.cl",
+        real: size_of::<f32>(),
+    },
 ];
 
 struct Interface {
@@ -76,6 +80,8 @@ struct Interface {
     modules: &'static [&'static str],
     borrowed: &'static [(&'static str, &'static [&'static str])],
     target: &'static str,
+    /// Bytes of a number.
+    real: usize,
 }
 
 /// What begins a generated file of kernels: where it comes from, and the files that it stands on.
@@ -134,11 +140,11 @@ fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
     refuse_second_names(root, &units_of(&CANDIDATE_FILES)?)?;
     refuse_second_names(root, &units_of(&TABLE_FILES)?)?;
     refuse_second_names(root, &units_of(&NODE_FILES)?)?;
-    for Interface { modules, borrowed, target } in INTERFACES {
+    for Interface { modules, borrowed, target, real } in INTERFACES {
         let borrowed = borrowed.iter().map(|(path, names)| interface::only(read(root, path)?, names));
         let borrowed = borrowed.collect::<Result<Vec<_>, _>>()?;
         let modules = modules.iter().map(|name| read(root, &format!("backend-ocl/src/interface/{name}.rs")));
-        let text = interface::interface(&borrowed, &modules.collect::<Result<Vec<_>, _>>()?)?;
+        let text = interface::interface(&borrowed, &modules.collect::<Result<Vec<_>, _>>()?, real)?;
         files.push((target, format!("{}{text}", header("backend-ocl/src/interface/", &["\"cell_types.cl\""]))));
     }
     Ok(files)

@@ -38,8 +38,13 @@ impl Unit {
 pub(crate) fn name_of(item: &syn::Item) -> Option<&syn::Ident> {
     match item {
         syn::Item::Const(item) => Some(&item.ident),
-        syn::Item::Struct(item) if item.generics.params.is_empty() => Some(&item.ident),
+        syn::Item::Struct(item) if is_of_numbers(&item.generics) => Some(&item.ident),
         syn::Item::Fn(item) => Some(&item.sig.ident),
         _ => None,
     }
+}
+
+/// Whether an item is generic over nothing but `Real`, what a number is.
+pub(crate) fn is_of_numbers(generics: &syn::Generics) -> bool {
+    generics.params.iter().all(|param| matches!(param, syn::GenericParam::Type(ty) if ty.ident == "Real"))
 }

@@ -156,7 +156,7 @@ fn a_function_that_can_be_called_gets_a_kernel_and_its_twin() {
 
 /// The C of a module of the interface.
 fn interface_of(rust: &str) -> Result<String, String> {
-    interface(&[], &[Unit::parse("text.rs", rust)?])
+    interface(&[], &[Unit::parse("text.rs", rust)?], 8)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
 use super::{FLAGS, Function, Word, Words};
-use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, security, quadrature, integrate, facet, cone, near, restrict, cap, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
+use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, clip, quadrature, integrate, facet, cone, near, restrict, cap, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
 
 words!(V3 { x, y, z });
 words!(Plane { n, d });
@@ -40,6 +40,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!((plane: Plane, x: V3) vertex::residual(plane, x), []),
     host!((plane: Plane, c: V3, x: V3) vertex::residual_about(plane, c, x), []),
     host!((ra: f64, rb: f64, rc: f64, bc: V3, ca: V3, ab: V3) vertex::combine(ra, rb, rc, bc, ca, ab), []),
+    host!(s, () vertex::farthest_vertex(&s), []),
     host!(s, (v: u32, k: u32) wide::sign_of_conflict(&mut s, v, k), []),
     host!((a: Plane, b: Plane, c: Plane, e: Plane) wide::wide_sign(a, b, c, e), []),
     host!((sum: Wide, size: f64, x0: f64, y0: f64, x1: f64, y1: f64, z2: f64, w2: f64, z3: f64, w3: f64, sign: f64) wide::add_term(&mut sum, &mut size, x0, y0, x1, y1, z2, w2, z3, w3, sign), [sum, size]),
@@ -73,10 +74,6 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (end: u32, edge: Triplet) clip::find_boundary_edge(&mut s, end, &mut edge), [edge]),
     host!(s, (end: u32, a: u32, b: u32) clip::is_boundary_edge(&mut s, end, a, b), []),
     host!(s, () clip::compact_planes(&mut s), []),
-    host!(s, () security::farthest_vertex(&s), []),
-    host!((r: f64, dw: f64) security::security_reach(r, dw), []),
-    host!(s, (lo: V3, hi: V3, dw: f64) security::box_cannot_cut(&s, lo, hi, dw), []),
-    host!((x: f64, lo: f64, hi: f64) security::outside_of(x, lo, hi), []),
     host!(s, (center: V3) quadrature::integrate_function(&s, center), []),
     host!(s, (x: V3) quadrature::polynomial(&s, x), []),
     host!((sums: CellSums) integrate::volume_is_above_bound(sums), []),

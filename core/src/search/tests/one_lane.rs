@@ -138,7 +138,7 @@ fn no_site_of_a_node_comes_to_less_than_its_bound() {
             let seer = Seer { site: search.site(), excess: search.own_excess(), has_weights: search.has_weights() };
             let places = [v3(0.0, 0.0, 0.0), v3(0.3, -0.2, 0.1), v3(-1.5, 1.0, 1.2)];
             for (i, place) in places.into_iter().enumerate() {
-                let asked = asked_at(&search, 0, place, 0.0);
+                let asked = asked_at(search.largest_excess(), 0, place, 0.0);
                 search.set_asked(i as u32, asked);
             }
             for level in 0..=tree.top_level() as u32 {

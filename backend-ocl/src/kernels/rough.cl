@@ -1,0 +1,9 @@
+// What bounds that are worked out in single precision leave room for.
+
+#import <prelude>
+
+// Below this the squares of single precision could underflow.
+#define ROUGH_SQUARE 1e-30f
+
+// What single precision rounds off in a few operations.
+#define ROUGH_SAFE 1.000002f

@@ -118,9 +118,11 @@ __kernel void cells(CELLS_ARGUMENTS) {
                 trouble |= integrate_facet(&copy, f, center, &sum) != COMPLETE;
                 sum.area *= winding;
                 sum.moment = scale(winding, sum.moment);
-                if ((cell->source[f] == TAG_BOX) && (WITH_DOMAIN == 0)) {
+#if !WITH_DOMAIN
+                if (cell->source[f] == TAG_BOX) {
                     add_boundary(sum, cell->plane[f], REAL(1.0), &walls);
                 }
+#endif
                 is_facet = (cell->source[f] < TAG_BOX) && (facet_is_above_bound(sum) != 0u);
                 facet[turn] = sum;
             }

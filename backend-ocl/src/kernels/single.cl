@@ -190,18 +190,24 @@ __kernel void single_cells(SINGLE_CELLS_ARGUMENTS) {
                            .weight_bounds = weight_bounds, .windings = windings, .surface_table = surface_table };
     CellSums part = (CellSums){ 0 };
     uint visited = 0;
-    uint status = complete_cell(&store, list[turn], 0, &visited);
+    // An empty one is computed again, widened; what is left of it then, rounding may have made. (One call for both, so that the compiler has
+    // it once.)
+    uint status = COMPLETE;
+    uint exact = 0;
+    uint is_widened = 0;
+    for (;;) {
+        status = complete_cell(&store, list[turn], is_widened, &visited);
+        exact |= store.exact;
+        if ((is_widened != 0u) || (status != EMPTY)) {
+            break;
+        }
+        is_widened = 1;
+    }
     if (status == COMPLETE) {
-        status = integrate_certainly(&store, &part);
+        status = (is_widened != 0u) ? UNCERTAIN : integrate_certainly(&store, &part);
     }
     if (visited > most_visited[0]) {
         atomic_max(most_visited, visited);
-    }
-    const uint exact = store.exact;
-    if (status == EMPTY) {
-        status = complete_cell(&store, list[turn], 1, &visited);
-        // What is left of it widened, rounding may have made.
-        status = (status == COMPLETE) ? UNCERTAIN : status;
     }
     outcome[turn] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     sums[turn] = (real4)(part.volume, part.first.x, part.first.y, part.first.z);

@@ -30,9 +30,13 @@ INLINE void store_set_asked(Store *s, uint i, Asked asked) { s->asked = asked; }
 INLINE uint store_open_asks(Store *s, uint i) { return 1u; }
 INLINE uint store_leaf_asks(Store *s, uint i) { return 1u; }
 INLINE uint store_asks_of_site(Store *s, uint j, uint asks) { return asks; }
+INLINE uint store_most_ties(Store *s) { return MOST_CANDIDATES; }
+
+// (Of a search of the table alone there is none.)
+#if !LANES || SEARCHES_TREE
 INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint *key);
 INLINE uint store_asks_of_node(Store *s, uint level, uint node, uint asks, uint *key) { return asks_by_powers(s, level, node, asks, key); }
-INLINE uint store_most_ties(Store *s) { return MOST_CANDIDATES; }
+#endif
 
 #if WITH_WEIGHTS
 INLINE uint store_has_weights(Store *s) { return s->world.params->equal_weights == 0u; }

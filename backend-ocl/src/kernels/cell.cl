@@ -457,7 +457,7 @@ INLINE Wide product_exact(real a, real b) {
 
 // What rounding leaves out of the product `a·b`.
 //
-// Devices: `fma(a, b, -(a * b))`, one operation instead of sixteen, and the same bits.
+// On devices one operation instead of sixteen, and the same bits.
 INLINE real rest_of_product(real a, real b) {
     return fma(a, b, -(a * b));
 }

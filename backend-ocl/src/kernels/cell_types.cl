@@ -5,8 +5,6 @@
 // core/src/cell/vector.rs
 
 // Half the distance from 1 to the next number: the largest relative error of one rounding.
-//
-// Single: `5.960464477539063e-8`.
 #if SINGLE
 #define UNIT_ROUNDOFF ((real)(REAL(5.960464477539063e-8)))
 #else
@@ -107,8 +105,8 @@ typedef struct {
 // Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
 // position is computed in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
 //
-// Single: `3.0517578125e-5`. Two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the
-// others' radius says what they have lost.
+// In single precision two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the others' radius says
+// what they have lost.
 #if SINGLE
 #define NEARLY_DEPENDENT ((real)(REAL(3.0517578125e-5)))
 #else
@@ -117,7 +115,7 @@ typedef struct {
 
 // Below this share the position is refined once: Cramer's rule alone is off by the inverse of the share.
 //
-// Single: `0.015625`. Of its digits there are none to spare.
+// Of the digits of single precision there are none to spare.
 #if SINGLE
 #define WORTH_REFINING ((real)(REAL(0.015625)))
 #else
@@ -182,9 +180,7 @@ typedef struct {
     real lo;
 } Wide;
 
-// Dekker's constant 2²⁷ + 1: halves of 26 bits.
-//
-// Single: `4097.0`, 2¹² + 1: halves of 12 bits.
+// Dekker's constant 2²⁷ + 1: halves of 26 bits. In single precision 2¹² + 1: of 12.
 #if SINGLE
 #define SPLITTER ((real)(REAL(4097.0)))
 #else
@@ -193,8 +189,7 @@ typedef struct {
 
 // Error of the whole determinant in units of its sum of magnitudes: each minor, product and sum errs by at most 2⁻¹⁰²
 // of the magnitudes it adds; a term passes through two minors, one product and five sums.
-//
-// Single: `4.547473508864641e-13`, as many squares of the unit roundoff.
+// In single precision as many squares of the unit roundoff.
 #if SINGLE
 #define WIDE_ERROR ((real)(REAL(4.547473508864641e-13)))
 #else
@@ -203,8 +198,8 @@ typedef struct {
 
 // Below this the error terms of the products could underflow.
 //
-// Single: `1.52587890625e-5`. With normals below 2²⁰ and offsets below 2⁴⁰ (`single.cl`) minors are below 2⁶¹, and what underflows
-// is below 12 · 2⁶¹ · 2⁻¹²³: less than `WIDE_ERROR` of this.
+// In single precision, with normals below 2²⁰ and offsets below 2⁴⁰ (`single.cl`), minors are below 2⁶¹, and what underflows is below
+// 12 · 2⁶¹ · 2⁻¹²³: less than `WIDE_ERROR` of this.
 #if SINGLE
 #define WIDE_SMALLEST ((real)(REAL(1.52587890625e-5)))
 #else
@@ -214,7 +209,7 @@ typedef struct {
 // Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed
 // exactly: double-double is off by `WIDE_ERROR` over the share, here by u/8.
 //
-// Single: `3.0517578125e-5`, `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
+// In single precision `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
 #if SINGLE
 #define DEPENDENT ((real)(REAL(3.0517578125e-5)))
 #else
@@ -251,7 +246,7 @@ typedef struct {
 // Inputs smaller than this (but for zero) are left to integers: below it the last bit of a product of four, 4·(52 + 200) bits
 // down, could underflow.
 //
-// Single: `0.00390625`: 4·(23 + 8) bits are above 2⁻¹²⁶.
+// In single precision 4·(23 + 8) bits are above 2⁻¹²⁶.
 #if SINGLE
 #define EXPANSION_SMALLEST ((real)(REAL(0.00390625)))
 #else
@@ -334,8 +329,6 @@ typedef struct {
 
 // Below this share of `|n_f|²|n_g|²`, the square of the angle's sine, the foot on the edge is computed exactly: each step of refinement
 // leaves some roundings over the sine of the error, here 10⁻⁵, and three are made.
-//
-// Single: `9.313225746154785e-10`.
 #if SINGLE
 #define NEARLY_PARALLEL ((real)(REAL(9.313225746154785e-10)))
 #else
@@ -343,8 +336,6 @@ typedef struct {
 #endif
 
 // Below this it is refined three times, above once.
-//
-// Single: `9.313225746154785e-10`.
 #if SINGLE
 #define WORTH_REFINING_MORE ((real)(REAL(9.313225746154785e-10)))
 #else
@@ -352,8 +343,6 @@ typedef struct {
 #endif
 
 // Below this it is refined.
-//
-// Single: `2.44140625e-4`.
 #if SINGLE
 #define WORTH_REFINING_FOOT ((real)(REAL(2.44140625e-4)))
 #else

@@ -165,8 +165,6 @@ typedef struct {
 #define MOST_COMPARED ((uint)(64))
 
 // What a power loses with the square of the distance is kept to half the inverse of this.
-//
-// Single: `1e3`.
 #if SINGLE
 #define LENGTHS_OF_LOST ((real)(REAL(1e3)))
 #else
@@ -174,8 +172,6 @@ typedef struct {
 #endif
 
 // Of a place at the site itself.
-//
-// Single: `1e-15`.
 #if SINGLE
 #define LEAST_LENGTH ((real)(REAL(1e-15)))
 #else

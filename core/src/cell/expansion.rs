@@ -18,7 +18,8 @@ pub(super) struct Expansion {
 /// Inputs smaller than this (but for zero) are left to integers: below it the last bit of a product of four, 4·(52 + 200) bits
 /// down, could underflow.
 ///
-/// Single: `0.00390625`: 4·(23 + 8) bits are above 2⁻¹²⁶.
+/// In single precision 4·(23 + 8) bits are above 2⁻¹²⁶.
+#[cfg_attr(opencl, single(0.00390625))]
 const EXPANSION_SMALLEST: Real = 1e-60;
 
 /// The sign of the 4×4 determinant with rows `[n | d]`, exactly, or `SIGN_UNKNOWN` where a product could underflow.

@@ -16,12 +16,10 @@ const PER_LENGTH: Real = 8.0;
 const MOST_COMPARED: u32 = 64;
 
 /// What a power loses with the square of the distance is kept to half the inverse of this.
-///
-/// Single: `1e3`.
+#[cfg_attr(opencl, single(1e3))]
 const LENGTHS_OF_LOST: Real = 1e10;
 /// Of a place at the site itself.
-///
-/// Single: `1e-15`.
+#[cfg_attr(opencl, single(1e-15))]
 const LEAST_LENGTH: Real = 1e-150;
 
 /// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for

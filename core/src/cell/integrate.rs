@@ -84,16 +84,13 @@ pub fn volume_is_above_bound(sums: CellSums) -> u32 {
 
 /// Below this share of `|n_f|²|n_g|²`, the square of the angle's sine, the foot on the edge is computed exactly: each step of refinement
 /// leaves some roundings over the sine of the error, here 10⁻⁵, and three are made.
-///
-/// Single: `9.313225746154785e-10`.
+#[cfg_attr(opencl, single(9.313225746154785e-10))]
 const NEARLY_PARALLEL: Real = 1.3552527156068805e-20;
 /// Below this it is refined three times, above once.
-///
-/// Single: `9.313225746154785e-10`.
+#[cfg_attr(opencl, single(9.313225746154785e-10))]
 const WORTH_REFINING_MORE: Real = 5.684341886081e-14;
 /// Below this it is refined.
-///
-/// Single: `2.44140625e-4`.
+#[cfg_attr(opencl, single(2.44140625e-4))]
 const WORTH_REFINING_FOOT: Real = 3.814697265625e-6;
 
 /// Roundings of a foot across its line, in units of its distance over the sine of the angle; refined, of its distance.

@@ -7,8 +7,7 @@ pub type Real = f64;
 pub type Rough = f64;
 
 /// Half the distance from 1 to the next number: the largest relative error of one rounding.
-///
-/// Single: `5.960464477539063e-8`.
+#[cfg_attr(opencl, single(5.960464477539063e-8))]
 pub const UNIT_ROUNDOFF: Real = 1.1102230246251565e-16;
 
 /// A vector or point.

@@ -22,13 +22,15 @@ pub struct Triplet {
 /// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
 /// position is computed in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
 ///
-/// Single: `3.0517578125e-5`. Two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the
-/// others' radius says what they have lost.
+/// In single precision two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the others' radius says
+/// what they have lost.
+#[cfg_attr(opencl, single(3.0517578125e-5))]
 const NEARLY_DEPENDENT: Real = 2.3841857910156e-7;
 
 /// Below this share the position is refined once: Cramer's rule alone is off by the inverse of the share.
 ///
-/// Single: `0.015625`. Of its digits there are none to spare.
+/// Of the digits of single precision there are none to spare.
+#[cfg_attr(opencl, single(0.015625))]
 const WORTH_REFINING: Real = 0.001953125;
 
 /// Roundings in a position and in the evaluation of a plane there, in units of `UNIT_ROUNDOFF` and of the sum that

@@ -18,27 +18,28 @@ pub(crate) struct Wide {
     pub(crate) lo: Real,
 }
 
-/// Dekker's constant 2²⁷ + 1: halves of 26 bits.
-///
-/// Single: `4097.0`, 2¹² + 1: halves of 12 bits.
+/// Dekker's constant 2²⁷ + 1: halves of 26 bits. In single precision 2¹² + 1: of 12.
+#[cfg_attr(opencl, single(4097.0))]
 const SPLITTER: Real = 134217729.0;
 
 /// Error of the whole determinant in units of its sum of magnitudes: each minor, product and sum errs by at most 2⁻¹⁰²
 /// of the magnitudes it adds; a term passes through two minors, one product and five sums.
-///
-/// Single: `4.547473508864641e-13`, as many squares of the unit roundoff.
+/// In single precision as many squares of the unit roundoff.
+#[cfg_attr(opencl, single(4.547473508864641e-13))]
 const WIDE_ERROR: Real = 1.5777218104420236e-30;
 
 /// Below this the error terms of the products could underflow.
 ///
-/// Single: `1.52587890625e-5`. With normals below 2²⁰ and offsets below 2⁴⁰ (`single.cl`) minors are below 2⁶¹, and what underflows
-/// is below 12 · 2⁶¹ · 2⁻¹²³: less than `WIDE_ERROR` of this.
+/// In single precision, with normals below 2²⁰ and offsets below 2⁴⁰ (`single.cl`), minors are below 2⁶¹, and what underflows is below
+/// 12 · 2⁶¹ · 2⁻¹²³: less than `WIDE_ERROR` of this.
+#[cfg_attr(opencl, single(1.52587890625e-5))]
 const WIDE_SMALLEST: Real = 1e-260;
 
 /// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the normals of three planes count as dependent, and the position is computed
 /// exactly: double-double is off by `WIDE_ERROR` over the share, here by u/8.
 ///
-/// Single: `3.0517578125e-5`, `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
+/// In single precision `NEARLY_DEPENDENT` of vertex.rs: there double-double has no more to give.
+#[cfg_attr(opencl, single(3.0517578125e-5))]
 const DEPENDENT: Real = 1.1368683772161603e-13;
 
 /// The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
@@ -206,7 +207,8 @@ pub(crate) fn product_exact(a: Real, b: Real) -> Wide {
 
 /// What rounding leaves out of the product `a·b`.
 ///
-/// Devices: `fma(a, b, -(a * b))`, one operation instead of sixteen, and the same bits.
+/// On devices one operation instead of sixteen, and the same bits.
+#[cfg_attr(opencl, returns("fma(a, b, -(a * b))"))]
 #[inline(always)]
 pub(super) fn rest_of_product(a: Real, b: Real) -> Real {
     let p: Real = a * b;

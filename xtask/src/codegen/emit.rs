@@ -3,8 +3,9 @@
 use super::source::{Unit, is_of_numbers};
 use std::collections::HashMap;
 use std::fmt::Write;
+use syn::punctuated::Punctuated;
 use syn::spanned::Spanned;
-use syn::{BinOp, Expr, FnArg, Item, Meta, Pat, ReturnType, Stmt, Type, UnOp};
+use syn::{BinOp, Expr, FnArg, Item, Lit, Meta, Pat, ReturnType, Stmt, Token, Type, UnOp};
 
 /// The C of one file.
 #[derive(Default)]
@@ -40,7 +41,7 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                 comments(&mut parts.types, &constant.attrs);
                 let ty = emitter.type_name(&constant.ty)?;
                 let define = |value: &str| format!("#define {} (({ty}){})\n", constant.ident, grouped(value));
-                match quoted(SINGLE, &constant.attrs) {
+                match argument(unit, "single", &constant.attrs)? {
                     None => parts.types.push_str(&define(&value)),
                     Some(single) => {
                         let single = define(&format!("REAL({single})"));
@@ -70,7 +71,7 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                 parts.functions.push('\n');
                 comments(&mut parts.functions, &function.attrs);
                 let _ = writeln!(parts.functions, "{head} {{");
-                match quoted(DEVICE, &function.attrs) {
+                match argument(unit, "returns", &function.attrs)? {
                     Some(value) => {
                         let _ = writeln!(parts.functions, "    return {value};");
                     }
@@ -103,16 +104,25 @@ pub(super) fn documentation(attrs: &[syn::Attribute]) -> Vec<String> {
     attrs.iter().filter_map(text).collect()
 }
 
-/// What begins the line of a constant's documentation that gives its value in single precision, and ends that value.
-const SINGLE: &str = " Single: `";
-
-/// How a function's documentation gives what devices return instead, because it is faster there.
-const DEVICE: &str = " Devices: `";
-
-/// What the documentation says in a line that begins so.
-fn quoted(begin: &str, attrs: &[syn::Attribute]) -> Option<String> {
-    let value_of = |line: &String| Some(line.strip_prefix(begin)?.split_once('`')?.0.to_owned());
-    documentation(attrs).iter().find_map(value_of)
+/// What `#[cfg_attr(opencl, name(…))]` says to the translator: a constant's value in single precision (`single`), or what devices return instead,
+/// because it is faster there (`returns`, as a string).
+fn argument(unit: &Unit, name: &str, attrs: &[syn::Attribute]) -> Result<Option<String>, String> {
+    for attr in attrs.iter().filter(|attr| attr.path().is_ident("cfg_attr")) {
+        let parts = attr.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated);
+        let parts = parts.or_else(|_| unit.error(attr.span(), "such attribute"))?;
+        if !parts.first().is_some_and(|condition| condition.path().is_ident("opencl")) {
+            continue;
+        }
+        return match parts.iter().nth(1) {
+            Some(Meta::List(list)) if list.path.is_ident(name) => match syn::parse2(list.tokens.clone()) {
+                Ok(Lit::Str(text)) => Ok(Some(text.value())),
+                Ok(Lit::Float(number)) => Ok(Some(number.to_string())),
+                _ => unit.error(list.span(), "such value"),
+            },
+            _ => unit.error(attr.span(), "such attribute"),
+        };
+    }
+    Ok(None)
 }
 
 fn comments(out: &mut String, attrs: &[syn::Attribute]) {

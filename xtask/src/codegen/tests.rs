@@ -38,8 +38,16 @@ fn constants_and_structs() {
 #[test]
 fn constants_have_a_value_of_their_own_in_single_precision() {
     assert_c(
-        "/// Tiny.\n///\n/// Single: `0.25`, as it happens.\nconst TINY: Real = 0.5;",
+        "/// Tiny.\n#[cfg_attr(opencl, single(0.25))]\nconst TINY: Real = 0.5;",
         &["#if SINGLE", "#define TINY ((real)(REAL(0.25)))", "#else", "#define TINY ((real)(REAL(0.5)))", "#endif"],
+    );
+}
+
+#[test]
+fn functions_may_be_something_else_on_devices() {
+    assert_c(
+        "#[cfg_attr(opencl, returns(\"fma(a, b, c)\"))]\nfn f(a: Real, b: Real, c: Real) -> Real { return a; }",
+        &["    return fma(a, b, c);\n}"],
     );
 }
 
@@ -126,6 +134,8 @@ fn what_the_dialect_lacks_is_refused_with_its_line() {
         ("fn f() {\n    for i in 0..3 {}\n}", "text.rs line 2: the dialect has no such expression"),
         ("fn f(x: Real) -> Real {\n    return x.min(1.0);\n}", "text.rs line 2: the dialect has no such method"),
         ("fn f() -> (u32, u32) {\n}", "text.rs line 1: the dialect has no such type"),
+        ("#[cfg_attr(opencl, returns(1))]\nconst A: Real = 1.0;", "text.rs line 1: the dialect has no such attribute"),
+        ("#[cfg_attr(opencl, single(B))]\nconst A: Real = 1.0;", "text.rs line 1: the dialect has no such value"),
         ("const A: u32 = 1;\nconst A: u32 = 2;", "text.rs line 2: the dialect has no second `A`"),
     ] {
         assert_eq!(c_of(rust).err().as_deref(), Some(said));

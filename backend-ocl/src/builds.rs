@@ -22,7 +22,7 @@ const SINGLE: Text = Text { entries: &["single.cl"], prelude: "single_prelude.cl
 
 /// The functions of a cell, one by one.
 #[cfg(any(test, feature = "test-util"))]
-const PARITY: Text = Text { entries: &["parity.cl"], prelude: "prelude.cl", store: Some("store.cl") };
+const PARITY: Text = Text { entries: &["generated/parity.cl"], prelude: "prelude.cl", store: Some("store.cl") };
 
 /// A build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -15,8 +15,10 @@ use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::program::Program;
 
-/// The generated functions, as a device gets them.
-pub const FUNCTIONS: &str = include_str!("kernels/cell.cl");
+/// The generated functions of a cell, as a device gets them.
+pub fn functions() -> String {
+    crate::sources::generated("generated/cell.cl")
+}
 
 /// Work-items of a group: a device on the host has the stores of a whole group on one stack.
 const GROUP: usize = 32;
@@ -34,17 +36,17 @@ pub struct Parity {
 }
 
 impl Parity {
-    /// Opens the first device of a choice and builds the kernels for it, from `functions` (normally [`FUNCTIONS`]).
+    /// Opens the first device of a choice and builds the kernels for it, their text as `changed` leaves it.
     ///
     /// # Errors
     /// `Unavailable` where there is no OpenCL or no device; `Device` where it fails.
-    pub fn open(choice: &DeviceChoice, world: &World, functions: &str) -> Result<Self> {
+    pub fn open(choice: &DeviceChoice, world: &World, changed: impl Fn(String) -> String) -> Result<Self> {
         let chosen = choose(choice, Precision::F64)?;
         let found = chosen.first().ok_or_else(|| Error::new(ErrorKind::Unavailable, "no device was chosen"))?;
         let (context, queue) = platform::open(found)?;
         let room = Capacities { planes: PLANES, vertices: VERTICES };
         let build = Build::Parity(room, NEIGHBORS as u32);
-        let text = build.text().whole_with(&[("cell.cl", functions)])?;
+        let text = changed(build.text().whole()?);
         let program = compile_text(&context, found.id.0, &text, &build.options())?;
         Ok(Self {
             name: found.info.name.clone(),

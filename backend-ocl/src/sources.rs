@@ -10,16 +10,22 @@ macro_rules! files {
 }
 
 const FILES: &[(&str, &str)] = files![
-    "bound_nodes.cl" "candidates.cl" "cell.cl" "cell_types.cl" "clearance.cl" "evaluate.cl" "further.cl" "grid.cl" "interface.cl"
-    "lanes_cap.cl" "lanes_clip.cl" "lanes_evaluate.cl" "lanes_exact.cl" "lanes_integrate.cl" "lanes_near.cl" "lanes_reach.cl"
-    "lanes_search.cl" "lanes_store.cl" "lanes_sums.cl" "lanes_surface.cl" "lanes_table.cl" "lanes_talk.cl" "lanes_tree.cl" "marks.cl" "node_source.cl" "nodes.cl" "order.cl"
-    "output.cl" "params.cl" "prelude.cl" "rough.cl" "search.cl" "single.cl" "single_interface.cl" "single_prelude.cl" "single_store.cl" "sites.cl"
-    "store.cl" "surface_table.cl" "table_search.cl" "table_store.cl" "ties.cl" "tree_search.cl" "tree_store.cl" "tree_types.cl" "tree_alone.cl" "world.cl"
+    "bound_nodes.cl" "clearance.cl" "evaluate.cl" "further.cl" "grid.cl" "lanes_cap.cl" "lanes_clip.cl" "lanes_evaluate.cl"
+    "lanes_exact.cl" "lanes_integrate.cl" "lanes_near.cl" "lanes_reach.cl" "lanes_search.cl" "lanes_store.cl" "lanes_sums.cl"
+    "lanes_surface.cl" "lanes_table.cl" "lanes_talk.cl" "lanes_tree.cl" "marks.cl" "node_source.cl" "order.cl" "output.cl"
+    "params.cl" "prelude.cl" "rough.cl" "search.cl" "single.cl" "single_prelude.cl" "single_store.cl" "sites.cl" "store.cl"
+    "surface_table.cl" "table_store.cl" "ties.cl" "tree_alone.cl" "tree_store.cl" "world.cl"
+    "generated/bound.cl" "generated/candidate_search.cl" "generated/candidates.cl" "generated/cap.cl" "generated/cell.cl"
+    "generated/cell_types.cl" "generated/clip.cl" "generated/cone.cl" "generated/expansion.cl" "generated/facet.cl"
+    "generated/far.cl" "generated/integrate.cl" "generated/interface.cl" "generated/near.cl" "generated/node.cl"
+    "generated/nodes.cl" "generated/plane.cl" "generated/quadratic.cl" "generated/quadrature.cl" "generated/restrict.cl"
+    "generated/search.cl" "generated/single_interface.cl" "generated/table.cl" "generated/table_search.cl" "generated/tree.cl"
+    "generated/tree_search.cl" "generated/tree_types.cl" "generated/vector.cl" "generated/vertex.cl" "generated/wide.cl"
 ];
 
 /// Those of tests alone.
 #[cfg(any(test, feature = "test-util"))]
-const TEST_FILES: &[(&str, &str)] = files!["lanes_trial.cl" "parity.cl" "parity_state.cl"];
+const TEST_FILES: &[(&str, &str)] = files!["lanes_trial.cl" "generated/parity.cl" "parity_state.cl"];
 #[cfg(not(any(test, feature = "test-util")))]
 const TEST_FILES: &[(&str, &str)] = &[];
 
@@ -46,6 +52,18 @@ impl Text {
         read.map_err(|what| Error::new(ErrorKind::Device, format!("the OpenCL kernels are incomplete: {what}")))?;
         Ok(reader.whole)
     }
+}
+
+/// A generated file with the generated files that it imports, for tests.
+#[cfg(any(test, feature = "test-util"))]
+pub(crate) fn generated(name: &str) -> String {
+    let text = FILES.iter().find(|(file, _)| *file == name).map_or("", |(_, text)| *text);
+    let with_imports =
+        |line: &str| match line.strip_prefix("#import \"").and_then(|rest| rest.trim_end().strip_suffix('"')) {
+            Some(import) if import.starts_with("generated/") => generated(import),
+            _ => line.to_owned(),
+        };
+    text.split_inclusive('\n').map(with_imports).collect()
 }
 
 struct Reader<'a> {
@@ -109,9 +127,11 @@ mod tests {
             assert!(!reader.whole.contains("#import"));
             used.extend(reader.begun);
         }
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/kernels");
-        let there = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
-        let there = there.filter(|name| name.ends_with(".cl"));
+        let there = ["", "generated/"].iter().flat_map(|part| {
+            let folder = format!("{}/src/kernels/{part}", env!("CARGO_MANIFEST_DIR"));
+            let names = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+            names.filter(|name| name.ends_with(".cl")).map(move |name| format!("{part}{name}"))
+        });
         assert_eq!(used.into_iter().map(str::to_owned).collect::<BTreeSet<_>>(), there.collect());
     }
 

@@ -1,6 +1,6 @@
 //! What the host and the kernels share: constants, structs and the kernels' parameters. Each is stated here and nowhere else.
 //!
-//! `cargo xtask codegen` makes `kernels/interface.cl` of `data.rs`, `kernels.rs` and `parity.rs`, and `kernels/single_interface.cl` of
+//! `cargo xtask codegen` makes `kernels/generated/interface.cl` of `data.rs`, `kernels.rs` and `parity.rs`, and `single_interface.cl` there of
 //! `single.rs`.
 
 pub(crate) mod data;

@@ -1,6 +1,6 @@
 // The tree over the sorted sites: what bounds the nodes of a level, which those of the levels below it are known for.
 
-#import "nodes.cl"
+#import "generated/nodes.cl"
 
 INLINE void set_vector(__global real (*of)[WIDTH], uint k, V3 v) {
     of[0][k] = v.x;

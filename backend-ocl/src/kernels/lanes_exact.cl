@@ -4,7 +4,7 @@
 // power of two, and the determinant is the sum of six products of 2×2 minors, of which each lane computes one. Otherwise each lane
 // goes through the stages of `sign_of_conflict` for its own vertex.
 
-#import "cell.cl"
+#import "generated/cell.cl"
 
 // The side of a half-space on which a point is, in double precision.
 INLINE uint side_of(Plane plane, V3 position, real radius) {

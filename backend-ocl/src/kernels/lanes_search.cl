@@ -73,4 +73,4 @@ INLINE uint store_held_key(Store *s, uint c) { return s->cell->candidate_key[(c 
 INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) + s->lane] = NO_SITE; }
 #endif
 
-#import "candidates.cl"
+#import "generated/candidate_search.cl"

@@ -6,7 +6,7 @@
 // functions are given a copy. (Without that, half of all instructions were about memory.)
 
 #import "params.cl"
-#import "tree_types.cl"
+#import "generated/tree_types.cl"
 #import "ties.cl"
 #import "lanes_talk.cl"
 

@@ -1,6 +1,6 @@
 // Sums over the vertices of a polytope that LANES work-items compute together.
 
-#import "cell.cl"
+#import "generated/cell.cl"
 
 // A lane's view of its share of the vertices.
 INLINE Store share_of(CELL_SPACE Cell *cell, uint lane, uint vertices, uint is_fine) {

@@ -64,7 +64,7 @@ INLINE uint store_look_outside(Store *s, uint offsets, float reach) {
 #endif
 }
 
-#import "table_search.cl"
+#import "generated/table_search.cl"
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
 INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint *visited, float *extent) {

@@ -86,7 +86,7 @@ INLINE uint store_cut_outside(Store *s, real radius) {
 #endif
 }
 
-#import "tree_search.cl"
+#import "generated/tree_search.cl"
 
 #if WITH_FAR && WITH_EXACT
 // (Few cells come to it: a function of its own, so that it does not take registers from all.)

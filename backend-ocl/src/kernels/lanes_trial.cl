@@ -1,6 +1,6 @@
 // Whether LANES work-items are what `lanes_talk.cl` takes them for: a device's answer, not its documentation, decides whether cells are computed together.
 
-#import "interface.cl"
+#import "generated/interface.cl"
 #import "lanes_talk.cl"
 
 #define CELLS_OF_TRIAL 4u

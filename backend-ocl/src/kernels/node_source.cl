@@ -1,7 +1,7 @@
 // A node of the tree, as `nodes.cl` sees it (`NodeSource`).
 
-#import "interface.cl"
-#import "tree_types.cl"
+#import "generated/interface.cl"
+#import "generated/tree_types.cl"
 
 typedef struct {
     __global const real4 *sites;

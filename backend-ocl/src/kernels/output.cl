@@ -1,6 +1,6 @@
 // What the kernels write: the same whether one work-item computes a cell or many do.
 
-#import "interface.cl"
+#import "generated/interface.cl"
 
 // No room left for facet records; the cell is tried again with an empty buffer. After the statuses of the cells.
 #define FACETS_FULL 16u

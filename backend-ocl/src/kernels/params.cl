@@ -1,6 +1,6 @@
 // What the kernels that sort sites and those that use them share, beside what the host tells them (`interface.cl`).
 
-#import "interface.cl"
+#import "generated/interface.cl"
 #import "rough.cl"
 
 // The voxel along an axis that holds x, clamped into the grid .

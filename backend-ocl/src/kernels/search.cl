@@ -1,7 +1,7 @@
 // The search for the sites that cut a cell, where one work-item computes it: the tree (`tree_alone.cl`), or WITH_TABLE, where weights do not differ,
 // first the voxels around the cell's own (`table_search.cl`).
 
-#import "cell.cl"
+#import "generated/cell.cl"
 
 OUTLINE uint store_was_tried(Store *s, uint j) {
     for (uint f = 0; f < s->planes; f++) {
@@ -115,7 +115,7 @@ INLINE uint store_look_outside(Store *s, uint offsets, float reach) {
     return (((offsets >= INNER_SHELLS) && (s->is_capped == 0u)) && (reach >= (from * from))) ? cap_far(s) : UNTOUCHED;
 }
 
-#import "table_search.cl"
+#import "generated/table_search.cl"
 #endif
 
 // Cuts the cell of a site until no other site can cut it. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again.

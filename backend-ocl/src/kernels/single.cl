@@ -2,7 +2,7 @@
 // below a share of it and it does not come near the domain's surface, `EMPTY` where it is empty with all half-spaces moved outward by
 // what rounding may have moved them. All others are the host's, in double precision.
 
-#import "cell.cl"
+#import "generated/cell.cl"
 
 // The most that rounding may be of a volume.
 #define SHARE_OF_VOLUME REAL(0.0009765625)

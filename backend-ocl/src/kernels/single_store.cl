@@ -4,8 +4,8 @@
 // Whether weights differ is asked at run time.
 #define WITH_WEIGHTS 1
 
-#import "single_interface.cl"
-#import "tree_types.cl"
+#import "generated/single_interface.cl"
+#import "generated/tree_types.cl"
 #import "rough.cl"
 
 #define WORDS ((CAP_V + 31) / 32)

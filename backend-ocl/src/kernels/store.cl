@@ -4,7 +4,7 @@
 #define WITH_WEIGHTS 1
 
 #import "params.cl"
-#import "tree_types.cl"
+#import "generated/tree_types.cl"
 #import "ties.cl"
 
 #define WORDS ((CAP_V + 31) / 32)

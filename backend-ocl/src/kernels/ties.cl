@@ -1,6 +1,6 @@
 // The sign of a determinant that double-double could not tell from 0, by integers that wrap: `sign_of_tie` of exact.rs says why it is right.
 
-#import "cell_types.cl"
+#import "generated/cell_types.cl"
 
 // An integer modulo 2¹²⁸.
 typedef struct {

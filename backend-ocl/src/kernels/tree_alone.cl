@@ -63,4 +63,4 @@ INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);
 }
 
-#import "tree_search.cl"
+#import "generated/tree_search.cl"

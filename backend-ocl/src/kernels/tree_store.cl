@@ -1,7 +1,7 @@
 // What the search (`tree_search.cl`) reads of sites and tree, wherever a cell lives.
 
-#import "cell.cl"
-#import "tree_types.cl"
+#import "generated/cell.cl"
+#import "generated/tree_types.cl"
 
 INLINE uint store_sites(Store *s) { return s->world.params->tree_sites; }
 INLINE uint store_own_site(Store *s) { return s->own; }

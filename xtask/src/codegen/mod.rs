@@ -9,6 +9,7 @@ mod kernels;
 mod parity;
 mod source;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -43,18 +44,21 @@ const TABLE_FILES: [&str; 1] = ["table"];
 /// The files of what bounds the nodes of the tree, which know no cell; the last has types of its own.
 const NODE_FILES: [&str; 3] = ["vector", "quadratic", "node"];
 
-/// Generated files: constants and structs, which the store is made of; functions, which use it; and what holds the functions of a device
-/// against the host's, on both.
-const TYPES: &str = "backend-ocl/src/kernels/cell_types.cl";
-const FUNCTIONS: &str = "backend-ocl/src/kernels/cell.cl";
-const SEARCH_TYPES: &str = "backend-ocl/src/kernels/tree_types.cl";
-const NODES: &str = "backend-ocl/src/kernels/nodes.cl";
-const SEARCH: &str = "backend-ocl/src/kernels/tree_search.cl";
-const CANDIDATES: &str = "backend-ocl/src/kernels/candidates.cl";
-const TABLE: &str = "backend-ocl/src/kernels/table_search.cl";
-const KERNELS: &str = "backend-ocl/src/kernels";
-const PARITY: &str = "backend-ocl/src/kernels/parity.cl";
+/// Generated files, besides one for each module's functions: constants and structs, which the store is made of; the functions of several modules, as their
+/// prototypes and imports; and what holds the functions of a device against the host's, on both.
+const TYPES: &str = "cell_types.cl";
+const FUNCTIONS: &str = "cell.cl";
+const SEARCH_TYPES: &str = "tree_types.cl";
+const NODES: &str = "nodes.cl";
+const SEARCH: &str = "tree_search.cl";
+const CANDIDATES: &str = "candidate_search.cl";
+const TABLE: &str = "table_search.cl";
+const PARITY: &str = "parity.cl";
 const PARITY_TABLE: &str = "core/src/cell/parity/table.rs";
+
+/// Where the kernels are, and of them the generated ones.
+const KERNELS: &str = "backend-ocl/src/kernels";
+const GENERATED: &str = "backend-ocl/src/kernels/generated";
 
 /// What the host and the kernels share: the modules, what they borrow from other files, and the generated file.
 const INTERFACES: [Interface; 2] = [
@@ -64,13 +68,13 @@ const INTERFACES: [Interface; 2] = [
             ("core/src/site_tree.rs", &["WIDTH", "NOWHERE", "Boxes", "WeightBounds", "Slabs"]),
             ("core/src/assemble.rs", &["FacetRecord"]),
         ],
-        target: "backend-ocl/src/kernels/interface.cl",
+        target: "interface.cl",
         real: size_of::<f64>(),
     },
     Interface {
         modules: &["single"],
         borrowed: &[("core/src/site_tree.rs", &["WIDTH", "Boxes", "WeightBounds", "Slabs"])],
-        target: "backend-ocl/src/kernels/single_interface.cl",
+        target: "single_interface.cl",
         real: size_of::<f32>(),
     },
 ];
@@ -94,8 +98,19 @@ fn header(from: &str, imports: &[&str]) -> String {
 /// Generates the files, or with `check` only compares them with what is committed.
 pub(crate) fn run(check: bool) -> Result<(), String> {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-    for (name, generated) in generate(root)? {
-        let path = root.join(name);
+    let files = generate(root)?;
+    let folder = fs::read_dir(root.join(GENERATED)).map_err(|error| format!("cannot read {GENERATED}: {error}"))?;
+    for entry in folder.filter_map(Result::ok) {
+        let name = format!("{GENERATED}/{}", entry.file_name().display());
+        if !files.contains_key(&name) {
+            if check {
+                return Err(format!("{name} is not made any more: run `cargo xtask codegen`"));
+            }
+            fs::remove_file(entry.path()).map_err(|error| format!("cannot remove {name}: {error}"))?;
+        }
+    }
+    for (name, generated) in files {
+        let path = root.join(&name);
         if !check {
             fs::write(&path, generated).map_err(|error| format!("cannot write {name}: {error}"))?;
             continue;
@@ -110,42 +125,54 @@ pub(crate) fn run(check: bool) -> Result<(), String> {
     Ok(())
 }
 
-fn generate(root: &Path) -> Result<Vec<(&'static str, String)>, String> {
-    let units_of = |names: &[&str]| -> Result<Vec<source::Unit>, String> {
-        names.iter().map(|name| read(root, &format!("core/src/cell/{name}.rs"))).collect()
+/// All generated files by their names.
+fn generate(root: &Path) -> Result<BTreeMap<String, String>, String> {
+    let group_of = |names: &[&str]| -> Result<Group, String> {
+        let units = names.iter().map(|name| read(root, &format!("core/src/cell/{name}.rs")));
+        let units = units.collect::<Result<Vec<_>, _>>()?;
+        refuse_second_names(root, &units)?;
+        translate(units)
     };
-    let units = units_of(&FILES)?;
-    let [types, functions] = translate(&units)?;
-    let [search_types, search] = translate(&units_of(&SEARCH_FILES)?)?;
-    let [candidate_types, candidates] = translate(&units_of(&CANDIDATE_FILES)?)?;
-    let [table_types, table_search] = translate(&units_of(&TABLE_FILES)?)?;
-    let [_, nodes] = translate(&units_of(&NODE_FILES)?)?;
-    let [node_types, _] = translate(&units_of(&["node"])?)?;
-    let parity::Parity { kernels, table } = parity::parity(&units)?;
-    let files: [(_, &[&str], _); 9] = [
-        (TYPES, &["<prelude>"], types),
-        (FUNCTIONS, &["<store>", "\"world.cl\"", "\"further.cl\""], functions),
-        (SEARCH_TYPES, &["\"cell_types.cl\""], format!("{search_types}{candidate_types}{table_types}{node_types}")),
-        (CANDIDATES, &["\"cell.cl\"", "\"tree_types.cl\""], candidates),
-        (SEARCH, &["\"tree_store.cl\"", "\"candidates.cl\""], search),
-        (TABLE, &["\"candidates.cl\""], table_search),
-        (NODES, &["\"tree_types.cl\"", "\"node_source.cl\""], nodes),
-        (PARITY, &["\"parity_state.cl\""], kernels),
-        (PARITY_TABLE, &[], table),
+    let cell = group_of(&FILES)?;
+    let search = group_of(&SEARCH_FILES)?;
+    let candidates = group_of(&CANDIDATE_FILES)?;
+    let table = group_of(&TABLE_FILES)?;
+    let nodes = group_of(&NODE_FILES)?;
+    let of_node = group_of(&["node"])?;
+    let parity::Parity { kernels, table: parity_table } = parity::parity(&cell.units)?;
+    let search_types = [&search, &candidates, &table, &of_node].map(|group| group.types.as_str()).concat();
+
+    let mut files =
+        BTreeMap::from([(PARITY_TABLE.to_owned(), format!("{}{parity_table}", header("core/src/cell/", &[])))]);
+    let mut put = |name: &str, from: &str, imports: &[&str], text: &str| {
+        files.insert(format!("{GENERATED}/{name}"), format!("{}{text}", header(from, imports)));
+    };
+    put(TYPES, "core/src/cell/", &["<prelude>"], &cell.types);
+    put(SEARCH_TYPES, "core/src/cell/", &["\"generated/cell_types.cl\""], &search_types);
+    put(PARITY, "core/src/cell/", &["\"parity_state.cl\""], &kernels);
+    let groups: [(_, &[&str], _); 5] = [
+        (FUNCTIONS, &["<store>", "\"world.cl\"", "\"further.cl\""], &cell),
+        (CANDIDATES, &["\"generated/cell.cl\"", "\"generated/tree_types.cl\""], &candidates),
+        (SEARCH, &["\"tree_store.cl\"", "\"generated/candidate_search.cl\""], &search),
+        (TABLE, &["\"generated/candidate_search.cl\""], &table),
+        (NODES, &["\"generated/tree_types.cl\"", "\"node_source.cl\""], &nodes),
     ];
-    let cell = |imports: &[&str], text| format!("{}{text}", header("core/src/cell/", imports));
-    let mut files = files.map(|(name, imports, text)| (name, cell(imports, text))).to_vec();
-    refuse_second_names(root, &units_of(&FILES)?)?;
-    refuse_second_names(root, &units_of(&SEARCH_FILES)?)?;
-    refuse_second_names(root, &units_of(&CANDIDATE_FILES)?)?;
-    refuse_second_names(root, &units_of(&TABLE_FILES)?)?;
-    refuse_second_names(root, &units_of(&NODE_FILES)?)?;
+    for (name, imports, group) in groups {
+        let mut text = format!("\n{}\n", group.prototypes);
+        for (unit, functions) in group.units.iter().zip(&group.functions).filter(|(_, functions)| !functions.is_empty())
+        {
+            let file = format!("{}.cl", unit.module());
+            put(&file, &unit.name, &[], functions);
+            text.push_str(&format!("#import \"generated/{file}\"\n"));
+        }
+        put(name, "core/src/cell/", imports, &text);
+    }
     for Interface { modules, borrowed, target, real } in INTERFACES {
         let borrowed = borrowed.iter().map(|(path, names)| interface::only(read(root, path)?, names));
         let borrowed = borrowed.collect::<Result<Vec<_>, _>>()?;
         let modules = modules.iter().map(|name| read(root, &format!("backend-ocl/src/interface/{name}.rs")));
         let text = interface::interface(&borrowed, &modules.collect::<Result<Vec<_>, _>>()?, real)?;
-        files.push((target, format!("{}{text}", header("backend-ocl/src/interface/", &["\"cell_types.cl\""]))));
+        put(target, "backend-ocl/src/interface/", &["\"generated/cell_types.cl\""], &text);
     }
     Ok(files)
 }
@@ -156,10 +183,10 @@ fn refuse_second_names(root: &Path, units: &[source::Unit]) -> Result<(), String
     let failed = |error: std::io::Error| format!("cannot read {KERNELS}: {error}");
     for entry in fs::read_dir(&folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
-        let text = fs::read_to_string(&path).map_err(failed)?;
-        if text.starts_with("// Generated") {
+        if path.extension().is_none_or(|ending| ending != "cl") {
             continue;
         }
+        let text = fs::read_to_string(&path).map_err(failed)?;
         let defined = |line: &str| -> Option<String> {
             let rest = line.trim_start().strip_prefix("#define ")?;
             Some(rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
@@ -182,27 +209,31 @@ fn read(root: &Path, path: &str) -> Result<source::Unit, String> {
     source::Unit::parse(path, &text)
 }
 
-/// The C of some files: constants and structs; prototypes and functions.
-fn translate(units: &[source::Unit]) -> Result<[String; 2], String> {
-    let mut types = String::new();
-    let mut prototypes = String::new();
-    let mut functions = String::new();
+/// The C of some modules: constants and structs, prototypes, and the functions of each.
+struct Group {
+    units: Vec<source::Unit>,
+    types: String,
+    prototypes: String,
+    functions: Vec<String>,
+}
+
+fn translate(units: Vec<source::Unit>) -> Result<Group, String> {
+    let (mut types, mut prototypes, mut functions) = (String::new(), String::new(), Vec::new());
     // C has one space of names for all files.
     let mut names = std::collections::HashSet::new();
-    for unit in units {
+    for unit in &units {
         for name in unit.items.iter().filter_map(source::name_of) {
             if !names.insert(name.to_string()) {
                 return unit.error(name.span(), &format!("second `{name}`"));
             }
         }
         types.push_str(&format!("\n// {}\n", unit.name));
-        functions.push_str(&format!("\n// {}\n", unit.name));
         let parts = emit::unit(unit)?;
         types.push_str(&parts.types);
         prototypes.push_str(&parts.prototypes);
-        functions.push_str(&parts.functions);
+        functions.push(parts.functions);
     }
-    Ok([types, format!("\n{prototypes}{functions}")])
+    Ok(Group { units, types, prototypes, functions })
 }
 
 #[cfg(test)]

@@ -28,6 +28,11 @@ impl Unit {
         self.comments.iter().filter(move |(line, _)| (after..before).contains(line)).map(|(_, text)| text.as_str())
     }
 
+    /// The name of its module.
+    pub(crate) fn module(&self) -> &str {
+        self.name.rsplit('/').next().unwrap_or_default().trim_end_matches(".rs")
+    }
+
     /// An error at a place of this file.
     pub(crate) fn error<T>(&self, span: Span, what: &str) -> Result<T, String> {
         Err(format!("{} line {}: the dialect has no {what}", self.name, span.start().line))

@@ -3,12 +3,12 @@
 use super::interface::{interface, only};
 use super::parity::parity;
 use super::source::Unit;
-use super::translate;
+use super::{Group, translate};
 
 /// The C of a text, without the file's heading.
 fn c_of(rust: &str) -> Result<String, String> {
-    let [types, functions] = translate(&[Unit::parse("text.rs", rust)?])?;
-    Ok(format!("{types}{functions}").replace("// text.rs\n", ""))
+    let Group { types, prototypes, functions, .. } = translate(vec![Unit::parse("text.rs", rust)?])?;
+    Ok(format!("{types}{prototypes}{}", functions.concat()).replace("// text.rs\n", ""))
 }
 
 fn assert_c(rust: &str, lines: &[&str]) {

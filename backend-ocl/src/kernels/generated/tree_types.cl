@@ -1,6 +1,6 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
-#import "cell_types.cl"
+#import "generated/cell_types.cl"
 
 // core/src/cell/search_store.rs
 

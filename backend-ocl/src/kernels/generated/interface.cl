@@ -1,6 +1,6 @@
 // Generated from backend-ocl/src/interface/ by `cargo xtask codegen`; do not edit.
 
-#import "cell_types.cl"
+#import "generated/cell_types.cl"
 
 // core/src/site_tree.rs
 

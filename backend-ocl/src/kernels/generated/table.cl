@@ -1,13 +1,4 @@
-// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
-
-#import "candidates.cl"
-
-INLINE float limit_in_voxels(Store *s, float reach);
-INLINE float gap_to_voxel(int offset, float place);
-INLINE uint gather_voxels(Store *s, VoxelPlace place, float reach, uint *next);
-HOT uint search_table(Store *s, float *reach, uint *visited);
-
-// core/src/cell/table.rs
+// Generated from core/src/cell/table.rs by `cargo xtask codegen`; do not edit.
 
 // The squared distance in voxels from which on a voxel's sites cannot cut the cell.
 INLINE float limit_in_voxels(Store *s, float reach) {

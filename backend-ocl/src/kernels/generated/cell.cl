@@ -1,0 +1,151 @@
+// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
+
+#import <store>
+#import "world.cl"
+#import "further.cl"
+
+INLINE V3 v3(real x, real y, real z);
+INLINE V3 add(V3 a, V3 b);
+INLINE V3 sub(V3 a, V3 b);
+INLINE V3 scale(real t, V3 a);
+INLINE real v3_dot(V3 a, V3 b);
+INLINE V3 v3_cross(V3 a, V3 b);
+INLINE real norm_1(V3 a);
+INLINE real norm_max(V3 a);
+INLINE real smaller(real a, real b);
+INLINE real larger(real a, real b);
+INLINE Plane bisector(V3 d, real dw);
+OUTLINE Plane cone_side(V3 o, V3 lo_o, V3 edge, real sign);
+OUTLINE Plane triangle_plane(V3 a, V3 b, V3 c, real sign);
+OUTLINE Plane wall_over_edge(V3 n, V3 a, V3 b);
+HOT uint place_vertex(Store *s, uint v);
+HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius);
+HOT uint find_vertex_once(Store *s, Triplet t, V3 *position, real *radius);
+INLINE Cramer cramer(Store *s, Triplet t);
+INLINE V3 solve(Cramer by, real inverse);
+OUTLINE real residual(Plane plane, V3 x);
+OUTLINE real residual_about(Plane plane, V3 c, V3 x);
+INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
+INLINE real farthest_vertex(Store *s);
+OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
+OUTLINE Minors minors_of(Plane a, Plane b, Plane c);
+OUTLINE int sign_by_minors(Minors minors, Plane e);
+INLINE int sign_beyond(Wide sum, real size);
+OUTLINE int wide_sign(Plane a, Plane b, Plane c, Plane e);
+INLINE void add_term(Wide *sum, real *size, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3, real sign);
+INLINE Wide minor(real x0, real y0, real x1, real y1);
+INLINE Wide product_exact(real a, real b);
+INLINE real rest_of_product(real a, real b);
+INLINE Wide wide_add(Wide a, Wide b);
+INLINE Wide multiply(Wide a, Wide b);
+INLINE Wide sum_exact(real a, real b);
+OUTLINE real wide_quotient(Wide a, Wide b);
+OUTLINE uint wide_position(Plane a, Plane b, Plane c, V3 *position, real *radius);
+INLINE Wide3 wide_cross(V3 p, V3 q);
+INLINE Wide wide_dot(Wide3 a, V3 b);
+INLINE Wide wide_scaled(Wide a, real by);
+INLINE Wide wide_combine(Wide x, Wide y, Wide z, real a, real b, real c);
+OUTLINE int expansion_sign(Plane a, Plane b, Plane c, Plane e);
+OUTLINE uint expansion_position(Plane a, Plane b, Plane c, V3 *position);
+INLINE uint is_tiny(Plane plane);
+INLINE uint is_tiny_number(real x);
+OUTLINE void add_minors(Expansion *sum, real x0, real y0, real x1, real y1, real z2, real w2, real z3, real w3);
+OUTLINE void add_four(Expansion *sum, Wide p, Wide q);
+INLINE void add_product(Expansion *sum, real x, real y);
+OUTLINE void add_number(Expansion *sum, real x);
+OUTLINE Wide value_of(Expansion *sum);
+OUTLINE Wide determinant(V3 a, V3 b, V3 c);
+OUTLINE void add_triple(Expansion *sum, real x, real y, real z);
+OUTLINE uint begin(Store *s, V3 lo, V3 hi);
+OUTLINE void set_box_planes(Store *s, V3 lo, V3 hi);
+HOT uint place_corner(Store *s, uint v);
+OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d);
+OUTLINE uint clip(Store *s, Plane plane, uint tag);
+OUTLINE uint settle_marks(Store *s, uint k);
+INLINE void toggle_link(Store *s, uint f, uint change);
+OUTLINE void clear_links(Store *s);
+OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge);
+INLINE uint is_boundary_edge(Store *s, uint end, uint a, uint b);
+OUTLINE void compact_planes(Store *s);
+OUTLINE real integrate_function(Store *s, V3 center);
+OUTLINE void add_fans_at_edge(Store *s, uint v, uint f, uint g, V3 center, Wide *sum);
+OUTLINE uint first_vertex_on(Store *s, uint f, uint g, uint end);
+OUTLINE void add_quadrature(Store *s, real volume, V3 a, V3 b, V3 c, V3 center, Wide *sum);
+INLINE void add_compensated(real x, Wide *sum);
+OUTLINE real polynomial(Store *s, V3 x);
+HOT uint volume_is_above_bound(CellSums sums);
+HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
+INLINE Side side(Store *s, uint f, V3 center);
+INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part);
+INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot, real *off);
+INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums *part);
+INLINE V3 second_diagonal(V3 h, V3 i, V3 v, V3 s);
+INLINE V3 second_mixed(V3 h, V3 i, V3 v, V3 s);
+INLINE real squares(real a, real b, real c);
+INLINE real products(real a, real b, real c, real d, real e, real f);
+OUTLINE V3 reference_point(Store *s);
+OUTLINE uint facet_is_above_bound(FacetSum sum);
+INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, FacetSum *sum);
+INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign);
+OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum);
+OUTLINE void reset_facets(Store *s, uint flags);
+OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums);
+OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center);
+OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight, V3 center);
+OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real sign);
+OUTLINE void center_facets(Store *s, V3 center);
+OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint *touched, CellSums *sums);
+OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone);
+OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums);
+INLINE uint all_in_conflict(Store *s, uint k, Plane plane);
+OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone);
+OUTLINE TruncatedCone no_cone();
+OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism);
+INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign);
+OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c);
+HOT int filtered_sign(V3 a, V3 b, V3 c);
+INLINE V3 magnitudes(V3 a);
+OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding);
+OUTLINE uint site_is_inside(Store *s);
+HOT uint voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding);
+HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding);
+INLINE uint are_apart(V3 a, V3 b, V3 c, V3 d);
+HOT uint plane_is_apart(Store *s, V3 a_in, V3 e, V3 f);
+INLINE V3 least_of(V3 a, V3 b, V3 c);
+INLINE V3 most_of(V3 a, V3 b, V3 c);
+INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel);
+OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums);
+OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums);
+HOT uint is_undivided(CellSums sums, CellSums whole, int *winding);
+HOT uint settle(Store *s, CellSums *sums);
+OUTLINE uint lies_outside(Store *s);
+OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
+OUTLINE void add_box_faces(Store *s, CellSums *sums);
+HOT real box_of_cell(Store *s, V3 *low, V3 *high);
+HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high);
+HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi);
+OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums);
+OUTLINE uint cap_outside(Store *s, real radius);
+HOT real next_distance(real distance, real radius);
+OUTLINE V3 farthest_position(Store *s);
+OUTLINE uint part_is_outside(Store *s, V3 direction, real height);
+HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *high);
+OUTLINE uint widen_part(Store *s, V3 direction, real height, real radius, V3 *low, V3 *high);
+OUTLINE uint boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step);
+HOT uint box_is_outside(Store *s, V3 low, V3 high);
+HOT uint box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves);
+INLINE real reach_along(V3 n, V3 halves);
+
+#import "generated/vector.cl"
+#import "generated/plane.cl"
+#import "generated/vertex.cl"
+#import "generated/wide.cl"
+#import "generated/expansion.cl"
+#import "generated/clip.cl"
+#import "generated/quadrature.cl"
+#import "generated/integrate.cl"
+#import "generated/facet.cl"
+#import "generated/cone.cl"
+#import "generated/near.cl"
+#import "generated/restrict.cl"
+#import "generated/cap.cl"

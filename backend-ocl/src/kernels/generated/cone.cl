@@ -1,0 +1,194 @@
+// Generated from core/src/cell/cone.rs by `cargo xtask codegen`; do not edit.
+
+// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
+OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint *touched, CellSums *sums) {
+    TruncatedCone cone = no_cone();
+    if (make_cone(s, t, apex, &cone) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    if (cone.sign == REAL(0.0)) {
+        // The cone is flat, but the surface may still divide the cell.
+        *touched = 1;
+        return COMPLETE;
+    }
+    // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
+    const uint base = store_planes(s);
+    if ((((all_in_conflict(s, base, cone.end) != 0) || (all_in_conflict(s, base, cone.side_0) != 0)) || (all_in_conflict(s, base, cone.side_1) != 0)) || (all_in_conflict(s, base, cone.side_2) != 0)) {
+        return COMPLETE;
+    }
+    uint status = clip_by_sides(s, cone);
+    if (status == COMPLETE) {
+        status = clip(s, cone.end, TAG_TRIANGLE);
+        if (status == CUT) {
+            *touched = 1;
+        }
+        if ((status == CUT) || (status == UNTOUCHED)) {
+            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
+        }
+    }
+    store_restore(s);
+    store_set_planes(s, base);
+    if (status == EMPTY) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Clips by the three sides; `COMPLETE` where something is left.
+OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone) {
+    uint status = clip(s, cone.side_0, TAG_CONE);
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        status = clip(s, cone.side_1, TAG_CONE);
+    }
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        status = clip(s, cone.side_2, TAG_CONE);
+    }
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Adds the part of triangle `t` within the cell to the boundary's sums: the facet on the triangle's plane of the cell's intersection
+// with the prism behind it. (The cone would do, but its sides can be nearly parallel to the triangle.)
+OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums) {
+    TruncatedCone prism = no_cone();
+    if (make_prism(s, t, apex, &prism) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    const uint base = store_planes(s);
+    store_set_plane(s, base, prism.end);
+    const uint seen = store_mark_conflicts(s, base);
+    if ((seen == SEEN_CONFLICT) || (seen == SEEN_KEEP)) {
+        return COMPLETE;
+    }
+    if (((all_in_conflict(s, base, prism.side_0) != 0) || (all_in_conflict(s, base, prism.side_1) != 0)) || (all_in_conflict(s, base, prism.side_2) != 0)) {
+        return COMPLETE;
+    }
+    uint status = clip_by_sides(s, prism);
+    const uint end_index = store_planes(s);
+    if (status == COMPLETE) {
+        status = clip(s, prism.end, TAG_TRIANGLE);
+    }
+    if (status == CUT) {
+        FacetSum facet = (FacetSum){ 0 };
+        status = integrate_facet(s, end_index, center, &facet);
+        if (status == COMPLETE) {
+            add_boundary(facet, prism.end, -prism.sign, sums);
+        }
+    }
+    store_restore(s);
+    store_set_planes(s, base);
+    if ((status == EMPTY) || (status == UNTOUCHED)) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Whether (1) every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
+INLINE uint all_in_conflict(Store *s, uint k, Plane plane) {
+    store_set_plane(s, k, plane);
+    if (store_mark_conflicts(s, k) == SEEN_CONFLICT) {
+        return 1;
+    }
+    return 0;
+}
+
+// The truncated cone over triangle `t` from corner `apex`, in the frame of the site.
+OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone) {
+    const Triangle triangle = store_triangle(s, t);
+    const V3 a = store_domain_point(s, triangle.a);
+    const V3 b = store_domain_point(s, triangle.b);
+    const V3 c = store_domain_point(s, triangle.c);
+    const V3 o = store_corner(s, apex);
+    const int sign = cone_sign(s, t, apex, sub(a, o), sub(b, o), sub(c, o));
+    if (sign == SIGN_UNKNOWN) {
+        return UNCERTAIN;
+    }
+    cone->sign = (real)sign;
+    if (sign == 0) {
+        return COMPLETE;
+    }
+    const V3 site = store_site(s);
+    const V3 o_in = sub(o, site);
+    const V3 a_in = sub(a, site);
+    const V3 b_in = sub(b, site);
+    const V3 c_in = sub(c, site);
+    cone->reach = larger(larger(norm_1(a_in), norm_1(b_in)), larger(norm_1(c_in), norm_1(o_in)));
+    cone->end = triangle_plane(a_in, b_in, c_in, cone->sign);
+    cone->side_0 = side_over_edge(triangle.a, triangle.b, a, b, o, o_in, cone->sign);
+    cone->side_1 = side_over_edge(triangle.b, triangle.c, b, c, o, o_in, cone->sign);
+    cone->side_2 = side_over_edge(triangle.c, triangle.a, c, a, o, o_in, cone->sign);
+    return COMPLETE;
+}
+
+// No cone yet.
+OUTLINE TruncatedCone no_cone() {
+    return (TruncatedCone){ .sign = REAL(0.0), .reach = REAL(0.0), .end = (Plane){ 0 }, .side_0 = (Plane){ 0 }, .side_1 = (Plane){ 0 }, .side_2 = (Plane){ 0 } };
+}
+
+// The prism over triangle `t`, in the frame of the site, on the side that the cone from `apex` keeps: where the surface touches
+// the cell, both then decide alike.
+OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism) {
+    const Triangle triangle = store_triangle(s, t);
+    const V3 a = store_domain_point(s, triangle.a);
+    const V3 b = store_domain_point(s, triangle.b);
+    const V3 c = store_domain_point(s, triangle.c);
+    const V3 o = store_corner(s, apex);
+    const int sign = cone_sign(s, t, apex, sub(a, o), sub(b, o), sub(c, o));
+    if (sign == SIGN_UNKNOWN) {
+        return UNCERTAIN;
+    }
+    prism->sign = REAL(1.0);
+    if (sign < 0) {
+        prism->sign = -REAL(1.0);
+    }
+    const V3 site = store_site(s);
+    const V3 a_in = sub(a, site);
+    const V3 b_in = sub(b, site);
+    const V3 c_in = sub(c, site);
+    prism->end = triangle_plane(a_in, b_in, c_in, prism->sign);
+    const V3 n = scale(prism->sign, prism->end.n);
+    prism->side_0 = wall_over_edge(n, a_in, b_in);
+    prism->side_1 = wall_over_edge(n, b_in, c_in);
+    prism->side_2 = wall_over_edge(n, c_in, a_in);
+    return COMPLETE;
+}
+
+// The side over the edge from vertex `i` at `p` to vertex `j` at `q`, computed with the ends in index order so that both
+// triangles at the edge get the very same plane.
+INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign) {
+    if (i < j) {
+        return cone_side(o_in, sub(p, o), sub(q, p), sign);
+    }
+    return cone_side(o_in, sub(q, o), sub(p, q), -sign);
+}
+
+// The exact sign of `det(a − o, b − o, c − o)`, given the rounded differences.
+OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c) {
+    const int sign = filtered_sign(a, b, c);
+    if (sign == SIGN_UNKNOWN) {
+        return store_exact_cone_sign(s, t, apex);
+    }
+    return sign;
+}
+
+// The sign of the determinant of three differences of points, given rounded; never 0, but `SIGN_UNKNOWN` where floating point cannot tell.
+HOT int filtered_sign(V3 a, V3 b, V3 c) {
+    const real det = v3_dot(a, v3_cross(b, c));
+    const V3 abs_b = magnitudes(b);
+    const V3 abs_c = magnitudes(c);
+    const real permanent = v3_dot(magnitudes(a), v3((abs_b.y * abs_c.z) + (abs_b.z * abs_c.y), (abs_b.z * abs_c.x) + (abs_b.x * abs_c.z), (abs_b.x * abs_c.y) + (abs_b.y * abs_c.x)));
+    const real bound = CONE_SIGN_ERROR * permanent;
+    if (det > bound) {
+        return 1;
+    }
+    if (det < -bound) {
+        return -1;
+    }
+    return SIGN_UNKNOWN;
+}
+
+INLINE V3 magnitudes(V3 a) {
+    return v3(fabs(a.x), fabs(a.y), fabs(a.z));
+}

@@ -1,0 +1,264 @@
+// Generated from core/src/cell/far.rs by `cargo xtask codegen`; do not edit.
+
+// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
+// are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
+// more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
+HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
+    uint at_once = first_asked;
+    for (;;) {
+        // The farthest.
+        uint key = 0;
+        const uint v = next_unsettled(s, center, -REAL(1.0), &key);
+        if (v == NO_SITE) {
+            return COMPLETE;
+        }
+        if (ask(s, v, 0) == 0) {
+            return UNCERTAIN;
+        }
+        uint asked = 1;
+        if (at_once > 1) {
+            asked = ask_near_first(s, at_once);
+        }
+        uint ties = 0;
+        uint stay = 0;
+        const uint found = least_at(s, asked, &ties, &stay);
+        uint i = 1;
+        while (i < asked) {
+            if ((stay & (1 << i)) != 0) {
+                const uint other = store_asked(s, i).vertex;
+                store_set_settled(s, other, 1);
+            }
+            i += 1;
+        }
+        if (found != NO_SITE) {
+            store_set_candidate(s, 0, found, 0);
+            ties = 1;
+        }
+        if (ties > store_most_ties(s)) {
+            return UNCERTAIN;
+        }
+        uint status = UNTOUCHED;
+        i = 0;
+        while ((i < ties) && (status == UNTOUCHED)) {
+            const uint j = store_candidate(s, i);
+            if ((found != NO_SITE) || (store_was_tried(s, j) == 0)) {
+                *visited += 1;
+                status = store_cut_by(s, j);
+            }
+            i += 1;
+        }
+        if (((status == UNTOUCHED) && (found != NO_SITE)) && (store_leaves_out(s) == 0)) {
+            // What rounding cannot take back has less power there.
+            return UNCERTAIN;
+        }
+        if (status == UNTOUCHED) {
+            store_set_settled(s, v, 1);
+            store_lanes_wait(s);
+            at_once = 2 * at_once;
+            if (at_once > store_most_asked(s)) {
+                at_once = store_most_asked(s);
+            }
+        } else if (status == CUT) {
+            at_once = 1;
+        } else {
+            return status;
+        }
+    }
+}
+
+// Of the vertices that are not settled, or of the first that a lane meets, that with the least key above `*key` of its squared distance from a
+// place times `sign`, and the key; `NO_SITE` where there is none.
+HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key) {
+    uint nearest = NO_SITE;
+    uint own = 0;
+    uint compared = 0;
+    uint v = store_lane(s);
+    while ((v < store_vertices(s)) && (compared < MOST_COMPARED)) {
+        if (!store_settled(s, v)) {
+            compared += 1;
+            const V3 way = sub(store_position(s, v), from);
+            const uint its = store_key_below(s, sign * v3_dot(way, way));
+            if ((its > *key) && (its < nearest)) {
+                nearest = its;
+                own = v;
+            }
+        }
+        v += store_lanes(s);
+    }
+    const uint least = store_least_of_lanes(s, nearest);
+    *key = least;
+    if (least == NO_SITE) {
+        return NO_SITE;
+    }
+    return store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearest == least))));
+}
+
+// Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
+HOT uint ask_near_first(Store *s, uint at_once) {
+    const Asked first = store_asked(s, 0);
+    uint asked = 1;
+    // (Of vertices as far as another one is asked for.)
+    uint key = store_key_above(s, REAL(0.0));
+    while (asked < at_once) {
+        const uint v = next_unsettled(s, first.place, REAL(1.0), &key);
+        if (v == NO_SITE) {
+            return asked;
+        }
+        asked += ask(s, v, asked);
+    }
+    return asked;
+}
+
+// Makes vertex `v` the asked vertex `i`: 1; or 0 where it is not known well.
+INLINE uint ask(Store *s, uint v, uint i) {
+    V3 place = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real radius = REAL(0.0);
+    if (store_fine_position(s, v, &place, &radius) != COMPLETE) {
+        return 0;
+    }
+    const Asked asked = asked_at(store_largest_excess(s), v, place, radius);
+    store_set_asked(s, i, asked);
+    return 1;
+}
+
+// What is asked for at a place that is off by up to `radius` along each axis, of sites that weigh up to `largest_excess` more than the cell's.
+INLINE Asked asked_at(real largest_excess, uint v, V3 place, real radius) {
+    const real own = v3_dot(place, place);
+    const real lost = PER_LENGTH * radius;
+    // Beyond this power no site can have less than the cell's: with t the distance from the vertex, rounding is at most
+    // lost·(√own + t) + FEW_ROUNDINGS_OF_SUM·(t² + own + …), where 2t ≤ length + t²/length for any length; and t² is the power and the
+    // largest weight. (A vertex may be where the cell's site is.)
+    const real length = larger(larger(sqrt(own), LENGTHS_OF_LOST * lost), LEAST_LENGTH);
+    const real lost_of_square = (REAL(0.5) * lost) / length;
+    const real share = lost_of_square + (REAL(4.0) * FEW_ROUNDINGS_OF_SUM);
+    const real lost_of_all = (REAL(1.5) * lost) * length;
+    const real room = lost_of_all + (share * larger(largest_excess, REAL(0.0)));
+    const real limit = ((own * (REAL(1.0) + (REAL(2.0) * FEW_ROUNDINGS_OF_SUM))) + room) * (REAL(1.0) + (REAL(2.0) * share));
+    return (Asked){ .vertex = v, .place = place, .own = own, .lost = lost_of_all, .lost_of_square = lost_of_square, .limit = limit };
+}
+
+// The site of least power at the first asked vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all
+// that may be, of which `ties` says how many. `stay` has a bit for each of the others where no site has less power or ties, but for those that
+// it lies on.
+HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay) {
+    const uint lanes = store_lanes(s);
+    // As many leaves at a time as there are lanes for their sites.
+    const uint most = larger_count(lanes / WIDTH, 1);
+    uint left = (1 << asked) - 1;
+    uint found = NO_SITE;
+    Open open = open_top(s, left);
+    *ties = 0;
+    for (;;) {
+        if ((open.leaves >= most) || ((open.leaves > 0) && (open.blocks == 0))) {
+            uint some = most;
+            if (open.leaves < some) {
+                some = open.leaves;
+            }
+            open.leaves -= some;
+            const real limit = store_asked(s, 0).limit;
+            const uint before = left;
+            uint i = store_lane(s);
+            while (i < larger_count(some * WIDTH, lanes)) {
+                uint j = NO_SITE;
+                uint asks = 0;
+                if (i < (some * WIDTH)) {
+                    const uint at = open.leaves + (i / WIDTH);
+                    j = (store_leaf(s, at) * WIDTH) + (i & (WIDTH - 1));
+                    if (j < store_sites(s)) {
+                        asks = store_asks_of_site(s, j, store_leaf_asks(s, at)) & left;
+                    }
+                    if (j == store_own_site(s)) {
+                        asks = 0;
+                    }
+                }
+                if (store_lanes_with(s, asks) != 0) {
+                    left = left & ask_site(s, j, asks, left, &found, ties);
+                }
+                i += lanes;
+            }
+            store_lanes_wait(s);
+            if ((store_asked(s, 0).limit < limit) || (left != before)) {
+                open = still_asked(s, left, open);
+            }
+        } else if (open.blocks > 0) {
+            const Question question = (Question){ .square = REAL(1.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .limit = REAL(0.0), .vertices = left };
+            open = open_blocks(s, question, open);
+        } else {
+            *stay = left;
+            return found;
+        }
+    }
+}
+
+// Compares the power of each lane's site with the cell's at those of the asked vertices whose bits `asks` has, which are among `left`: `found`,
+// the candidates and `ties` as `least_at`; returns all bits but those of vertices other than the first that may not stay.
+INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties) {
+    uint stay = 0xFFFFFFFF;
+    V3 d = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real excess = REAL(0.0);
+    if (asks != 0) {
+        d = store_way_to(s, j);
+        excess = store_excess_of(s, j);
+    }
+    uint a = 0;
+    while ((left >> a) != 0) {
+        const Asked its = store_asked(s, a);
+        uint is_less = 0;
+        uint is_tied = 0;
+        real power = REAL(0.0);
+        if ((asks & (1 << a)) != 0) {
+            const V3 way = sub(its.place, d);
+            const real square = v3_dot(way, way);
+            const real less = (square - its.own) - excess;
+            const real rounding = (its.lost + (its.lost_of_square * square)) + (FEW_ROUNDINGS_OF_SUM * ((square + its.own) + (fabs(excess) + v3_dot(d, d))));
+            power = square - excess;
+            if (less < -rounding) {
+                is_less = 1;
+            } else if (less <= rounding) {
+                is_tied = 1;
+            }
+        }
+        if (a > 0) {
+            uint is_off = 0;
+            if (((is_less + is_tied) != 0) && (store_touches(s, its.vertex, j) == 0)) {
+                is_off = 1;
+            }
+            if (store_lanes_with(s, is_off) != 0) {
+                stay = stay & (0xFFFFFFFF ^ (1 << a));
+            }
+        } else {
+            if (store_lanes_with(s, is_less) != 0) {
+                uint key = NO_SITE;
+                if (is_less != 0) {
+                    key = store_key_above(s, power);
+                }
+                const uint least = store_least_of_lanes(s, key);
+                const uint from = store_first_of(s, store_lanes_with(s, (uint)(key == least)));
+                const real best = store_lane_real(s, power, from);
+                if ((*found == NO_SITE) || (best < its.limit)) {
+                    *found = store_lane_value(s, j, from);
+                    Asked first = its;
+                    first.limit = smaller(best, its.limit);
+                    store_set_asked(s, 0, first);
+                }
+            }
+            const uint tied = store_lanes_with(s, is_tied);
+            if ((*found == NO_SITE) && (tied != 0)) {
+                const uint at = *ties + store_rank_in(s, tied);
+                if ((is_tied != 0) && (at < store_most_ties(s))) {
+                    store_set_candidate(s, at, j, 0);
+                }
+                *ties += store_count_of(s, tied);
+            }
+        }
+        a += 1;
+    }
+    return stay;
+}
+
+INLINE uint larger_count(uint a, uint b) {
+    if (a > b) {
+        return a;
+    }
+    return b;
+}

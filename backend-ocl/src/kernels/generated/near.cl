@@ -1,0 +1,174 @@
+// Generated from core/src/cell/near.rs by `cargo xtask codegen`; do not edit.
+
+// Whether (1) no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
+// `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
+OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding) {
+    if (site_is_inside(s) == 0) {
+        return 0;
+    }
+    uint k = lo.k;
+    while (k <= hi.k) {
+        uint j = lo.j;
+        while (j <= hi.j) {
+            uint i = lo.i;
+            while (i <= hi.i) {
+                if (voxel_passes_by(s, (Voxel){ .i = i, .j = j, .k = k }, lo, low, high, winding) == 0) {
+                    return 0;
+                }
+                i += 1;
+            }
+            j += 1;
+        }
+        k += 1;
+    }
+    return 1;
+}
+
+// Whether (1) the site is strictly inside its cell, so that the cell's winding number is the site's.
+OUTLINE uint site_is_inside(Store *s) {
+    uint f = 0;
+    while (f < store_planes(s)) {
+        const real d = store_plane(s, f).d;
+        if (!(d > REAL(0.0))) {
+            return 0;
+        }
+        f += 1;
+    }
+    return 1;
+}
+
+// The same for the triangles of one voxel, of which `lo` is the lowest; takes from `winding` what they add between the corner of
+// `lo` and the site.
+HOT uint voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding) {
+    const uint end = store_list_end(s, voxel);
+    uint entry = store_list_begin(s, voxel);
+    while (entry < end) {
+        const uint t = store_list_entry(s, entry);
+        if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel) != 0) {
+            if (triangle_passes_by(s, t, lo, low, high, winding) == 0) {
+                return 0;
+            }
+        }
+        entry += 1;
+    }
+    return 1;
+}
+
+// Whether (1) triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
+// it stands between that and the site.
+//
+// Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
+HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding) {
+    const Triangle triangle = store_triangle(s, t);
+    const V3 a = store_domain_point(s, triangle.a);
+    const V3 b = store_domain_point(s, triangle.b);
+    const V3 c = store_domain_point(s, triangle.c);
+    const V3 site = store_site(s);
+    const V3 a_in = sub(a, site);
+    const V3 b_in = sub(b, site);
+    const V3 c_in = sub(c, site);
+    const V3 least = least_of(a_in, b_in, c_in);
+    const V3 most = most_of(a_in, b_in, c_in);
+    if (are_apart(least, most, low, high) == 0) {
+        if (plane_is_apart(s, a_in, sub(b, a), sub(c, a)) == 0) {
+            return 0;
+        }
+    }
+    // Does it cross the segment from the corner, the lowest point of the cell's voxels, to the site?
+    const V3 o = store_corner(s, apex);
+    const V3 x = sub(site, o);
+    const V3 o_in = sub(o, site);
+    if (are_apart(least, most, o_in, (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }) != 0) {
+        return 1;
+    }
+    const V3 p = sub(a, o);
+    const V3 q = sub(b, o);
+    const V3 r = sub(c, o);
+    const int of_corner = filtered_sign(p, q, r);
+    const int of_site = filtered_sign(a_in, b_in, c_in);
+    if ((of_corner == SIGN_UNKNOWN) || (of_site == SIGN_UNKNOWN)) {
+        return 0;
+    }
+    if (of_corner == of_site) {
+        return 1;
+    }
+    const int over_0 = filtered_sign(p, q, x);
+    const int over_1 = filtered_sign(q, r, x);
+    const int over_2 = filtered_sign(r, p, x);
+    if (((over_0 == SIGN_UNKNOWN) || (over_1 == SIGN_UNKNOWN)) || (over_2 == SIGN_UNKNOWN)) {
+        return 0;
+    }
+    if (((over_0 == of_corner) && (over_1 == of_corner)) && (over_2 == of_corner)) {
+        *winding -= of_corner;
+    }
+    return 1;
+}
+
+// Whether (1) the boxes `[a, b]` and `[c, d]` are apart. (The rounded differences that their corners are tell it as the exact ones
+// do: rounding keeps the order.)
+INLINE uint are_apart(V3 a, V3 b, V3 c, V3 d) {
+    if (((b.x < c.x) || (b.y < c.y)) || (b.z < c.z)) {
+        return 1;
+    }
+    if (((a.x > d.x) || (a.y > d.y)) || (a.z > d.z)) {
+        return 1;
+    }
+    return 0;
+}
+
+// Whether (1) all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
+HOT uint plane_is_apart(Store *s, V3 a_in, V3 e, V3 f) {
+    const V3 n = v3_cross(e, f);
+    const real of_normal = norm_1(e) * norm_1(f);
+    const real length = norm_1(n) + (FEW_ROUNDINGS * of_normal);
+    const real reach = norm_1(a_in);
+    uint above = 0;
+    uint below = 0;
+    uint v = 0;
+    while (v < store_vertices(s)) {
+        const V3 way = sub(store_position(s, v), a_in);
+        const real height = v3_dot(n, way);
+        const real way_length = norm_1(way);
+        const real bound = (length * (store_radius(s, v) + (FEW_ROUNDINGS * (reach + way_length)))) + ((FEW_ROUNDINGS * of_normal) * way_length);
+        if (height > bound) {
+            above = 1;
+        } else if (height < -bound) {
+            below = 1;
+        } else {
+            return 0;
+        }
+        if ((above != 0) && (below != 0)) {
+            return 0;
+        }
+        v += 1;
+    }
+    return 1;
+}
+
+INLINE V3 least_of(V3 a, V3 b, V3 c) {
+    return (V3){ .x = smaller(smaller(a.x, b.x), c.x), .y = smaller(smaller(a.y, b.y), c.y), .z = smaller(smaller(a.z, b.z), c.z) };
+}
+
+INLINE V3 most_of(V3 a, V3 b, V3 c) {
+    return (V3){ .x = larger(larger(a.x, b.x), c.x), .y = larger(larger(a.y, b.y), c.y), .z = larger(larger(a.z, b.z), c.z) };
+}
+
+// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
+INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
+    uint i = lowest.i;
+    uint j = lowest.j;
+    uint k = lowest.k;
+    if (lo.i > i) {
+        i = lo.i;
+    }
+    if (lo.j > j) {
+        j = lo.j;
+    }
+    if (lo.k > k) {
+        k = lo.k;
+    }
+    if (((i == voxel.i) && (j == voxel.j)) && (k == voxel.k)) {
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,40 @@
+// Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
+
+#import "tree_store.cl"
+#import "generated/candidate_search.cl"
+
+INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
+INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE real gap_along(real lo, real hi, real place);
+INLINE real square_to_box(V3 lo, V3 hi, V3 place);
+INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights);
+INLINE real reach_of_bisector(V3 g, V3 d, real excess);
+INLINE Seer seer_of(Store *s);
+INLINE Open open_top(Store *s, uint vertices);
+INLINE Open open_path(Store *s);
+INLINE uint keep_asked(Store *s, bool is_leaf, uint vertices, uint count);
+INLINE Open still_asked(Store *s, uint vertices, Open open);
+INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint *key);
+HOT Open open_blocks(Store *s, Question question, Open given);
+HOT Vantage vantage_of(Store *s);
+INLINE real reach_of_site(Store *s, Vantage vantage, uint j);
+INLINE real size_around(Store *s);
+HOT uint search_near(Store *s, Vantage vantage, uint *visited);
+HOT uint near_key(Store *s, Vantage vantage, real *near);
+HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint count);
+HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited);
+HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key);
+HOT uint ask_near_first(Store *s, uint at_once);
+INLINE uint ask(Store *s, uint v, uint i);
+INLINE Asked asked_at(real largest_excess, uint v, V3 place, real radius);
+HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay);
+INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties);
+INLINE uint larger_count(uint a, uint b);
+
+#import "generated/quadratic.cl"
+#import "generated/bound.cl"
+#import "generated/tree.cl"
+#import "generated/search.cl"
+#import "generated/far.cl"

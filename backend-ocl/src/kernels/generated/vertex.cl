@@ -1,0 +1,110 @@
+// Generated from core/src/cell/vertex.rs by `cargo xtask codegen`; do not edit.
+
+// Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
+HOT uint place_vertex(Store *s, uint v) {
+    V3 position = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real radius = REAL(0.0);
+    const uint status = find_vertex(s, store_triplet(s, v), &position, &radius);
+    if (status == COMPLETE) {
+        store_set_position(s, v, position, radius);
+    }
+    return status;
+}
+
+// The position of the vertex with triplet `t`, and an error radius such that
+// `|fl(n·v + d) − (n·v* + d)| ≤ ‖n‖₁·radius + 4u|d|` for every plane, `v*` the exact vertex.
+//
+// (The rare ways out read the planes again: what is handed to a function that is not inlined cannot stay in a GPU's registers before it.)
+HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
+    const Cramer by = cramer(s, t);
+    if (!(by.det > (NEARLY_DEPENDENT * by.size))) {
+        V3 exact = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+        real its = REAL(0.0);
+        if (wide_position(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), &exact, &its) == COMPLETE) {
+            *position = exact;
+            *radius = its;
+            return COMPLETE;
+        }
+        store_note_exact(s);
+        if (expansion_position(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), &exact) != COMPLETE) {
+            if (store_exact_position(s, t, &exact) != COMPLETE) {
+                return UNCERTAIN;
+            }
+        }
+        *position = exact;
+        *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(exact);
+        return COMPLETE;
+    }
+    const real inverse = REAL(1.0) / by.det;
+    const real amplified = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
+    *position = solve(by, inverse);
+    *radius = amplified * (by.offsets + (norm_max(*position) * by.size));
+    if (by.det < (WORTH_REFINING * by.size)) {
+        // A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
+        // in which the planes hardly tell one point from the next.
+        const real rest_a = residual(store_plane(s, t.a), *position);
+        const real rest_b = residual(store_plane(s, t.b), *position);
+        const real rest_c = residual(store_plane(s, t.c), *position);
+        *position = sub(*position, scale(inverse, combine(rest_a, rest_b, rest_c, by.bc, by.ca, by.ab)));
+        *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * by.size));
+    }
+    return COMPLETE;
+}
+
+// The position of the vertex with triplet `t` without refinement, and its error radius: enough where both are rounded to single precision
+// anyway. `UNCERTAIN` where the normals are nearly dependent.
+HOT uint find_vertex_once(Store *s, Triplet t, V3 *position, real *radius) {
+    const Cramer by = cramer(s, t);
+    if (!(by.det > (NEARLY_DEPENDENT * by.size))) {
+        return UNCERTAIN;
+    }
+    const real inverse = REAL(1.0) / by.det;
+    *position = solve(by, inverse);
+    *radius = ((ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse) * (by.offsets + (norm_1(*position) * by.size));
+    return COMPLETE;
+}
+
+INLINE Cramer cramer(Store *s, Triplet t) {
+    const Plane pa = store_plane(s, t.a);
+    const Plane pb = store_plane(s, t.b);
+    const Plane pc = store_plane(s, t.c);
+    const V3 bc = v3_cross(pb.n, pc.n);
+    const real size_a = norm_1(pa.n);
+    const real size_b = norm_1(pb.n);
+    const real size_c = norm_1(pc.n);
+    return (Cramer){ .bc = bc, .ca = v3_cross(pc.n, pa.n), .ab = v3_cross(pa.n, pb.n), .d = v3(pa.d, pb.d, pc.d), .det = v3_dot(pa.n, bc), .size = (size_a * size_b) * size_c, .offsets = (((fabs(pa.d) * size_b) * size_c) + ((fabs(pb.d) * size_c) * size_a)) + ((fabs(pc.d) * size_a) * size_b) };
+}
+
+// `v = −(d_a n_b×n_c + d_b n_c×n_a + d_c n_a×n_b) / det(n_a, n_b, n_c)`, `inverse` one over that determinant.
+INLINE V3 solve(Cramer by, real inverse) {
+    return scale(-inverse, combine(by.d.x, by.d.y, by.d.z, by.bc, by.ca, by.ab));
+}
+
+// `n·x + d`, rounded once or little more.
+OUTLINE real residual(Plane plane, V3 x) {
+    const Wide first = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
+    const Wide second = wide_add(product_exact(plane.n.z, x.z), (Wide){ .hi = plane.d, .lo = REAL(0.0) });
+    const Wide sum = wide_add(first, second);
+    return sum.hi + sum.lo;
+}
+
+// `n·(c + x) + d`, rounded once or little more.
+OUTLINE real residual_about(Plane plane, V3 c, V3 x) {
+    const Wide first = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
+    const Wide second = wide_add(product_exact(plane.n.z, x.z), product_exact(plane.n.x, c.x));
+    const Wide third = wide_add(product_exact(plane.n.y, c.y), product_exact(plane.n.z, c.z));
+    const Wide sum = wide_add(wide_add(first, second), wide_add(third, (Wide){ .hi = plane.d, .lo = REAL(0.0) }));
+    return sum.hi + sum.lo;
+}
+
+// `r_a·bc + r_b·ca + r_c·ab`.
+INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab) {
+    return add(add(scale(ra, bc), scale(rb, ca)), scale(rc, ab));
+}
+
+// An upper bound of the distance from the site to the farthest vertex.
+INLINE real farthest_vertex(Store *s) {
+    const V3 largest = store_farthest(s);
+    // The radius bounds each component; √3 < 2.
+    return (sqrt(largest.x) + (REAL(2.0) * largest.y)) * (REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF));
+}

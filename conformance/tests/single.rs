@@ -140,6 +140,20 @@ fn domains() {
     }
 }
 
+/// A site many million spacings away empties the cells of sites that crowd about a place: its power, squared, is beyond single numbers.
+#[test]
+fn a_site_far_from_a_crowd() {
+    let tiny = 1.0 / f64::from(1 << 22);
+    let mut positions: Vec<[f64; 3]> = white(16, 11).iter().map(|p| p.map(|x| 0.5 + tiny * (x - 0.5))).collect();
+    positions.push([-10.0, 0.5, 0.5]);
+    let heavy_far: Vec<f64> = (0..17).map(|i| if i < 16 { 0.01 } else { 200.0 }).collect();
+    let heavy_near: Vec<f64> = (0..17).map(|i| if i < 16 { 0.01 } else { 0.0 }).collect();
+    let _ = compare("a heavy site far from a crowd", &in_cube(&positions, &heavy_far));
+    let _ = compare("a light site far from a crowd", &in_cube(&positions, &heavy_near));
+    positions[16] = [0.75, 0.5, 0.5];
+    let _ = compare("a site some spacings from a crowd", &in_cube(&positions, &heavy_near));
+}
+
 /// Whatever the arrangement of sites and weights, in a box and in a domain: the same statuses, and volumes within their bound.
 #[test]
 fn every_arrangement() {

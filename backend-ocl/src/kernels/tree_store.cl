@@ -41,6 +41,12 @@ INLINE uint store_asks_of_node(Store *s, uint level, uint node, uint asks, uint 
 #if WITH_WEIGHTS
 INLINE uint store_has_weights(Store *s) { return s->world.params->equal_weights == 0u; }
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
+#if !LANES
+    // (Where weights are asked for at run time: without them there are no bounds.)
+    if (store_has_weights(s) == 0u) {
+        return (NodeWeights){ 0 };
+    }
+#endif
     __global const WeightBounds *block = s->world.weight_bounds + block_of_tree(s, level, node);
     const uint k = node % WIDTH;
     return (NodeWeights){

@@ -91,5 +91,6 @@ pub fn reach_of_bisector(g: V3, d: V3, excess: Real) -> Real {
     let along: V3 = v3(g.x * d.x, g.y * d.y, g.z * d.z);
     let size: Real = square + (excess.abs() + ((along.x.abs() + along.y.abs()) + along.z.abs()));
     let power: Real = ((square - excess) + ((along.x + along.y) + along.z)) - (FEW_ROUNDINGS_OF_SUM * size);
-    return (power * power.abs()) / square;
+    // (In single precision the square of the power of a site far away overflows.)
+    return power * (power.abs() / square);
 }

@@ -66,5 +66,6 @@ INLINE real reach_of_bisector(V3 g, V3 d, real excess) {
     const V3 along = v3(g.x * d.x, g.y * d.y, g.z * d.z);
     const real size = square + (fabs(excess) + ((fabs(along.x) + fabs(along.y)) + fabs(along.z)));
     const real power = ((square - excess) + ((along.x + along.y) + along.z)) - (FEW_ROUNDINGS_OF_SUM * size);
-    return (power * fabs(power)) / square;
+    // (In single precision the square of the power of a site far away overflows.)
+    return power * (fabs(power) / square);
 }

@@ -3,18 +3,8 @@
 
 #import "generated/cell.cl"
 
-OUTLINE uint store_was_tried(Store *s, uint j) {
-    for (uint f = 0; f < s->planes; f++) {
-        if (s->source[f] == j) {
-            return 1;
-        }
-    }
-    return 0;
-}
-INLINE uint store_touches(Store *s, uint v, uint j) {
-    const Triplet t = store_triplet(s, v);
-    return (s->source[t.a] == j) || (s->source[t.b] == j) || (s->source[t.c] == j);
-}
+OUTLINE uint store_was_tried(Store *s, uint j);
+
 INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
 INLINE uint store_cut_by(Store *s, uint j) {
 #if WITH_TABLE

@@ -52,19 +52,6 @@ OUTLINE uint is_outside(Store *s) {
     return (store_surface_voxels(s, lo, hi) == 0u) && (store_winding(s, lo) == 0);
 }
 
-OUTLINE uint store_was_tried(Store *s, uint j) {
-    for (uint f = 0; f < s->planes; f++) {
-        if (s->tag[f] == j) {
-            return 1;
-        }
-    }
-    return 0;
-}
-INLINE uint store_touches(Store *s, uint v, uint j) {
-    const Triplet t = store_triplet(s, v);
-    return (s->tag[t.a] == j) || (s->tag[t.b] == j) || (s->tag[t.c] == j);
-}
-
 // Bisectors that are moved outward need not cut off what the sites do.
 INLINE uint store_leaves_out(Store *s) { return s->is_widened; }
 

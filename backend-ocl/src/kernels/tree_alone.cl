@@ -63,4 +63,17 @@ INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);
 }
 
+OUTLINE uint store_was_tried(Store *s, uint j) {
+    for (uint f = 0; f < s->planes; f++) {
+        if (store_tag(s, f) == j) {
+            return 1;
+        }
+    }
+    return 0;
+}
+INLINE uint store_touches(Store *s, uint v, uint j) {
+    const Triplet t = store_triplet(s, v);
+    return (store_tag(s, t.a) == j) || (store_tag(s, t.b) == j) || (store_tag(s, t.c) == j);
+}
+
 #import "generated/tree_search.cl"

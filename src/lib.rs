@@ -67,10 +67,7 @@ fn open_cpu(_threads: Option<usize>) -> Result<Box<dyn Backend>> {
 
 #[cfg(feature = "ocl")]
 fn open_ocl(devices: DeviceChoice, precision: Precision) -> Result<Box<dyn Backend>> {
-    Ok(match precision {
-        Precision::F64 => Box::new(laguerre_ocl::Ocl::new(&devices)?),
-        Precision::F32 => Box::new(laguerre_ocl::Single::new(&devices)?),
-    })
+    laguerre_ocl::open(&devices, precision)
 }
 
 /// The OpenCL backend with cells computed by the kernel for work-items that share a cell, where the first device would not choose it.
@@ -78,8 +75,8 @@ fn open_ocl(devices: DeviceChoice, precision: Precision) -> Result<Box<dyn Backe
 /// # Errors
 /// `Unavailable` where there is no device, or it does so anyway.
 #[cfg(all(feature = "ocl", feature = "test-util"))]
-pub fn open_sharing_cells() -> Result<Box<dyn Backend>> {
-    Ok(Box::new(laguerre_ocl::Ocl::sharing_cells(&DeviceChoice::First)?))
+pub fn open_sharing_cells(precision: Precision) -> Result<Box<dyn Backend>> {
+    Ok(Box::new(laguerre_ocl::Ocl::sharing_cells(&DeviceChoice::First, precision)?))
 }
 
 /// The same where the sub-groups of a device share a cell.

@@ -80,9 +80,12 @@ impl Lanes {
     }
 }
 
-/// What cells that are computed together are built for.
+/// What cells that are computed together are built for. Each stage is left some of the cells of the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Stage {
+    /// All of them, with numbers in single precision; those are given up whose signs it leaves open, or whose volumes it does not tell well, or which may
+    /// meet the surface.
+    Single,
     /// All of them; those are given up that need exact signs, or may meet the surface.
     First,
     /// Those that may meet the surface; those are given up that need exact signs.
@@ -116,7 +119,9 @@ struct Shape {
 impl Stage {
     const fn shape(self) -> Shape {
         match self {
-            Self::First => Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: 0 },
+            Self::Single | Self::First => {
+                Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: 0 }
+            }
             Self::Far => Shape { cells: 1, registers: Some(96), far: true, exact: false, surface: false, room: 0 },
             Self::Surface => Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: 0 },
             Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: 0 },
@@ -171,6 +176,7 @@ enum Flag {
     /// Room of a cell.
     Planes(u32),
     Vertices(u32),
+    Single(bool),
     Lanes(u32),
     CellsOfGroup(u32),
     Facets(bool),
@@ -194,6 +200,7 @@ impl Flag {
         match self {
             Self::Planes(count) => ("CAP_P", count.to_string()),
             Self::Vertices(count) => ("CAP_V", count.to_string()),
+            Self::Single(is_set) => set("SINGLE", is_set),
             Self::Lanes(count) => ("LANES", format!("{count}u")),
             Self::CellsOfGroup(count) => ("CELLS", count.to_string()),
             Self::Facets(is_set) => set("WITH_FACETS", is_set),
@@ -236,6 +243,7 @@ impl Build {
                     Way::Together(lanes, stage) => {
                         let Shape { cells, far, exact, surface, room, .. } = stage.shape();
                         vec![
+                            Flag::Single(stage == Stage::Single),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Domain(*domain),
@@ -289,7 +297,7 @@ impl Build {
         let asked =
             Asked { facets: true, facet_second: true, integral: true, domain: true, weights: false, table: true };
         let room = Capacities { planes: 64, vertices: 128 };
-        let stages = [Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide, Stage::Vast];
+        let stages = [Stage::Single, Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide, Stage::Vast];
         let together = stages.map(|stage| Self::Cells(Way::Together(Lanes::Warp, stage), asked));
         let others = [
             Self::Grid,

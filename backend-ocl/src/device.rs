@@ -23,7 +23,7 @@ use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
 use laguerre_core::site_tree::MadeTree;
-use laguerre_core::{PassReport, PowerDiagram, Request, Result};
+use laguerre_core::{PassReport, PowerDiagram, Precision, Request, Result};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
@@ -37,6 +37,8 @@ pub(crate) struct Device {
     pub(crate) name: String,
     /// The work-items that compute a cell together, where they do.
     together: Option<Lanes>,
+    /// That of the first stage, where cells are computed together.
+    precision: Precision,
     /// Bytes of its memory.
     memory_size: u64,
     context: Handle<Context>,
@@ -104,7 +106,7 @@ pub(crate) struct Computed<'a> {
 }
 
 impl Device {
-    pub(crate) fn open(found: &Found) -> Result<Self> {
+    pub(crate) fn open(found: &Found, precision: Precision) -> Result<Self> {
         let id = found.id.0;
         let (context, queue) = platform::open(found)?;
         let grid_kernels = GridKernels::build(&context, id)?;
@@ -113,7 +115,8 @@ impl Device {
         Ok(Self {
             id,
             name: found.info.name.clone(),
-            together: found.is_nvidia().then_some(Lanes::Warp),
+            together: found.shares_cells().then_some(Lanes::Warp),
+            precision,
             memory_size: found.info.memory,
             context,
             queue,
@@ -134,7 +137,9 @@ impl Device {
     /// Lets one work-item compute a cell as several would; whether that is not how the device does it anyway.
     #[cfg(feature = "test-util")]
     pub(crate) fn share_cells(&mut self) -> bool {
-        self.together.replace(Lanes::One).is_none()
+        let is_other = self.together.is_none();
+        self.together.get_or_insert(Lanes::One);
+        is_other
     }
 
     /// Lets a sub-group compute a cell together; whether the device has any, and does not do so anyway.

@@ -2,7 +2,8 @@
 
 use crate::device::Device;
 use crate::fallback;
-use crate::platform::choose;
+use crate::platform::{Found, choose};
+use crate::single::Single;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::diagram::Prepared;
 use laguerre_core::site_tree::SiteTree;
@@ -13,37 +14,57 @@ use laguerre_core::{
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+/// Opens the OpenCL backend in a precision. In single precision cells are computed by the same kernels where several work-items share one; on other
+/// devices by one for single precision alone.
+///
+/// # Errors
+/// As [`Ocl::new`].
+pub fn open(choice: &DeviceChoice, precision: Precision) -> Result<Box<dyn Backend>> {
+    let shares_cells = |found: &Found| found.shares_cells() && found.unusable(Precision::F64).is_none();
+    if precision == Precision::F32 && !choose(choice, precision)?.iter().all(shares_cells) {
+        return Ok(Box::new(Single::new(choice)?));
+    }
+    Ok(Box::new(Ocl::new(choice, precision)?))
+}
+
 /// The OpenCL backend.
 pub struct Ocl {
     backend: &'static str,
     name: String,
+    precision: Precision,
     devices: Mutex<Vec<Device>>,
 }
 
 impl Ocl {
-    /// Opens devices.
+    /// Opens devices, which have doubles. In single precision it is volumes and barycenters that are single numbers, of cells that these tell well
+    /// and are whole, among sites of equal weights; all else is computed in double precision.
     ///
     /// # Errors
     /// `Unavailable` where there is no OpenCL, no device, or not the one asked for; `Device` where it fails.
-    pub fn new(choice: &DeviceChoice) -> Result<Self> {
+    pub fn new(choice: &DeviceChoice, precision: Precision) -> Result<Self> {
         let chosen = choose(choice, Precision::F64)?;
         let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
         let name = names.join(", ");
-        let open = |found| Device::open(found).map_err(|error| on_device(error, &found.info.name));
+        let open = |found| Device::open(found, precision).map_err(|error| on_device(error, &found.info.name));
         let devices = chosen.iter().map(open).collect::<Result<Vec<_>>>()?;
-        Ok(Self { backend: "ocl", name, devices: Mutex::new(devices) })
+        Ok(Self { backend: "ocl", name, precision, devices: Mutex::new(devices) })
     }
 
     /// Opens devices that compute cells by the kernel for work-items that share a cell, each alone: for tests of that kernel where no
     /// device would choose it.
     ///
     /// # Errors
-    /// As [`Ocl::new`]; `Unavailable` where a device chooses that kernel anyway.
+    /// As [`Ocl::new`]; `Unavailable` where a device chooses that kernel anyway, in double precision.
     #[cfg(feature = "test-util")]
-    pub fn sharing_cells(choice: &DeviceChoice) -> Result<Self> {
-        let mut opened = Self { backend: "ocl-sharing", ..Self::new(choice)? };
+    pub fn sharing_cells(choice: &DeviceChoice, precision: Precision) -> Result<Self> {
+        let backend = if precision == Precision::F32 { "ocl-single" } else { "ocl-sharing" };
+        let mut opened = Self { backend, ..Self::new(choice, precision)? };
         let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
-        match devices.iter_mut().all(Device::share_cells) {
+        let mut are_others = true;
+        for device in devices {
+            are_others &= device.share_cells();
+        }
+        match are_others || precision == Precision::F32 {
             true => Ok(opened),
             false => Err(Error::new(ErrorKind::Unavailable, "this is how the device computes cells anyway")),
         }
@@ -55,7 +76,7 @@ impl Ocl {
     /// As [`Ocl::new`]; `Unavailable` where there is none.
     #[cfg(feature = "test-util")]
     pub fn sharing_in_sub_groups() -> Result<Self> {
-        let mut opened = Self { backend: "ocl-lanes", ..Self::new(&DeviceChoice::All)? };
+        let mut opened = Self { backend: "ocl-lanes", ..Self::new(&DeviceChoice::All, Precision::F64)? };
         let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
         match devices.iter_mut().position(Device::share_in_sub_groups) {
             Some(number) => *devices = vec![devices.swap_remove(number)],
@@ -69,7 +90,7 @@ impl Ocl {
 impl Backend for Ocl {
     fn info(&self) -> BackendInfo {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        BackendInfo { backend: self.backend, device: self.name.clone(), precision: Precision::F64.word(), threads }
+        BackendInfo { backend: self.backend, device: self.name.clone(), precision: self.precision.word(), threads }
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {

@@ -24,6 +24,5 @@ mod single;
 mod sources;
 mod voxels;
 
-pub use evaluate::Ocl;
+pub use evaluate::{Ocl, open};
 pub use platform::devices;
-pub use single::Single;

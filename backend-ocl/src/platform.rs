@@ -25,12 +25,12 @@ const NO_DOUBLES: &str = "it has no double precision: give --precision f32";
 
 impl Found {
     /// Why it cannot compute with the given numbers, if so.
-    fn unusable(&self, precision: Precision) -> Option<&str> {
+    pub(crate) fn unusable(&self, precision: Precision) -> Option<&str> {
         self.info.unusable.as_deref().filter(|&why| precision == Precision::F64 || why != NO_DOUBLES)
     }
 
-    /// Whether it is a GPU behind NVIDIA's own driver, whose assembler is known.
-    pub(crate) fn is_nvidia(&self) -> bool {
+    /// Whether work-items compute a cell together on it: a GPU behind NVIDIA's own driver, whose assembler is known.
+    pub(crate) fn shares_cells(&self) -> bool {
         self.info.is_gpu && self.info.platform == "NVIDIA CUDA"
     }
 }

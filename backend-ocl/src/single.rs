@@ -39,7 +39,7 @@ const BATCH: usize = 1 << 20;
 const GROUP: usize = 64;
 
 /// OpenCL devices that compute in single precision.
-pub struct Single {
+pub(crate) struct Single {
     name: String,
     devices: Mutex<Vec<Device>>,
 }
@@ -93,7 +93,7 @@ impl Single {
     ///
     /// # Errors
     /// `Unavailable` where there is no OpenCL, no device, or not the one asked for; `Device` where it fails.
-    pub fn new(choice: &DeviceChoice) -> Result<Self> {
+    pub(crate) fn new(choice: &DeviceChoice) -> Result<Self> {
         let chosen = choose(choice, Precision::F32)?;
         let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
         let name = names.join(", ");

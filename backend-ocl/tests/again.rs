@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use laguerre_core::required::is_required;
 use laguerre_core::shapes::icosphere;
-use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Request};
+use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Precision, Request};
 use laguerre_ocl::Ocl;
 
 const SITES: usize = 3000;
@@ -187,7 +187,7 @@ fn nothing_is_made_or_brought_twice() {
     }
     let mut wrong = Vec::new();
     for case in cases() {
-        let backend = match Ocl::new(&DeviceChoice::First) {
+        let backend = match Ocl::new(&DeviceChoice::First, Precision::F64) {
             Err(error) if error.kind() == ErrorKind::Unavailable && !is_required("ocl") => {
                 eprintln!("not run: {error}");
                 return;

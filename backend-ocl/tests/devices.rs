@@ -6,7 +6,7 @@ use laguerre_core::capacities::{count_cells, sufficient};
 use laguerre_core::oracle::Naive;
 use laguerre_core::required::if_available;
 use laguerre_core::shapes::icosphere;
-use laguerre_core::{Backend, CellStatus, DeviceChoice, Domain, FacetList, Output, PowerDiagram, Request};
+use laguerre_core::{Backend, CellStatus, DeviceChoice, Domain, FacetList, Output, PowerDiagram, Precision, Request};
 use laguerre_ocl::Ocl;
 
 /// How far a volume may be off the oracle's, in units of the mean.
@@ -14,7 +14,7 @@ const VOLUME: f64 = 1e-12;
 
 /// The devices asked for.
 fn open(choice: &DeviceChoice) -> Option<Ocl> {
-    if_available("ocl", Ocl::new(choice))
+    if_available("ocl", Ocl::new(choice, Precision::F64))
 }
 
 /// One device, and lists of several: it again, all, and more than there are cells in the smallest inputs.

@@ -3,7 +3,7 @@
 use std::sync::Barrier;
 use std::thread;
 
-use laguerre_core::{Backend, DeviceChoice};
+use laguerre_core::{Backend, DeviceChoice, Precision};
 use laguerre_ocl::Ocl;
 
 /// PoCL 3.1 crashes in that unless the backend lets them in one by one.
@@ -14,7 +14,7 @@ fn threads_open_the_backend_at_once() {
     let open = || {
         barrier.wait();
         let listed = laguerre_ocl::devices().map(|devices| devices.len());
-        let opened = Ocl::new(&DeviceChoice::All).map(|backend| backend.info().device);
+        let opened = Ocl::new(&DeviceChoice::All, Precision::F64).map(|backend| backend.info().device);
         (listed.map_err(|e| e.to_string()), opened.map_err(|e| e.to_string()))
     };
     let opened: Vec<_> = thread::scope(|scope| {

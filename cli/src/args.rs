@@ -429,7 +429,7 @@ pub(crate) enum BackendChoice {
 pub(crate) enum Precision {
     /// 64-bit floats
     F64,
-    /// 32-bit floats, on OpenCL devices: volumes and barycenters alone
+    /// 32-bit floats, on OpenCL devices, for volumes and barycenters
     F32,
 }
 

@@ -26,8 +26,11 @@ pub fn open(name: &str, threads: Option<usize>) -> Option<Result<Box<dyn Backend
         })),
         // The other of the OpenCL backend's two kernels.
         #[cfg(feature = "ocl")]
-        "ocl-sharing" => Some(laguerre::open_sharing_cells()),
-        // The same with lanes that talk, where a device has sub-groups.
+        "ocl-sharing" => Some(laguerre::open_sharing_cells(laguerre::Precision::F64)),
+        // The same, begun in single precision.
+        #[cfg(feature = "ocl")]
+        "ocl-single" => Some(laguerre::open_sharing_cells(laguerre::Precision::F32)),
+        // The same in double precision with lanes that talk, where a device has sub-groups.
         #[cfg(feature = "ocl")]
         "ocl-lanes" => Some(laguerre::open_sharing_in_sub_groups()),
         _ => None,
@@ -41,4 +44,4 @@ pub fn required() -> Vec<String> {
 }
 
 /// The names that this suite knows.
-const NAMES: [&str; 4] = ["cpu", "ocl", "ocl-sharing", "ocl-lanes"];
+const NAMES: [&str; 5] = ["cpu", "ocl", "ocl-sharing", "ocl-single", "ocl-lanes"];

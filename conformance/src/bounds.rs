@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 pub use laguerre_core::summation::SUM;
 use laguerre_core::summation::bound_of_volumes;
-use laguerre_core::{CellStatus, Output};
+use laguerre_core::{Backend, CellStatus, Output, Precision};
 
 use crate::Scene;
 use crate::scene::{Facet, rows};
@@ -51,6 +51,11 @@ pub const FLAT: f64 = 8.0;
 /// 17,736 u·D. The displacement of the planes and the cross product are hundreds.
 pub const NOT_BELIEVED: f64 = 3e5;
 
+/// How many times larger the bounds of volumes and barycenters are where a backend's are single numbers.
+pub fn of_digits(backend: &dyn Backend) -> f64 {
+    if backend.info().precision == Precision::F32.word() { f64::from(f32::EPSILON) / f64::EPSILON } else { 1.0 }
+}
+
 /// How planes of two evaluations that are compared differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Planes {
@@ -76,6 +81,8 @@ pub struct Bounds<'a> {
     condition: Vec<OnceCell<f64>>,
     mean_volume: f64,
     mean_area: f64,
+    /// See [`of_digits`].
+    of_digits: f64,
 }
 
 impl<'a> Bounds<'a> {
@@ -102,7 +109,16 @@ impl<'a> Bounds<'a> {
             rows,
             scene,
             output,
+            of_digits: 1.0,
         }
+    }
+
+    /// The same for numbers of fewer digits, see [`of_digits`].
+    #[must_use]
+    pub fn in_digits(mut self, of_digits: f64) -> Self {
+        self.displacement.iter_mut().for_each(|displacement| *displacement *= of_digits);
+        self.of_digits = of_digits;
+        self
     }
 
     /// The facets of each cell.
@@ -117,12 +133,12 @@ impl<'a> Bounds<'a> {
 
     /// Bound of a volume (length³).
     pub fn volume(&self, i: usize) -> f64 {
-        CELL * self.mean_volume + self.cell_rounding(i)
+        self.of_digits * CELL * self.mean_volume + self.cell_rounding(i)
     }
 
     /// Bound of a first moment about the site's own cell (length⁴).
     pub fn first_moment(&self, i: usize) -> f64 {
-        CELL * self.mean_volume * self.mean_volume.cbrt() + self.cell_rounding(i) * self.reach[i]
+        self.of_digits * CELL * self.mean_volume * self.mean_volume.cbrt() + self.cell_rounding(i) * self.reach[i]
     }
 
     /// Bound of an area of cell `i`'s facets or boundary (length²); infinite for a cell without thickness.

@@ -24,17 +24,24 @@ pub fn same(scene: &Scene, reference: &Output, other: &Output, planes: Planes) -
 /// # Errors
 /// The first cell that differs by more than its bound.
 pub fn same_cells(scene: &Scene, reference: &Output, other: &Output, planes: Planes, cells: &[usize]) -> Verdict {
-    let bounds = Bounds::new(scene, reference, planes);
+    same_within(&Bounds::new(scene, reference, planes), scene, reference, other, cells)
+}
+
+/// [`same_cells`], within the given bounds.
+///
+/// # Errors
+/// The first cell that differs by more than its bound.
+pub fn same_within(bounds: &Bounds<'_>, scene: &Scene, reference: &Output, other: &Output, cells: &[usize]) -> Verdict {
     let (rows, other_rows) = (rows(reference), rows(other));
     for &i in cells {
-        same_moments(reference, other, i, &bounds)?;
+        same_moments(reference, other, i, bounds)?;
         // A cell that one of the two calls empty, while its volume is within its rounding.
         let empty = reference.status[i] != other.status[i];
         let nothing = if empty { bounds.facet_of_empty(i) } else { 0.0 };
         let mut open = false;
         if reference.facets.is_some() && other.facets.is_some() {
             for (j, [a, b]) in pairs(&rows[i], &other_rows[i]) {
-                if undecided(scene, i, j, &bounds) {
+                if undecided(scene, i, j, bounds) {
                     open = true;
                     continue;
                 }

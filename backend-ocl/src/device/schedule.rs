@@ -13,7 +13,7 @@ use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::FacetSecond;
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
-use laguerre_core::{Error, Request, Result};
+use laguerre_core::{Error, Precision, Request, Result};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -89,6 +89,7 @@ impl Device {
             Some(lanes) if self.shared.params.has_table == 0 && self.most_fail(lanes, share.clone())? => {
                 Some((lanes, Stage::Far))
             }
+            Some(lanes) if self.begins_in_single() => Some((lanes, Stage::Single)),
             _ => together.map(|lanes| (lanes, Stage::First)),
         };
         let mut for_host = Vec::new();
@@ -122,6 +123,12 @@ impl Device {
             memory.rows.read(queue, sites, &mut results.rows)?;
         }
         Ok(Computed { passes, results, for_host, tree, seconds: self.seconds })
+    }
+
+    /// Whether single precision was asked for, and can do what is: volumes and barycenters of cells that the table of offsets proves complete.
+    fn begins_in_single(&self) -> bool {
+        let params = &self.shared.params;
+        self.precision == Precision::F32 && params.has_table != 0 && params.equal_weights != 0 && params.flags == 0
     }
 
     /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.
@@ -181,6 +188,7 @@ impl Device {
         for_host: &mut Vec<u32>,
     ) -> Result<PassOutcome<Todo>> {
         let mut now = cells.clone();
+        let all = now.count();
         let mut way = together.map_or(Way::Alone(room), |(lanes, stage)| Way::Together(lanes, stage));
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
@@ -197,12 +205,21 @@ impl Device {
             if counters.full > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters.full = 0;
-            } else if let (Way::Together(lanes, stage @ (Stage::First | Stage::Far)), 1..) = (way, counters.failed) {
+            } else if let (Way::Together(lanes, stage @ (Stage::Single | Stage::First | Stage::Far)), 1..) =
+                (way, counters.failed)
+            {
+                // What most cells need is more than a few more digits.
+                let are_few = stage == Stage::Single && counters.failed as usize <= all / 2;
                 now = Todo::Listed(counters.failed as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.failed);
                 counters.failed = 0;
                 let is_tree = self.shared.params.has_table == 0;
-                way = Way::Together(lanes, if is_tree && stage == Stage::First { Stage::Far } else { Stage::Exact });
+                let next = match stage {
+                    Stage::Single if are_few => Stage::First,
+                    Stage::First if is_tree => Stage::Far,
+                    _ => Stage::Exact,
+                };
+                way = Way::Together(lanes, next);
             } else if counters.boundary > 0 {
                 now = Todo::Listed(counters.boundary as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.boundary);
@@ -270,7 +287,9 @@ impl Device {
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
-            if let (Way::Together(lanes, Stage::First | Stage::Far), near @ 1..) = (way, self.counters.undecided) {
+            if let (Way::Together(lanes, Stage::Single | Stage::First | Stage::Far), near @ 1..) =
+                (way, self.counters.undecided)
+            {
                 second.cells += near as usize;
                 second.seconds += self.near_cells(lanes, near as usize)?;
             }

@@ -77,5 +77,8 @@ fn spread(count: u32) -> Vec<[f64; 3]> {
 }
 
 fn open() -> Option<Device> {
-    if_available("ocl", choose(&DeviceChoice::First, Precision::F64).and_then(|found| Device::open(&found[0])))
+    if_available(
+        "ocl",
+        choose(&DeviceChoice::First, Precision::F64).and_then(|found| Device::open(&found[0], Precision::F64)),
+    )
 }

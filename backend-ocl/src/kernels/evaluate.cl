@@ -46,7 +46,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
                 const FacetSum sum = store.facet[f];
                 if ((store_tag(&store, f) < TAG_BOX) && (facet_is_above_bound(sum) != 0)) {
                     facets[next].area = sum.area;
-                    facets[next].moment = sum.moment;
+                    write_vector(facets[next].moment, sum.moment);
                     facets[next].neighbor = order[store_tag(&store, f)];
                     facets[next].unused = 0u;
 #if WITH_FACET_SECOND

@@ -21,12 +21,12 @@ OUTLINE real polynomial(Store *s, V3 x);
 
 INLINE uint store_nodes(Store *s) { return s->world.params->nodes; }
 INLINE Node store_node(Store *s, uint q) {
-    __global const real *node = s->world.integrand + (4u * q);
+    __global const host_real *node = s->world.integrand + (4u * q);
     return (Node){ .place = (V3){ .x = node[0], .y = node[1], .z = node[2] }, .weight = node[3] };
 }
 INLINE uint store_degree(Store *s) { return s->world.params->degree; }
 INLINE V3 store_origin(Store *s) {
-    __global const real *origin = s->world.params->origin;
+    __global const host_real *origin = s->world.params->origin;
     return (V3){ .x = origin[0], .y = origin[1], .z = origin[2] };
 }
 INLINE real store_coefficient(Store *s, uint i) { return s->world.integrand[(4u * s->world.params->nodes) + i]; }

@@ -72,6 +72,7 @@ typedef struct {
     float slack;
 } Trial;
 
+// (In single precision the sum of the normal's size is off by two roundings: `ROUGH_SAFE` of a vertex's radius has room for them.)
 INLINE Trial trial_of(Store *s, Plane plane) {
 #if HAS_ORIGIN
     const V3 from = origin_of(s->cell);
@@ -344,7 +345,7 @@ INLINE uint has_cut(Store *s, uint site) {
 
 // The half-space of the bisector with another site.
 INLINE Plane bisector_with(Store *s, uint beyond) {
-    const real4 other = s->world.sites[beyond];
+    const double4 other = s->world.sites[beyond];
     const V3 way = (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
     return bisector(way, s->weight - other.w);
 }

@@ -4,6 +4,10 @@
 // that need more room than there is, or exact arithmetic that is the host's, and those that the surface cuts where facets are asked for, are
 // left to that kernel.
 //
+// In single precision (-D SINGLE=1) numbers of a cell are `float`: the half-spaces, rounded from the sites' in double precision, its vertices, whose
+// error radii have room for that, and the integrals. Signs that this leaves open, 24,000 of a million white cells have one, are for the next stage, so
+// that every cell is cut by the same sites as in double precision.
+//
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
 // nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
 // inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_FAR for cells that are completed by their vertices (`lanes_tree.cl`),
@@ -40,14 +44,14 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->world = WORLD_OF_ARGUMENTS;
     s->tried = 0;
     s->last_tried = 0;
-    const real4 own = sites[site];
+    const double4 own = sites[site];
 #if WITH_ROOM == 2
     __global Cell *cell = ((__global Cell *)vast) + own_turn;
 #else
     __local Cell *cell = cells + lanes_alike((uint)get_local_id(0) / LANES);
 #endif
     s->cell = cell;
-    s->site = (V3){ .x = own.x, .y = own.y, .z = own.z };
+    s->site = (Site){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
     s->own = site;
     s->lane = own_lane();
@@ -150,7 +154,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
                     if (((kept[turn] >> s->lane) & 1u) != 0u) {
                         __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
                         record->area = facet[turn].area;
-                        record->moment = facet[turn].moment;
+                        write_vector(record->moment, facet[turn].moment);
                         record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
                         record->unused = 0u;
                     }

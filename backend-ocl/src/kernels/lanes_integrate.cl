@@ -22,7 +22,7 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
     }
     const float down[3] = { lanes_largest(below.x), lanes_largest(below.y), lanes_largest(below.z) };
     const float up[3] = { lanes_largest(above.x), lanes_largest(above.y), lanes_largest(above.z) };
-    const real site[3] = { s->site.x, s->site.y, s->site.z };
+    const double site[3] = { s->site.x, s->site.y, s->site.z };
     uint low[3];
     uint high[3];
     for (uint k = 0; k < 3u; k++) {
@@ -86,11 +86,14 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
         return EMPTY;
     }
 #endif
+#if !SINGLE
     uint exact = 0;
     if (refine_together(cell, s->lane, s->vertices, &exact) != COMPLETE) {
         return LEFT;
     }
     s->exact |= exact;
+#endif
+    // (In single precision the rough vertices are the fine ones.)
     s->is_fine = 1;
     // The common point of the tetrahedra: the site where it is inside, else the middle of the vertices' box.
     if (outside != 0u) {
@@ -101,7 +104,12 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
     if (summed != COMPLETE) {
         return LEFT;
     }
+#if SINGLE
+    // (Twice: the half-spaces are rounded, too, each by fewer roundings than the bound has for a vertex across its planes.)
+    return ((2.0f * sums->rounding) < (SHARE_OF_VOLUME * fabs(sums->volume))) ? COMPLETE : OPEN;
+#else
     return settle_sums(s, sums);
+#endif
 }
 
 // The vertices of half-space f, as the view: each lane may have another.

@@ -12,10 +12,7 @@ INLINE uint store_rank_in(Store *s, uint lanes) { return popcount(lanes & ((1u <
 INLINE uint store_first_of(Store *s, uint lanes) { return lowest_bit(lanes); }
 INLINE uint store_least_of_lanes(Store *s, uint x) { return ~lanes_most(~x); }
 INLINE uint store_lane_value(Store *s, uint x, uint from) { return lane_value(x, from); }
-INLINE real store_lane_real(Store *s, real x, uint from) {
-    const uint2 own = as_uint2(x);
-    return as_double((uint2)(lane_value(own.x, from), lane_value(own.y, from)));
-}
+INLINE real store_lane_real(Store *s, real x, uint from) { return lane_real(x, from); }
 INLINE void store_lanes_wait(Store *s) { lanes_wait(); }
 
 // (In single precision: in double, with its two roots, each call took 1,800 cycles, of 210,000 that a search of white noise took.)

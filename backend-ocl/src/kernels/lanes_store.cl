@@ -63,6 +63,13 @@ typedef uchar Place;
 // Corners of a facet that its view has room for; a facet with more is seen in the whole.
 #define MOST_CORNERS 24u
 
+// Where a site is: in double precision, whatever the cell's own numbers are.
+typedef struct {
+    double x;
+    double y;
+    double z;
+} Site;
+
 // An integer of 256 bits.
 typedef struct {
     Wrapped lo;
@@ -130,8 +137,8 @@ typedef struct {
     uint tried;
     uint last_tried;
     CELL_SPACE Cell *cell;
-    V3 site;
-    real weight;
+    Site site;
+    double weight;
     // The sorted index of the site.
     uint own;
     uint lane;
@@ -166,11 +173,25 @@ INLINE uint lanes_alike(uint x) { return lanes_most(x); }
 // The largest of numbers that are not negative: their bits are in the same order.
 INLINE float lanes_largest(float x) { return as_float(lanes_most(as_uint(x))); }
 
+// The number of another lane; and of the one so many lanes further.
+#if SINGLE
+INLINE real lane_real(real x, uint from) { return as_float(lane_value(as_uint(x), from)); }
+INLINE real real_beside(real x, uint step) { return as_float(lane_beside(as_uint(x), step)); }
+#else
+INLINE real lane_real(real x, uint from) {
+    const uint2 own = as_uint2(x);
+    return as_double((uint2)(lane_value(own.x, from), lane_value(own.y, from)));
+}
+INLINE real real_beside(real x, uint step) {
+    const uint2 own = as_uint2(x);
+    return as_double((uint2)(lane_beside(own.x, step), lane_beside(own.y, step)));
+}
+#endif
+
 // The sum, or the largest, of the lanes' numbers: by halves, in one order.
 INLINE real lanes_folded(real x, uint is_sum) {
     for (uint step = LANES / 2u; step > 0u; step >>= 1) {
-        const uint2 own = as_uint2(x);
-        const real other = as_double((uint2)(lane_beside(own.x, step), lane_beside(own.y, step)));
+        const real other = real_beside(x, step);
         x = (is_sum != 0u) ? (x + other) : fmax(x, other);
     }
     return x;
@@ -279,7 +300,7 @@ INLINE int store_exact_sign(Store *s, Triplet t, uint k) { return SIGN_UNKNOWN; 
 INLINE uint store_exact_position(Store *s, Triplet t, V3 *position) { return UNCERTAIN; }
 INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { return UNCERTAIN; }
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
-INLINE V3 store_site(Store *s) { return s->site; }
+INLINE V3 store_site(Store *s) { return (V3){ .x = s->site.x, .y = s->site.y, .z = s->site.z }; }
 
 // What clipping by one work-item, cones and sums of all facets at once need: not here.
 INLINE uint store_link(Store *s, uint f) { return 0; }

@@ -101,12 +101,6 @@ INLINE uint misses_cone(Store *s, const TruncatedCone *cone) {
     return beyond;
 }
 
-// What lane `from` has.
-INLINE real lane_real(real x, uint from) {
-    const uint2 own = as_uint2(x);
-    return as_double((uint2)(lane_value(own.x, from), lane_value(own.y, from)));
-}
-
 // Adds `weight` times the integrals of the present polytope, whose vertices are in single precision.
 INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
     uint exact = 0;

@@ -31,7 +31,7 @@ INLINE uint store_sum_before(Store *s, uint x, uint *all) {
 
 #if WITH_DOMAIN
 // Whether a vertex is so many voxels of the site grid away from the site, and may be on the other side of the surface.
-INLINE uint is_beyond(Store *s, float reach, real widths) {
+INLINE uint is_beyond(Store *s, float reach, double widths) {
     const float from = extent_of(convert_float_rtp(widths * s->world.params->grid_width));
     return (reach > from) && (reach > s->cell->clear);
 }

@@ -5,30 +5,26 @@
 // No room left for facet records; the cell is tried again with an empty buffer. After the statuses of the cells.
 #define FACETS_FULL 16u
 
+INLINE void write_vector(__global double *out, V3 x) {
+    out[0] = x.x;
+    out[1] = x.y;
+    out[2] = x.z;
+}
+
 // Writes the sums of the caller's site i.
-INLINE void write_sums(__global real *sums, uint flags, uint i, const CellSums *part) {
+INLINE void write_sums(__global double *sums, uint flags, uint i, const CellSums *part) {
     const uint width = (flags == 0u) ? FEW_SUMS : (ALL_SUMS + (((flags & INTEGRAL) != 0u) ? 1u : 0u));
-    __global real *out = sums + ((size_t)i * width);
+    __global double *out = sums + ((size_t)i * width);
     out[0] = part->volume;
-    out[1] = part->first.x;
-    out[2] = part->first.y;
-    out[3] = part->first.z;
+    write_vector(out + 1, part->first);
     if (flags == 0u) {
         return;
     }
-    out[4] = part->second_diagonal.x;
-    out[5] = part->second_diagonal.y;
-    out[6] = part->second_diagonal.z;
-    out[7] = part->second_mixed.x;
-    out[8] = part->second_mixed.y;
-    out[9] = part->second_mixed.z;
+    write_vector(out + 4, part->second_diagonal);
+    write_vector(out + 7, part->second_mixed);
     out[10] = part->boundary_area;
-    out[11] = part->boundary_moment.x;
-    out[12] = part->boundary_moment.y;
-    out[13] = part->boundary_moment.z;
-    out[14] = part->boundary_vector.x;
-    out[15] = part->boundary_vector.y;
-    out[16] = part->boundary_vector.z;
+    write_vector(out + 11, part->boundary_moment);
+    write_vector(out + 14, part->boundary_vector);
     out[17] = part->boundary_flux;
     if (width > ALL_SUMS) {
         out[ALL_SUMS] = part->integral;

@@ -4,10 +4,10 @@
 #import "rough.cl"
 
 // The voxel along an axis that holds x, clamped into the grid .
-INLINE uint voxel_along(__global const Params *params, uint axis, real x) {
-    const real q = (x - params->grid_lo[axis]) / params->grid_width;
+INLINE uint voxel_along(__global const Params *params, uint axis, double x) {
+    const double q = (x - params->grid_lo[axis]) / params->grid_width;
     const uint last = params->grid_dims[axis] - 1u;
-    return (q >= (real)last) ? last : ((q > REAL(0.0)) ? (uint)q : 0u);
+    return (q >= (double)last) ? last : ((q > 0.0) ? (uint)q : 0u);
 }
 
 // After INNER_SHELLS, voxels from the site to its cell's farthest vertex beyond which what is outside the domain is cut off: in spacings about as
@@ -25,7 +25,7 @@ INLINE uint sampled_site(__global const Params *params, uint i) { return (uint)(
 #define VOXEL_ROUNDING 1e-6f
 
 // A place along an axis, in voxels of the domain's grid; what is to be allowed for; and the voxel there, or the one next to it.
-INLINE float place_in_domain(__global const Params *params, uint axis, real x) {
+INLINE float place_in_domain(__global const Params *params, uint axis, double x) {
     return (float)((x - params->domain_lo[axis]) * params->domain_per_width);
 }
 INLINE float slack_at(float place) { return VOXEL_SLACK + (fabs(place) * VOXEL_ROUNDING); }

@@ -4,11 +4,21 @@
 // Every sum and product is rounded by itself, as on the host: the same bits on every device.
 #pragma OPENCL FP_CONTRACT OFF
 
+// The numbers that the host shares, and those of a cell.
+typedef double host_real;
+#if SINGLE
+typedef float real;
+typedef float2 real2;
+typedef float3 real3;
+typedef float4 real4;
+#define REAL(literal) literal##f
+#else
 typedef double real;
 typedef double2 real2;
 typedef double3 real3;
 typedef double4 real4;
 #define REAL(literal) literal
+#endif
 
 // What is always inlined in Rust, and what had better be one piece of code: it is called from several places, and large. In between is what
 // Rust may inline: worth it where lanes share the work of a cell, and not where each work-item has all of it.

@@ -7,3 +7,6 @@
 
 // What single precision rounds off in a few operations.
 #define ROUGH_SAFE 1.000002f
+
+// The most that rounding may be of a volume that is a single number.
+#define SHARE_OF_VOLUME 0.0009765625f

@@ -4,9 +4,6 @@
 
 #import "generated/cell.cl"
 
-// The most that rounding may be of a volume.
-#define SHARE_OF_VOLUME REAL(0.0009765625)
-
 // Coefficients beyond these are the host's (see `WIDE_SMALLEST`).
 #define LARGEST_NORMAL REAL(524288.0)
 #define LARGEST_OFFSET REAL(549755813888.0)

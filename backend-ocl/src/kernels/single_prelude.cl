@@ -6,6 +6,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 
 #define SINGLE 1
+typedef float host_real;
 typedef float real;
 typedef float2 real2;
 typedef float4 real4;

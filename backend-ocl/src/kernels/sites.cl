@@ -1,7 +1,7 @@
 // What a cell sees of other sites, in double precision.
 
 INLINE V3 store_way_to(Store *s, uint j) {
-    const real4 other = s->world.sites[j];
+    const double4 other = s->world.sites[j];
     return (V3){ .x = other.x - s->site.x, .y = other.y - s->site.y, .z = other.z - s->site.z };
 }
 #if WITH_WEIGHTS

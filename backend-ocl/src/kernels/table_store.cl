@@ -31,10 +31,10 @@ INLINE SiteRange store_sites_in(Store *s, uint voxel) {
 }
 INLINE VoxelPlace store_place_in_voxel(Store *s) {
     __global const Params *params = s->world.params;
-    const real per_width = params->grid_per_width;
-    return (VoxelPlace){ .x = (float)(((s->site.x - params->grid_lo[0]) * per_width) - (real)s->voxel[0]),
-                         .y = (float)(((s->site.y - params->grid_lo[1]) * per_width) - (real)s->voxel[1]),
-                         .z = (float)(((s->site.z - params->grid_lo[2]) * per_width) - (real)s->voxel[2]) };
+    const double per_width = params->grid_per_width;
+    return (VoxelPlace){ .x = (float)(((s->site.x - params->grid_lo[0]) * per_width) - (double)s->voxel[0]),
+                         .y = (float)(((s->site.y - params->grid_lo[1]) * per_width) - (double)s->voxel[1]),
+                         .z = (float)(((s->site.z - params->grid_lo[2]) * per_width) - (double)s->voxel[2]) };
 }
 INLINE float store_voxels_per_length(Store *s) { return convert_float_rtp(s->world.params->grid_per_width) * ROUGH_SAFE; }
 #endif

@@ -49,6 +49,6 @@ INLINE Triangle store_triangle(Store *s, uint t) {
     return (Triangle){ .a = corners[0], .b = corners[1], .c = corners[2] };
 }
 INLINE V3 store_domain_point(Store *s, uint i) {
-    __global const real *point = s->world.domain_vertices + 3u * i;
+    __global const host_real *point = s->world.domain_vertices + 3u * i;
     return (V3){ .x = point[0], .y = point[1], .z = point[2] };
 }

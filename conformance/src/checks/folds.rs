@@ -5,7 +5,7 @@ use laguerre_core::shapes::{Mesh, Section, folded_prism};
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Output, Request};
 
-use crate::bounds::{NOTHING, SUM};
+use crate::bounds::{NOTHING, SUM, of_digits};
 use crate::domains::Room;
 use crate::sites::Random;
 use crate::{Scene, Verdict};
@@ -24,7 +24,10 @@ pub fn volumes(backend: &dyn Backend) -> Verdict {
             sum.extend(output.volume.iter().copied());
             let (total, volume) = (sum.total(), scene.room.volume());
             let off = (total - volume).abs();
-            ensure!(off <= SUM * volume, "{name}: the volumes sum to {total}, not {volume}: off by {off:e}");
+            ensure!(
+                off <= of_digits(backend) * SUM * volume,
+                "{name}: the volumes sum to {total}, not {volume}: off by {off:e}"
+            );
         }
         Ok(())
     })
@@ -34,13 +37,14 @@ pub fn volumes(backend: &dyn Backend) -> Verdict {
 pub fn order_of_axes(backend: &dyn Backend) -> Verdict {
     each(backend, |scene, [first, others @ ..], name| {
         let bound = NOTHING * scene.room.volume() / scene.len() as f64;
+        let of_volume = of_digits(backend) * bound;
         for other in others {
             for i in 0..scene.len() {
                 let (a, b) = (first.volume[i], other.volume[i]);
                 let (s, t) = (first.status[i], other.status[i]);
                 ensure!(
-                    (a - b).abs() <= bound,
-                    "{name}: site {i}: volumes {a:e} and {b:e}, {s:?} and {t:?}, bound {bound:e}"
+                    (a - b).abs() <= of_volume,
+                    "{name}: site {i}: volumes {a:e} and {b:e}, {s:?} and {t:?}, bound {of_volume:e}"
                 );
                 ensure!(
                     s == t || a.abs().max(b.abs()) <= bound,

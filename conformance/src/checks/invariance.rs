@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use laguerre_core::{Backend, Output, Request};
 
-use crate::bounds::Planes;
-use crate::compare::{identical, moved_back, same};
+use crate::bounds::{Bounds, Planes, of_digits};
+use crate::compare::{identical, moved_back, same, same_within};
 use crate::weights::Weights;
 use crate::{Case, Scene, Verdict};
 
@@ -12,8 +12,10 @@ use crate::{Case, Scene, Verdict};
 pub fn request(backend: &dyn Backend, case: &Case) -> Verdict {
     let scene = case.scene();
     let all = scene.evaluate(backend, &Request::moments().with_facets().with_second_moments())?;
+    let cells: Vec<usize> = (0..scene.len()).collect();
     for request in [Request::moments(), Request::moments().with_second_moments()] {
-        same(&scene, &all, &scene.evaluate(backend, &request)?, Planes::Same)?;
+        let bounds = Bounds::new(&scene, &all, Planes::Same).in_digits(of_digits(backend));
+        same_within(&bounds, &scene, &all, &scene.evaluate(backend, &request)?, &cells)?;
     }
     Ok(())
 }

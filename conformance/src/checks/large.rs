@@ -4,7 +4,7 @@ use laguerre_core::oracle::Naive;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Output, Request};
 
-use crate::bounds::{Planes, SUM};
+use crate::bounds::{Planes, SUM, of_digits};
 use crate::compare::{same, same_cells};
 use crate::domains::{Pose, Room, Shape};
 use crate::sites::Sites;
@@ -49,7 +49,7 @@ pub fn many_at_one_place(backend: &dyn Backend) -> Verdict {
     scene.positions.extend([scene.positions[7]; 99]);
     scene.weights.extend([scene.weights[7]; 99]);
     let output = scene.with_facets(backend)?;
-    fills(&scene, &output)?;
+    fills(&scene, backend, &output)?;
     as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(13).collect::<Vec<_>>())
 }
 
@@ -68,7 +68,7 @@ pub fn heavy_site_in_a_lattice(backend: &dyn Backend) -> Verdict {
             .flat_map(|n| [[n, j, k], [n, j + 1, k], [i, n, k], [i, n, k + 1], [i, j, n]])
             .map(index)
             .collect();
-        fills(&scene, &scene.evaluate(backend, &Request::moments())?)?;
+        fills(&scene, backend, &scene.evaluate(backend, &Request::moments())?)?;
         as_the_oracle_says(&scene, &scene.with_facets(backend)?, &cells)?;
     }
     Ok(())
@@ -137,14 +137,14 @@ pub fn clouds(backend: &dyn Backend) -> Verdict {
 /// 20,000 sites in a knot: the sums, to 1e-14.
 pub fn many_sites_in_a_mesh(backend: &dyn Backend) -> Verdict {
     let scene = white(20_000, Weights::Mild, Shape::Trefoil);
-    fills(&scene, &scene.evaluate(backend, &Request::moments())?)
+    fills(&scene, backend, &scene.evaluate(backend, &Request::moments())?)
 }
 
 /// With facets and without them the volumes sum to the container's, and every 31st cell is the oracle's.
 fn fills_and_is_the_oracles(scene: &Scene, backend: &dyn Backend) -> Verdict {
-    fills(scene, &scene.evaluate(backend, &Request::moments())?)?;
+    fills(scene, backend, &scene.evaluate(backend, &Request::moments())?)?;
     let output = scene.with_facets(backend)?;
-    fills(scene, &output)?;
+    fills(scene, backend, &output)?;
     as_the_oracle_says(scene, &output, &(0..scene.len()).step_by(31).collect::<Vec<_>>())
 }
 
@@ -156,12 +156,12 @@ fn as_the_oracle_says(scene: &Scene, output: &Output, cells: &[usize]) -> Verdic
 }
 
 /// The volumes sum to the container's.
-fn fills(scene: &Scene, output: &Output) -> Verdict {
+fn fills(scene: &Scene, backend: &dyn Backend, output: &Output) -> Verdict {
     let mut sum = Sum::default();
     sum.extend(output.volume.iter().copied());
     let (total, volume) = (sum.total(), scene.room.volume());
     let off = (total - volume).abs() / volume;
-    ensure!(off <= SUM, "volumes sum to {total} of {volume}: off by {off:e}");
+    ensure!(off <= of_digits(backend) * SUM, "volumes sum to {total} of {volume}: off by {off:e}");
     Ok(())
 }
 

@@ -14,7 +14,7 @@ use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Domain, PowerDiagram, Request};
 
 use crate::Verdict;
-use crate::bounds::{SUM, U};
+use crate::bounds::{SUM, U, of_digits};
 use crate::domains::{self, Pose, Room, Shape};
 use crate::sites::Random;
 
@@ -326,7 +326,7 @@ fn sums_to(backend: &dyn Backend, domain: &Domain, sites: &[[f64; 3]]) -> Verdic
     let mut sum = Sum::default();
     sum.extend(output.volume.iter().copied());
     let (total, volume) = (sum.total(), domain.volume());
-    ensure!((total - volume).abs() <= SUM * volume, "the volumes sum to {total}, not {volume}");
+    ensure!((total - volume).abs() <= of_digits(backend) * SUM * volume, "the volumes sum to {total}, not {volume}");
     Ok(())
 }
 

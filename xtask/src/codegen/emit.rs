@@ -313,7 +313,10 @@ impl<'a> Emitter<'a> {
             Expr::Lit(literal) => match &literal.lit {
                 syn::Lit::Int(int) => int.to_string().replace('_', ""),
                 syn::Lit::Bool(truth) => u32::from(truth.value).to_string(),
-                syn::Lit::Float(float) => format!("REAL({})", float.to_string().replace('_', "")),
+                syn::Lit::Float(float) => {
+                    let float = float.to_string().replace('_', "");
+                    if self.unit.real == "double" { float } else { format!("REAL({float})") }
+                }
                 other => return self.unit.error(other.span(), "such literal"),
             },
             Expr::Path(path) => match path.path.get_ident() {
@@ -461,6 +464,10 @@ impl<'a> Emitter<'a> {
                 };
                 self.declare(&format!("{name}[{length}]"), &array.elem)
             }
+            // (In memory that the host shares a vector is three of the host's numbers, whatever the kernels' own are.)
+            Type::Path(path) if path.path.is_ident("V3") && self.unit.real != "real" => {
+                Ok(format!("{} {name}[3]", self.unit.real))
+            }
             ty => Ok(format!("{} {name}", self.type_name(ty)?)),
         }
     }
@@ -476,12 +483,12 @@ pub(super) fn type_name(unit: &Unit, ty: &Type) -> Result<String, String> {
     let Type::Path(path) = ty else { return unit.error(ty.span(), "such type") };
     let Some(name) = path.path.get_ident() else { return unit.error(ty.span(), "such type") };
     Ok(match name.to_string().as_str() {
-        "Real" => "real".to_owned(),
+        "Real" => unit.real.to_owned(),
         "Rough" => "float".to_owned(),
         "u32" | "usize" => "uint".to_owned(),
         "i32" => "int".to_owned(),
         // Of the interface: the host's own types.
-        "f64" => "real".to_owned(),
+        "f64" => "double".to_owned(),
         "f32" => "float".to_owned(),
         "u64" => "ulong".to_owned(),
         "u8" => "uchar".to_owned(),

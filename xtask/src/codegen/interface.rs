@@ -9,14 +9,15 @@ use std::fmt::Write;
 use syn::spanned::Spanned;
 use syn::{Expr, Item, Lit, Type};
 
-/// The C of a module of the interface and of items borrowed from other modules, which come first; `real` is how many bytes a `Real` has.
-pub(crate) fn interface(borrowed: &[Unit], module: &[Unit], real: usize) -> Result<String, String> {
+/// The C of a module of the interface and of items borrowed from other modules, which come first; `real` is what a `Real` is in C.
+pub(crate) fn interface(borrowed: Vec<Unit>, module: Vec<Unit>, real: &'static str) -> Result<String, String> {
     let mut text = String::new();
-    let mut layouts = Layouts { real, ..Layouts::default() };
-    for unit in borrowed.iter().chain(module) {
-        let _ = write!(text, "\n// {}\n{}{}", unit.name, emit::unit(unit)?.types, kernels(unit)?);
+    let mut layouts = Layouts { real: if real == "float" { 4 } else { 8 }, ..Layouts::default() };
+    for mut unit in borrowed.into_iter().chain(module) {
+        unit.real = real;
+        let _ = write!(text, "\n// {}\n{}{}", unit.name, emit::unit(&unit)?.types, kernels(&unit)?);
         for item in &unit.items {
-            layouts.note(unit, item)?;
+            layouts.note(&unit, item)?;
         }
     }
     let asserts = layouts

@@ -69,13 +69,13 @@ const INTERFACES: [Interface; 2] = [
             ("core/src/assemble.rs", &["FacetRecord"]),
         ],
         target: "interface.cl",
-        real: size_of::<f64>(),
+        real: "double",
     },
     Interface {
         modules: &["single"],
         borrowed: &[("core/src/site_tree.rs", &["WIDTH", "Boxes", "WeightBounds", "Slabs"])],
         target: "single_interface.cl",
-        real: size_of::<f32>(),
+        real: "float",
     },
 ];
 
@@ -84,8 +84,8 @@ struct Interface {
     modules: &'static [&'static str],
     borrowed: &'static [(&'static str, &'static [&'static str])],
     target: &'static str,
-    /// Bytes of a number.
-    real: usize,
+    /// What a `Real` is in C: the host's number.
+    real: &'static str,
 }
 
 /// What begins a generated file of kernels: where it comes from, and the files that it stands on.
@@ -171,7 +171,7 @@ fn generate(root: &Path) -> Result<BTreeMap<String, String>, String> {
         let borrowed = borrowed.iter().map(|(path, names)| interface::only(read(root, path)?, names));
         let borrowed = borrowed.collect::<Result<Vec<_>, _>>()?;
         let modules = modules.iter().map(|name| read(root, &format!("backend-ocl/src/interface/{name}.rs")));
-        let text = interface::interface(&borrowed, &modules.collect::<Result<Vec<_>, _>>()?, real)?;
+        let text = interface::interface(borrowed, modules.collect::<Result<Vec<_>, _>>()?, real)?;
         put(target, "backend-ocl/src/interface/", &["\"generated/cell_types.cl\""], &text);
     }
     Ok(files)

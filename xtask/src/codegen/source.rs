@@ -7,6 +7,8 @@ pub(crate) struct Unit {
     /// Its path, for messages.
     pub(crate) name: String,
     pub(crate) items: Vec<syn::Item>,
+    /// What a `Real` is in C.
+    pub(crate) real: &'static str,
     comments: Vec<(usize, String)>,
 }
 
@@ -20,7 +22,7 @@ impl Unit {
             // What begins with a third slash or an exclamation mark is documentation, and in the tree.
             (!comment.starts_with(['/', '!'])).then(|| (number, comment.trim().to_owned()))
         });
-        Ok(Self { name: name.to_owned(), items: file.items, comments: comments.collect() })
+        Ok(Self { name: name.to_owned(), items: file.items, real: "real", comments: comments.collect() })
     }
 
     /// The comments that stand on lines of their own after line `after` and before line `before`.

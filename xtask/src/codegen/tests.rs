@@ -166,7 +166,7 @@ fn a_function_that_can_be_called_gets_a_kernel_and_its_twin() {
 
 /// The C of a module of the interface.
 fn interface_of(rust: &str) -> Result<String, String> {
-    interface(&[], &[Unit::parse("text.rs", rust)?], 8)
+    interface(Vec::new(), vec![Unit::parse("text.rs", rust)?], "double")
 }
 
 #[test]
@@ -207,8 +207,8 @@ fn a_kernels_parameters_and_groups_of_them() {
         }",
     )
     .unwrap();
-    let inputs = "    __global const real *corners, \\\n    __global const real4 *sites";
-    assert!(c.contains("// Of all.\ntypedef struct {\n    __global const real *corners;\n"), "{c}");
+    let inputs = "    __global const double *corners, \\\n    __global const double4 *sites";
+    assert!(c.contains("// Of all.\ntypedef struct {\n    __global const double *corners;\n"), "{c}");
     assert!(c.contains("#define INPUTS_OF_ARGUMENTS ((Inputs){ \\\n    .corners = corners, \\\n"), "{c}");
     let own = "uint count, \\\n    __global uint2 *places, \\\n    volatile __global uint *sum\n";
     assert!(c.contains(&format!("#define SORT_ALL_ARGUMENTS \\\n{inputs}, \\\n    {own}")), "{c}");

@@ -8,38 +8,38 @@
 #define WIDTH ((uint)(8))
 
 // Coordinate of the boxes of nodes that are not there: farther than any site, and its square is finite.
-#define NOWHERE ((real)(REAL(1e150)))
+#define NOWHERE ((double)(1e150))
 
 // Eight sibling nodes: the tight boxes of their sites.
 typedef struct {
     // Minimum corners, axis by axis.
-    real lo[3][WIDTH];
+    double lo[3][WIDTH];
     // Maximum corners, axis by axis.
-    real hi[3][WIDTH];
+    double hi[3][WIDTH];
 } Boxes;
 
 // An upper bound of the weights of each of eight sibling nodes, less [`SiteTree::base_weight`]:
 // `w_j − base ≤ c + g·(p_j − m) + Σ_k q_k (p_j − m)_k²`, `m` the middle of the box. `c` has room for all roundings of evaluating it.
 typedef struct {
     // Constant.
-    real c[WIDTH];
+    double c[WIDTH];
     // Slope, axis by axis.
-    real g[3][WIDTH];
+    double g[3][WIDTH];
     // Curvature, axis by axis.
-    real q[3][WIDTH];
+    double q[3][WIDTH];
 } WeightBounds;
 
 // A slab that holds the sites of each of eight sibling nodes, across their thinnest direction: it tells sites that lie along a surface from
 // a sphere that touches the surface.
 typedef struct {
     // Unit normals, axis by axis; zero where the box says as much.
-    real normal[3][WIDTH];
+    double normal[3][WIDTH];
     // Least `normal·p`, rounded down.
-    real lo[WIDTH];
+    double lo[WIDTH];
     // Largest `normal·p`, rounded up.
-    real hi[WIDTH];
+    double hi[WIDTH];
     // Largest weight, less the base.
-    real largest_weight[WIDTH];
+    double largest_weight[WIDTH];
 } Slabs;
 
 // core/src/assemble.rs
@@ -47,9 +47,9 @@ typedef struct {
 // One facet of a finished cell, in the frame of its site. Devices write the same.
 typedef struct {
     // Area.
-    real area;
+    double area;
     // ∫ x dA.
-    V3 moment;
+    double moment[3];
     // The caller's index of the site beyond it.
     uint neighbor;
     // Zero.
@@ -105,26 +105,26 @@ typedef struct {
 // Scalars of an evaluation.
 typedef struct {
     // Initial cell: the box, or the domain's grid.
-    real box_lo[3];
-    real box_hi[3];
+    double box_lo[3];
+    double box_hi[3];
     // Site grid: minimum corner, width of the voxels and its inverse; largest and smallest weight of all.
-    real grid_lo[3];
-    real grid_width;
-    real grid_per_width;
-    real largest_weight;
-    real smallest_weight;
+    double grid_lo[3];
+    double grid_width;
+    double grid_per_width;
+    double largest_weight;
+    double smallest_weight;
     // Domain grid: minimum corner, width of the voxels and its inverse.
-    real domain_lo[3];
-    real domain_width;
-    real domain_per_width;
+    double domain_lo[3];
+    double domain_width;
+    double domain_per_width;
     // 1 + ε of the paper's security radius, or 0 for a proof.
-    real enlarged;
+    double enlarged;
     // `Frame`: x' = (x − shift) / unit, and what is taken as zero.
-    real frame_shift[3];
-    real frame_unit;
-    real frame_smallest;
+    double frame_shift[3];
+    double frame_unit;
+    double frame_smallest;
     // What the monomials of the polynomial to be integrated are about.
-    real origin[3];
+    double origin[3];
     // Where the records of this batch will stand among all.
     ulong facet_base;
     uint grid_dims[3];
@@ -151,10 +151,10 @@ typedef struct {
 
 // Range of the sites of one group, or of all.
 typedef struct {
-    real lo[3];
-    real hi[3];
-    real smallest_weight;
-    real largest_weight;
+    double lo[3];
+    double hi[3];
+    double smallest_weight;
+    double largest_weight;
 } Range;
 
 // What the cells of a run count.
@@ -182,14 +182,14 @@ typedef struct {
 typedef struct {
     __global const Params *params;
     // Sorted sites: x, y, z, weight.
-    __global const real4 *sites;
+    __global const double4 *sites;
     // Where the sites of each voxel begin and end, where the table of offsets is gone through.
     __global const uint2 *voxels;
     // The tree over the sites, block by block.
     __global const Boxes *boxes;
     __global const Slabs *slabs;
     __global const WeightBounds *weight_bounds;
-    __global const real *domain_vertices;
+    __global const double *domain_vertices;
     __global const uint *triangles;
     __global const uint *lowest_voxels;
     __global const uint *list_offsets;
@@ -197,7 +197,7 @@ typedef struct {
     __global const int *windings;
     __global const uint *surface_table;
     // Nodes and coefficients of the function to be integrated, if there is one.
-    __global const real *integrand;
+    __global const double *integrand;
 } World;
 #define WORLD_OF_ARGUMENTS ((World){ \
     .params = params, \
@@ -217,35 +217,35 @@ typedef struct {
 })
 #define WORLD_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *sites, \
+    __global const double4 *sites, \
     __global const uint2 *voxels, \
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
-    __global const real *domain_vertices, \
+    __global const double *domain_vertices, \
     __global const uint *triangles, \
     __global const uint *lowest_voxels, \
     __global const uint *list_offsets, \
     __global const uint *list_entries, \
     __global const int *windings, \
     __global const uint *surface_table, \
-    __global const real *integrand
+    __global const double *integrand
 
 #define CELLS_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *sites, \
+    __global const double4 *sites, \
     __global const uint2 *voxels, \
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
-    __global const real *domain_vertices, \
+    __global const double *domain_vertices, \
     __global const uint *triangles, \
     __global const uint *lowest_voxels, \
     __global const uint *list_offsets, \
     __global const uint *list_entries, \
     __global const int *windings, \
     __global const uint *surface_table, \
-    __global const real *integrand, \
+    __global const double *integrand, \
     __global const uchar4 *shells, \
     __global const int2 *abouts, \
     __global const uint *order, \
@@ -257,7 +257,7 @@ typedef struct {
     uint count, \
     uint interior_only, \
     __global uint *outcome, \
-    __global real *sums, \
+    __global double *sums, \
     __global ulong2 *rows, \
     __global FacetRecord *facets, \
     __global FacetSecond *facet_seconds, \
@@ -271,22 +271,22 @@ typedef struct {
 
 #define ENTER_SITES_ARGUMENTS \
     __global const Params *params, \
-    __global const real *positions, \
-    __global const real *weights, \
+    __global const double *positions, \
+    __global const double *weights, \
     uint has_weights, \
     uint count, \
-    __global real4 *placed, \
+    __global double4 *placed, \
     __global Range *ranges
 
 #define MARK_VOXELS_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *placed, \
+    __global const double4 *placed, \
     uint count, \
     __global uint *marks
 
 #define RANK_SITES_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *placed, \
+    __global const double4 *placed, \
     uint count, \
     __global const uchar2 *turns, \
     uint levels, \
@@ -320,7 +320,7 @@ typedef struct {
     __global const uint *sums
 
 #define SETTLE_RUNS_ARGUMENTS \
-    __global const real4 *placed, \
+    __global const double4 *placed, \
     __global const ulong *ranks, \
     uint count, \
     uint most, \
@@ -329,23 +329,23 @@ typedef struct {
     __global uint *is_long
 
 #define GATHER_SITES_ARGUMENTS \
-    __global const real4 *placed, \
+    __global const double4 *placed, \
     __global const uint *slots, \
     __global const uint *places, \
     uint count, \
-    __global real4 *sites, \
+    __global double4 *sites, \
     __global uint *order
 
 #define FIND_VOXELS_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *sites, \
+    __global const double4 *sites, \
     uint count, \
     __global uint2 *voxels, \
     __global uint *crowded
 
 #define BOUND_NODES_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *sites, \
+    __global const double4 *sites, \
     uint level, \
     uint blocks, \
     __global Boxes *boxes, \
@@ -354,7 +354,7 @@ typedef struct {
 
 #define TIGHTEN_SLABS_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *sites, \
+    __global const double4 *sites, \
     uint level, \
     __global Slabs *slabs
 
@@ -366,7 +366,7 @@ typedef struct {
 
 #define LOOK_ABOUT_ARGUMENTS \
     __global const Params *params, \
-    __global const real4 *sites, \
+    __global const double4 *sites, \
     uint first, \
     uint count, \
     __global const uchar *clearances, \
@@ -378,9 +378,9 @@ typedef struct {
 // All that `parity.cl` has: the words of each of `count` calls stand in a row; `table` begins with where its parts do.
 #define PARITY_ARGUMENTS \
     __global const Params *params, \
-    __global const real *domain_vertices, \
+    __global const double *domain_vertices, \
     __global const uint *table, \
-    __global const real *integrand, \
+    __global const double *integrand, \
     __global const ulong *inputs, \
     uint input_width, \
     __global ulong *outputs, \

@@ -10,33 +10,33 @@
 // Eight sibling nodes: the tight boxes of their sites.
 typedef struct {
     // Minimum corners, axis by axis.
-    real lo[3][WIDTH];
+    float lo[3][WIDTH];
     // Maximum corners, axis by axis.
-    real hi[3][WIDTH];
+    float hi[3][WIDTH];
 } Boxes;
 
 // An upper bound of the weights of each of eight sibling nodes, less [`SiteTree::base_weight`]:
 // `w_j − base ≤ c + g·(p_j − m) + Σ_k q_k (p_j − m)_k²`, `m` the middle of the box. `c` has room for all roundings of evaluating it.
 typedef struct {
     // Constant.
-    real c[WIDTH];
+    float c[WIDTH];
     // Slope, axis by axis.
-    real g[3][WIDTH];
+    float g[3][WIDTH];
     // Curvature, axis by axis.
-    real q[3][WIDTH];
+    float q[3][WIDTH];
 } WeightBounds;
 
 // A slab that holds the sites of each of eight sibling nodes, across their thinnest direction: it tells sites that lie along a surface from
 // a sphere that touches the surface.
 typedef struct {
     // Unit normals, axis by axis; zero where the box says as much.
-    real normal[3][WIDTH];
+    float normal[3][WIDTH];
     // Least `normal·p`, rounded down.
-    real lo[WIDTH];
+    float lo[WIDTH];
     // Largest `normal·p`, rounded up.
-    real hi[WIDTH];
+    float hi[WIDTH];
     // Largest weight, less the base.
-    real largest_weight[WIDTH];
+    float largest_weight[WIDTH];
 } Slabs;
 
 // backend-ocl/src/interface/single.rs

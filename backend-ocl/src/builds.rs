@@ -145,9 +145,7 @@ impl Way {
 /// What cells are computed for, and no more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Asked {
-    facets: bool,
-    facet_second: bool,
-    integral: bool,
+    flags: u32,
     /// Whether there is a domain, and whether weights differ, where cells are shared: those kernels are faster if they know that there is
     /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
     domain: bool,
@@ -160,9 +158,7 @@ impl Asked {
     pub(crate) fn of(params: &Params, way: Way) -> Self {
         let is_shared = matches!(way, Way::Together(..));
         Self {
-            facets: params.flags & FACETS != 0,
-            facet_second: params.flags & FACET_SECOND_MOMENTS != 0,
-            integral: params.flags & INTEGRAL != 0,
+            flags: params.flags,
             domain: is_shared && params.has_domain != 0,
             weights: is_shared && params.equal_weights == 0,
             table: params.has_table != 0 && !matches!(way, Way::Together(_, Stage::Far)),
@@ -179,6 +175,8 @@ enum Flag {
     Single(bool),
     Lanes(u32),
     CellsOfGroup(u32),
+    /// What is asked for (`integrate_cell`), all of it at once and by parts.
+    Flags(u32),
     Facets(bool),
     FacetSecond(bool),
     Integral(bool),
@@ -203,6 +201,7 @@ impl Flag {
             Self::Single(is_set) => set("SINGLE", is_set),
             Self::Lanes(count) => ("LANES", format!("{count}u")),
             Self::CellsOfGroup(count) => ("CELLS", count.to_string()),
+            Self::Flags(flags) => ("FLAGS", format!("{flags}u")),
             Self::Facets(is_set) => set("WITH_FACETS", is_set),
             Self::FacetSecond(is_set) => set("WITH_FACET_SECOND", is_set),
             Self::Integral(is_set) => set("WITH_INTEGRAL", is_set),
@@ -234,10 +233,14 @@ impl Build {
     }
 
     fn flags(&self) -> Vec<Flag> {
+        let parts = |flags: u32| {
+            let has = |flag| flags & flag != 0;
+            [Flag::Facets(has(FACETS)), Flag::FacetSecond(has(FACET_SECOND_MOMENTS)), Flag::Integral(has(INTEGRAL))]
+        };
         let room_of = |room: &Capacities| vec![Flag::Planes(room.planes), Flag::Vertices(room.vertices)];
         match self {
             Self::Grid => Vec::new(),
-            Self::Cells(way, Asked { facets, facet_second, integral, domain, weights, table }) => {
+            Self::Cells(way, Asked { flags: asked, domain, weights, table }) => {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
@@ -251,18 +254,13 @@ impl Build {
                             Flag::Far(far),
                             Flag::Exact(exact),
                             // The facets of a cell that the surface cuts are not computed together.
-                            Flag::Surface(surface && *domain && !facets),
+                            Flag::Surface(surface && *domain && asked & FACETS == 0),
                             Flag::Room(room),
                         ]
                     }
                 };
-                let asked = [
-                    Flag::Facets(*facets),
-                    Flag::FacetSecond(*facet_second),
-                    Flag::Integral(*integral),
-                    Flag::Table(*table),
-                ];
-                flags.extend(asked);
+                flags.extend([Flag::Flags(*asked), Flag::Table(*table)]);
+                flags.extend(parts(*asked));
                 flags
             }
             #[cfg(any(test, feature = "test-util"))]
@@ -270,8 +268,7 @@ impl Build {
             Self::Single(room) => room_of(room),
             #[cfg(any(test, feature = "test-util"))]
             Self::Parity(room, neighbors) => {
-                let all = [Flag::Facets(true), Flag::FacetSecond(true), Flag::Integral(true)];
-                [room_of(room), all.to_vec(), vec![Flag::Neighbors(*neighbors)]].concat()
+                [room_of(room), parts(!0).to_vec(), vec![Flag::Neighbors(*neighbors)]].concat()
             }
         }
     }
@@ -294,8 +291,7 @@ impl Build {
     /// One of each text and stage.
     #[cfg(test)]
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        let asked =
-            Asked { facets: true, facet_second: true, integral: true, domain: true, weights: false, table: true };
+        let asked = Asked { flags: !0, domain: true, weights: false, table: true };
         let room = Capacities { planes: 64, vertices: 128 };
         let stages = [Stage::Single, Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide, Stage::Vast];
         let together = stages.map(|stage| Self::Cells(Way::Together(Lanes::Warp, stage), asked));

@@ -99,7 +99,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real winding = REAL(1.0);
     if (status == COMPLETE) {
-        status = integrate_together(s, params->flags, extent, &center, &winding, &part);
+        status = integrate_together(s, extent, &center, &winding, &part);
     }
     const uint i = order[site];
 #if WITH_FACETS
@@ -208,6 +208,6 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     if (status == COMPLETE) {
-        write_sums(sums, params->flags, i, &part);
+        write_sums(sums, i, &part);
     }
 }

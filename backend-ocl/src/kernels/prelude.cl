@@ -20,6 +20,13 @@ typedef double4 real4;
 #define REAL(literal) literal
 #endif
 
+// A loop that is not to be unrolled where many work-items wait for the same instructions.
+#if LANES > 1
+#define ROLLED _Pragma("unroll 1")
+#else
+#define ROLLED
+#endif
+
 // What is always inlined in Rust, and what had better be one piece of code: it is called from several places, and large. In between is what
 // Rust may inline: worth it where lanes share the work of a cell, and not where each work-item has all of it.
 #define INLINE static inline

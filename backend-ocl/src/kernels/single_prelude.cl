@@ -12,6 +12,8 @@ typedef float2 real2;
 typedef float4 real4;
 #define REAL(literal) literal##f
 
+#define ROLLED
+
 // Nothing is called: where functions were, a launch of 3,750 white sites ended with an address out of range, and each half of it did not (one NVIDIA
 // H200; on PoCL no index was ever out of range, and it is as fast).
 #define INLINE static inline

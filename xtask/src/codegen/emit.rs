@@ -125,6 +125,19 @@ fn argument(unit: &Unit, name: &str, attrs: &[syn::Attribute]) -> Result<Option<
     Ok(None)
 }
 
+/// Whether `#[cfg_attr(opencl, name)]` is among the attributes: of a loop, that it is not to be unrolled (`rolled`).
+fn is_marked(unit: &Unit, name: &str, attrs: &[syn::Attribute]) -> Result<bool, String> {
+    for attr in attrs {
+        let parts = attr.parse_args_with(Punctuated::<syn::Path, Token![,]>::parse_terminated);
+        let parts = parts.or_else(|_| unit.error(attr.span(), "such attribute"))?;
+        let is_it = parts.len() == 2 && parts[0].is_ident("opencl") && parts[1].is_ident(name);
+        if !attr.path().is_ident("cfg_attr") || !is_it {
+            return unit.error(attr.span(), "such attribute");
+        }
+    }
+    Ok(!attrs.is_empty())
+}
+
 fn comments(out: &mut String, attrs: &[syn::Attribute]) {
     for line in documentation(attrs) {
         let _ = writeln!(out, "//{line}");
@@ -272,6 +285,9 @@ impl<'a> Emitter<'a> {
                 self.put("}");
             }
             Expr::While(looped) => {
+                if is_marked(self.unit, "rolled", &looped.attrs)? {
+                    self.put("ROLLED");
+                }
                 let condition = self.expression(&looped.cond)?;
                 self.put(&format!("while {} {{", grouped(&condition)));
                 self.inner(&looped.body)?;

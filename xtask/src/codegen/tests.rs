@@ -36,6 +36,17 @@ fn constants_and_structs() {
 }
 
 #[test]
+fn a_loop_may_be_one_that_is_not_unrolled() {
+    let looped = |attribute: &str| {
+        format!(
+            "#[inline]\npub fn f(n: u32) -> u32 {{\nlet mut i: u32 = 0;\n{attribute} while i < n {{\ni += 1;\n}}\nreturn i;\n}}"
+        )
+    };
+    assert_c(&looped("#[cfg_attr(opencl, rolled)]"), &["    ROLLED\n    while (i < n) {"]);
+    assert!(c_of(&looped("#[cfg_attr(opencl, unrolled)]")).unwrap_err().contains("such attribute"));
+}
+
+#[test]
 fn constants_have_a_value_of_their_own_in_single_precision() {
     assert_c(
         "/// Tiny.\n#[cfg_attr(opencl, single(0.25))]\nconst TINY: Real = 0.5;",

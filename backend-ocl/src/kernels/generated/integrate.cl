@@ -26,17 +26,23 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
     while (v < store_vertices(s)) {
         const Triplet t = store_triplet(s, v);
         const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
-        const Side a = side(s, t.a, center);
-        const Side b = side(s, t.b, center);
-        const Side c = side(s, t.c, center);
-        if (add_edge(s, a, b, at, weight, center, flags, &part) != COMPLETE) {
-            return UNCERTAIN;
-        }
-        if (add_edge(s, b, c, at, weight, center, flags, &part) != COMPLETE) {
-            return UNCERTAIN;
-        }
-        if (add_edge(s, c, a, at, weight, center, flags, &part) != COMPLETE) {
-            return UNCERTAIN;
+        Side f = side(s, t.a, center);
+        uint edge = 0;
+        // (On a GPU three times the text is more than its nearest cache of instructions holds.)
+        ROLLED
+        while (edge < 3) {
+            uint next = t.a;
+            if (edge == 0) {
+                next = t.b;
+            } else if (edge == 1) {
+                next = t.c;
+            }
+            const Side g = side(s, next, center);
+            if (add_edge(s, f, g, at, weight, center, flags, &part) != COMPLETE) {
+                return UNCERTAIN;
+            }
+            f = g;
+            edge += 1;
         }
         v += 1;
     }

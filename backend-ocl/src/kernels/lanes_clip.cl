@@ -48,21 +48,18 @@ INLINE void enter_edges(CELL_SPACE Cell *cell, Triplet t, uint v) {
 }
 
 // Starts a cell as the box `[lo, hi]`: the lanes write the same planes, and a corner each.
-OUTLINE uint begin_together(CELL_SPACE Cell *cell, uint lane, V3 lo, V3 hi) {
+INLINE void begin_together(CELL_SPACE Cell *cell, uint lane, V3 lo, V3 hi) {
     Store store;
     store.cell = cell;
     store.view = WHOLE;
     store.is_fine = 0;
     set_box_planes(&store, lo, hi);
     lanes_wait();
-    uint status = COMPLETE;
     for (uint v = lane; v < 8u; v += LANES) {
-        status |= place_corner(&store, v);
+        place_corner(&store, v);
         enter_edges(cell, store_triplet(&store, v), v);
     }
-    status = (lanes_with(status != COMPLETE) != 0u) ? LEFT : COMPLETE;
     lanes_wait();
-    return status;
 }
 
 // A half-space in single precision, in the frame of the rough places; the size of its normal, and what its offset rounds off.

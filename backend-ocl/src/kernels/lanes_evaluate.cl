@@ -79,21 +79,18 @@ __kernel void cells(CELLS_ARGUMENTS) {
     cell->origin[2] = (float)fmin(fmax(vantage.center.z, lo.z), hi.z);
     lanes_wait();
 #endif
-    uint status = begin_together(cell, s->lane, lo, hi);
+    begin_together(cell, s->lane, lo, hi);
     s->planes = 6;
     s->vertices = 8;
     uint visited = 0;
     float extent = 0.0f;
 #if TAKES_NEAR
     take_cell(s, record);
+    uint status = COMPLETE;
+#elif WITH_TABLE
+    uint status = complete_by_table(s, shells, &visited, &extent);
 #else
-    if (status == COMPLETE) {
-#if WITH_TABLE
-        status = complete_by_table(s, shells, &visited, &extent);
-#else
-        status = complete_by_tree(s, vantage, &visited, &extent);
-#endif
-    }
+    uint status = complete_by_tree(s, vantage, &visited, &extent);
 #endif
     CellSums part = (CellSums){ 0 };
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));

@@ -6,8 +6,8 @@ use super::status::{
     SIGN_UNKNOWN, TAG_BOX, UNCERTAIN, UNTOUCHED, V_FULL,
 };
 use super::store::CellStore;
-use super::vector::{Real, V3, v3};
-use super::vertex::{Triplet, place_vertex};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, norm_max, v3};
+use super::vertex::{ROUNDINGS_OF_EXACT, Triplet, place_vertex};
 use super::wide::sign_of_conflict;
 
 /// Starts the cell as the box with minimum corner `lo` and maximum corner `hi`, in the frame of the site.
@@ -20,10 +20,7 @@ pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
     set_box_planes(s, lo, hi);
     let mut v: u32 = 0;
     while v < 8 {
-        let placed: u32 = place_corner(s, v);
-        if placed != COMPLETE {
-            return placed;
-        }
+        place_corner(s, v);
         v += 1;
     }
     return COMPLETE;
@@ -41,9 +38,10 @@ pub(super) fn set_box_planes<S: CellStore>(s: &mut S, lo: V3, hi: V3) {
     s.set_vertices(8);
 }
 
-/// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z.
+/// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z. The faces
+/// are at right angles, so that nothing is rounded.
 #[inline]
-pub(super) fn place_corner<S: CellStore>(s: &mut S, v: u32) -> u32 {
+pub(super) fn place_corner<S: CellStore>(s: &mut S, v: u32) {
     let on_x: u32 = v & 1;
     let on_y: u32 = (v >> 1) & 1;
     let on_z: u32 = (v >> 2) & 1;
@@ -53,7 +51,17 @@ pub(super) fn place_corner<S: CellStore>(s: &mut S, v: u32) -> u32 {
     } else {
         s.set_triplet(v, Triplet { a: on_x, b: 4 + on_z, c: 2 + on_y });
     }
-    return place_vertex(s, v);
+    let mut position: V3 = v3(-s.plane(0).d, -s.plane(2).d, -s.plane(4).d);
+    if on_x != 0 {
+        position.x = s.plane(1).d;
+    }
+    if on_y != 0 {
+        position.y = s.plane(3).d;
+    }
+    if on_z != 0 {
+        position.z = s.plane(5).d;
+    }
+    s.set_position(v, position, (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(position));
 }
 
 pub(super) fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {

@@ -58,7 +58,7 @@ OUTLINE Wide determinant(V3 a, V3 b, V3 c);
 OUTLINE void add_triple(Expansion *sum, real x, real y, real z);
 OUTLINE uint begin(Store *s, V3 lo, V3 hi);
 OUTLINE void set_box_planes(Store *s, V3 lo, V3 hi);
-HOT uint place_corner(Store *s, uint v);
+HOT void place_corner(Store *s, uint v);
 OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d);
 OUTLINE uint clip(Store *s, Plane plane, uint tag);
 OUTLINE uint settle_marks(Store *s, uint k);

@@ -10,10 +10,7 @@ OUTLINE uint begin(Store *s, V3 lo, V3 hi) {
     set_box_planes(s, lo, hi);
     uint v = 0;
     while (v < 8) {
-        const uint placed = place_corner(s, v);
-        if (placed != COMPLETE) {
-            return placed;
-        }
+        place_corner(s, v);
         v += 1;
     }
     return COMPLETE;
@@ -31,8 +28,9 @@ OUTLINE void set_box_planes(Store *s, V3 lo, V3 hi) {
     store_set_vertices(s, 8);
 }
 
-// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z.
-HOT uint place_corner(Store *s, uint v) {
+// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z. The faces
+// are at right angles, so that nothing is rounded.
+HOT void place_corner(Store *s, uint v) {
     const uint on_x = v & 1;
     const uint on_y = (v >> 1) & 1;
     const uint on_z = (v >> 2) & 1;
@@ -42,7 +40,17 @@ HOT uint place_corner(Store *s, uint v) {
     } else {
         store_set_triplet(s, v, (Triplet){ .a = on_x, .b = 4 + on_z, .c = 2 + on_y });
     }
-    return place_vertex(s, v);
+    V3 position = v3(-store_plane(s, 0).d, -store_plane(s, 2).d, -store_plane(s, 4).d);
+    if (on_x != 0) {
+        position.x = store_plane(s, 1).d;
+    }
+    if (on_y != 0) {
+        position.y = store_plane(s, 3).d;
+    }
+    if (on_z != 0) {
+        position.z = store_plane(s, 5).d;
+    }
+    store_set_position(s, v, position, (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(position));
 }
 
 OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d) {

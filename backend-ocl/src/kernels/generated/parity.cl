@@ -626,8 +626,7 @@ __kernel void parity_place_corner(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
     const uint v = take_uint(&in);
-    const uint result = place_corner(s, v);
-    give_uint(&out, result);
+    place_corner(s, v);
     parity_dump(&out, s);
 }
 

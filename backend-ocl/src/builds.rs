@@ -122,7 +122,7 @@ impl Stage {
             Self::Single | Self::First => {
                 Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: 0 }
             }
-            Self::Far => Shape { cells: 1, registers: Some(96), far: true, exact: false, surface: false, room: 0 },
+            Self::Far => Shape { cells: 1, registers: Some(128), far: true, exact: false, surface: false, room: 0 },
             Self::Surface => Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: 0 },
             Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: 0 },
             Self::Wide => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: 1 },

@@ -122,7 +122,7 @@ impl Stage {
             Self::Single | Self::First => {
                 Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: 0 }
             }
-            Self::Far => Shape { cells: 1, registers: Some(128), far: true, exact: false, surface: false, room: 0 },
+            Self::Far => Shape { cells: 1, registers: Some(96), far: true, exact: false, surface: false, room: 0 },
             Self::Surface => Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: 0 },
             Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: 0 },
             Self::Wide => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: 1 },
@@ -175,7 +175,7 @@ enum Flag {
     Single(bool),
     Lanes(u32),
     CellsOfGroup(u32),
-    /// What is asked for (`integrate_cell`), all of it at once and by parts.
+    /// What is asked for (`integrate_cell`), all of it where lanes share a cell, and by parts.
     Flags(u32),
     Facets(bool),
     FacetSecond(bool),
@@ -247,6 +247,7 @@ impl Build {
                         let Shape { cells, far, exact, surface, room, .. } = stage.shape();
                         vec![
                             Flag::Single(stage == Stage::Single),
+                            Flag::Flags(*asked),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Domain(*domain),
@@ -259,7 +260,7 @@ impl Build {
                         ]
                     }
                 };
-                flags.extend([Flag::Flags(*asked), Flag::Table(*table)]);
+                flags.push(Flag::Table(*table));
                 flags.extend(parts(*asked));
                 flags
             }

@@ -1,5 +1,6 @@
 //! The backend: all devices, and what they leave to the host.
 
+use crate::believed::check_volumes;
 use crate::device::Device;
 use crate::fallback;
 use crate::platform::{Found, choose};
@@ -148,6 +149,9 @@ impl Backend for Ocl {
         output.host_cells = for_host.len();
         output.passes = passes;
         output.check_integrals()?;
+        if request.epsilon.is_none() {
+            check_volumes(diagram, &output, self.precision, &self.name)?;
+        }
         Ok(output)
     }
 }

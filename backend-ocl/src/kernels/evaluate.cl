@@ -25,7 +25,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     CellSums part = (CellSums){ 0 };
     if (status == COMPLETE) {
-        status = integrate_cell(&store, FLAGS, interior_only, &part);
+        status = integrate_cell(&store, params->flags, interior_only, &part);
     }
     const uint i = order[site];
 #if WITH_FACETS
@@ -80,5 +80,5 @@ __kernel void cells(CELLS_ARGUMENTS) {
     if (status != COMPLETE) {
         return;
     }
-    write_sums(sums, i, &part);
+    write_sums(sums, params->flags, i, &part);
 }

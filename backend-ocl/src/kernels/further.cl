@@ -3,6 +3,12 @@
 
 #import <store>
 
+#ifdef SHORT
+INLINE uint store_is_short(Store *s) { return SHORT; }
+#else
+INLINE uint store_is_short(Store *s) { return 0u; }
+#endif
+
 // There is no room to keep minors.
 INLINE uint store_keeps_minors(Store *s) { return 0u; }
 INLINE Minors store_minors(Store *s, uint v) { return (Minors){ 0 }; }

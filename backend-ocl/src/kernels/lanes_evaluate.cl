@@ -28,6 +28,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if WITH_ROOM != 2
     __local Cell cells[CELLS];
 #endif
+    const uint flags = (SHORT != 0) ? 0u : params->flags;
     const uint own_turn = lanes_alike((uint)get_global_id(0) / LANES);
     if (own_turn >= count) {
         return;
@@ -96,7 +97,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real winding = REAL(1.0);
     if (status == COMPLETE) {
-        status = integrate_together(s, extent, &center, &winding, &part);
+        status = integrate_together(s, flags, extent, &center, &winding, &part);
     }
     const uint i = order[site];
 #if WITH_FACETS
@@ -205,6 +206,6 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     if (status == COMPLETE) {
-        write_sums(sums, i, &part);
+        write_sums(sums, flags, i, &part);
     }
 }

@@ -37,7 +37,7 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
 #endif
 
 // The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`.
-INLINE uint integrate_together(Store *s, float extent, V3 *center, real *winding, CellSums *sums) {
+INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums) {
     CELL_SPACE Cell *cell = s->cell;
     // Whether the site is outside its cell, or only not strictly inside.
     uint outside = 0;
@@ -72,7 +72,7 @@ INLINE uint integrate_together(Store *s, float extent, V3 *center, real *winding
         CellSums part = (CellSums){ 0 };
         real inner = REAL(0.0);
         const uint is_out = outside | lanes_with(on_wall);
-        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, &inner, &part));
+        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags & SECOND_MOMENTS, &inner, &part));
         s->exact |= copy.exact;
         s->tried = copy.tried;
         if (ended != UNTOUCHED) {
@@ -100,7 +100,7 @@ INLINE uint integrate_together(Store *s, float extent, V3 *center, real *winding
         turn_to_box(s);
         *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
     }
-    const uint summed = sum_together(cell, s->lane, s->vertices, *winding, *center, REAL(0.0), FLAGS & SECOND_MOMENTS, sums);
+    const uint summed = sum_together(cell, s->lane, s->vertices, *winding, *center, REAL(0.0), flags & SECOND_MOMENTS, sums);
     if (summed != COMPLETE) {
         return LEFT;
     }

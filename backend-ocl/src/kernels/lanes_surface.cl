@@ -114,8 +114,7 @@ INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flag
 // Subtracts from the integrals of the whole cell, times the winding number of the corner of voxel `lo`, those of its intersections
 // with the truncated cones over the triangles near it (`integrate_restricted`); a lane makes and culls each cone, all lanes cut.
 // `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
-INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, CellSums *sums) {
-    const uint flags = FLAGS & SECOND_MOMENTS;
+INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums) {
     CELL_SPACE Cell *cell = s->cell;
 #if WITH_EXACT
     if ((s->planes + 4u) > LANES_P) {
@@ -213,7 +212,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
 
 // What becomes of a cell near the surface, whose vertices are in single precision: `UNTOUCHED` where the surface does not meet it, with its
 // winding number; else `COMPLETE` with its integrals, `EMPTY`, `LEFT` or `OPEN`. `is_out`: its site is not strictly inside it.
-OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, real *inner, CellSums *sums) {
+OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, real *inner, CellSums *sums) {
     Store store = *given;
     Store *s = &store;
     s->planes = lanes_alike(s->planes);
@@ -247,7 +246,7 @@ OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, real *inner, 
     }
 #if WITH_SURFACE
     const V3 center = (outside != 0u) ? middle : v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    const uint status = restrict_together(s, lo, hi, center, winding, sums);
+    const uint status = restrict_together(s, lo, hi, center, winding, flags, sums);
     given->exact = s->exact;
     given->tried = s->tried;
     return status;

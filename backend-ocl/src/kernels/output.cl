@@ -12,12 +12,12 @@ INLINE void write_vector(__global double *out, V3 x) {
 }
 
 // Writes the sums of the caller's site i.
-INLINE void write_sums(__global double *sums, uint i, const CellSums *part) {
-    const uint width = (FLAGS == 0u) ? FEW_SUMS : (ALL_SUMS + (((FLAGS & INTEGRAL) != 0u) ? 1u : 0u));
+INLINE void write_sums(__global double *sums, uint flags, uint i, const CellSums *part) {
+    const uint width = (flags == 0u) ? FEW_SUMS : (ALL_SUMS + (((flags & INTEGRAL) != 0u) ? 1u : 0u));
     __global double *out = sums + ((size_t)i * width);
     out[0] = part->volume;
     write_vector(out + 1, part->first);
-    if (FLAGS == 0u) {
+    if (flags == 0u) {
         return;
     }
     write_vector(out + 4, part->second_diagonal);

@@ -135,22 +135,35 @@ pub(crate) fn integrate<S: CellStore>(
             radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
         };
         let mut f: Side = side(s, t.a, center);
-        let mut edge: u32 = 0;
-        // (On a GPU three times the text is more than its nearest cache of instructions holds.)
-        #[cfg_attr(opencl, rolled)]
-        while edge < 3 {
-            let mut next: u32 = t.a;
-            if edge == 0 {
-                next = t.b;
-            } else if edge == 1 {
-                next = t.c;
+        if s.is_short() != 0 {
+            let mut edge: u32 = 0;
+            #[cfg_attr(opencl, rolled)]
+            while edge < 3 {
+                let mut next: u32 = t.a;
+                if edge == 0 {
+                    next = t.b;
+                } else if edge == 1 {
+                    next = t.c;
+                }
+                let g: Side = side(s, next, center);
+                if add_edge(s, f, g, at, weight, center, flags, &mut part) != COMPLETE {
+                    return UNCERTAIN;
+                }
+                f = g;
+                edge += 1;
             }
-            let g: Side = side(s, next, center);
-            if add_edge(s, f, g, at, weight, center, flags, &mut part) != COMPLETE {
+        } else {
+            let b: Side = side(s, t.b, center);
+            let c: Side = side(s, t.c, center);
+            if add_edge(s, f, b, at, weight, center, flags, &mut part) != COMPLETE {
                 return UNCERTAIN;
             }
-            f = g;
-            edge += 1;
+            if add_edge(s, b, c, at, weight, center, flags, &mut part) != COMPLETE {
+                return UNCERTAIN;
+            }
+            if add_edge(s, c, f, at, weight, center, flags, &mut part) != COMPLETE {
+                return UNCERTAIN;
+            }
         }
         v += 1;
     }

@@ -184,6 +184,13 @@ pub trait CellStore {
     #[inline(always)]
     fn note_exact(&mut self) {}
 
+    /// Whether the edges of a vertex are gone through in a loop by the integrals: on a GPU three times the text is more than its nearest cache of
+    /// instructions holds.
+    #[inline(always)]
+    fn is_short(&self) -> u32 {
+        1
+    }
+
     /// Whether the minors of a vertex's planes are kept, which decide the sign of each further plane at a sixth of the cost.
     fn keeps_minors(&self) -> u32 {
         0

@@ -27,22 +27,35 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
         const Triplet t = store_triplet(s, v);
         const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
         Side f = side(s, t.a, center);
-        uint edge = 0;
-        // (On a GPU three times the text is more than its nearest cache of instructions holds.)
-        ROLLED
-        while (edge < 3) {
-            uint next = t.a;
-            if (edge == 0) {
-                next = t.b;
-            } else if (edge == 1) {
-                next = t.c;
+        if (store_is_short(s) != 0) {
+            uint edge = 0;
+            ROLLED
+            while (edge < 3) {
+                uint next = t.a;
+                if (edge == 0) {
+                    next = t.b;
+                } else if (edge == 1) {
+                    next = t.c;
+                }
+                const Side g = side(s, next, center);
+                if (add_edge(s, f, g, at, weight, center, flags, &part) != COMPLETE) {
+                    return UNCERTAIN;
+                }
+                f = g;
+                edge += 1;
             }
-            const Side g = side(s, next, center);
-            if (add_edge(s, f, g, at, weight, center, flags, &part) != COMPLETE) {
+        } else {
+            const Side b = side(s, t.b, center);
+            const Side c = side(s, t.c, center);
+            if (add_edge(s, f, b, at, weight, center, flags, &part) != COMPLETE) {
                 return UNCERTAIN;
             }
-            f = g;
-            edge += 1;
+            if (add_edge(s, b, c, at, weight, center, flags, &part) != COMPLETE) {
+                return UNCERTAIN;
+            }
+            if (add_edge(s, c, f, at, weight, center, flags, &part) != COMPLETE) {
+                return UNCERTAIN;
+            }
         }
         v += 1;
     }

@@ -3,6 +3,7 @@
 
 mod scene;
 
+use crate::believed::check_volumes;
 use crate::buffer::{failed, rooms};
 use crate::builds::Build;
 use crate::evaluate::{join_passes, on_all, on_device, shares};
@@ -154,6 +155,7 @@ impl Backend for Single {
         output.host_cells = for_host.len();
         output.device_seconds = device_seconds;
         output.passes = passes;
+        check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)
     }
 }

@@ -52,6 +52,7 @@ macro_rules! host {
 #[rustfmt::skip]
 mod table;
 
+use super::vertex::place_vertex;
 use super::{
     COMPLETE, CellStore, FACET_SECOND_MOMENTS, FACETS, FacetSecond, FacetSum, INTEGRAL, PlainStore, Plane, Real,
     SECOND_MOMENTS, Triplet, V3, begin, bisector, clip, v3,
@@ -236,6 +237,10 @@ impl<'a> Words<'a> {
             if i < NEIGHBORS {
                 clip(&mut s, plane, i as u32);
             }
+        }
+        // A work-item computes all vertices anew once it has its cell, the corners of the box among them.
+        for v in 0..s.vertices() {
+            place_vertex(&mut s, v);
         }
         for f in 0..PLANES {
             let x = Real::from(f);

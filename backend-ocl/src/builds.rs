@@ -14,7 +14,6 @@ const ALONE: Text = Text { entries: &["evaluate.cl"], prelude: "prelude.cl", sto
 const TOGETHER: Text = Text { entries: &["lanes_evaluate.cl"], prelude: "prelude.cl", store: Some("lanes_store.cl") };
 
 /// How lanes talk, by itself.
-#[cfg(any(test, feature = "test-util"))]
 const TRIAL: Text = Text { entries: &["lanes_trial.cl"], prelude: "prelude.cl", store: None };
 
 /// A cell in single precision.
@@ -29,7 +28,6 @@ const PARITY: Text = Text { entries: &["generated/parity.cl"], prelude: "prelude
 pub(crate) enum Build {
     Grid,
     Cells(Way, Asked),
-    #[cfg(any(test, feature = "test-util"))]
     Trial(Lanes),
     Single(Capacities),
     /// With the numbers of half-spaces, vertices and neighbors that calls are made for.
@@ -55,8 +53,10 @@ pub(crate) enum Lanes {
     #[cfg(any(test, feature = "test-util"))]
     One,
     /// A sub-group of so many.
-    #[cfg(any(test, feature = "test-util"))]
     SubGroup(u32),
+    /// The same, by a compiler that does not optimise: a CPU's, which takes minutes where it does, in tests.
+    #[cfg(any(test, feature = "test-util"))]
+    SubGroupAsWritten(u32),
 }
 
 impl Lanes {
@@ -65,16 +65,18 @@ impl Lanes {
             Self::Warp => 32,
             #[cfg(any(test, feature = "test-util"))]
             Self::One => 1,
-            #[cfg(any(test, feature = "test-util"))]
             Self::SubGroup(count) => count as usize,
+            #[cfg(any(test, feature = "test-util"))]
+            Self::SubGroupAsWritten(count) => count as usize,
         }
     }
 
     /// Options of the compiler.
     const fn options(self) -> &'static str {
         match self {
+            Self::SubGroup(_) => " -D WITH_SUBGROUPS=1 -cl-std=CL3.0",
             #[cfg(any(test, feature = "test-util"))]
-            Self::SubGroup(_) => " -D WITH_SUBGROUPS=1 -cl-std=CL3.0 -cl-opt-disable",
+            Self::SubGroupAsWritten(_) => " -D WITH_SUBGROUPS=1 -cl-std=CL3.0 -cl-opt-disable",
             _ => "",
         }
     }
@@ -226,7 +228,6 @@ impl Build {
             Self::Grid => GRID,
             Self::Cells(Way::Alone(_), _) => ALONE,
             Self::Cells(Way::Together(..), _) => TOGETHER,
-            #[cfg(any(test, feature = "test-util"))]
             Self::Trial(_) => TRIAL,
             Self::Single(_) => SINGLE,
             #[cfg(any(test, feature = "test-util"))]
@@ -266,7 +267,6 @@ impl Build {
                 flags.extend(parts(*asked));
                 flags
             }
-            #[cfg(any(test, feature = "test-util"))]
             Self::Trial(lanes) => vec![Flag::Lanes(lanes.count() as u32)],
             Self::Single(room) => room_of(room),
             #[cfg(any(test, feature = "test-util"))]
@@ -280,7 +280,6 @@ impl Build {
     pub(crate) fn options(&self) -> String {
         let (lanes, registers) = match self {
             Self::Cells(Way::Together(lanes, stage), _) => (Some(lanes), stage.shape().registers),
-            #[cfg(any(test, feature = "test-util"))]
             Self::Trial(lanes) => (Some(lanes), None),
             _ => (None, None),
         };

@@ -11,6 +11,7 @@ use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
 use crate::interface::data::{Counters, Params};
 use crate::interface::kernels::MeasureClearances;
+use crate::lanes;
 use crate::params::Shared;
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
@@ -110,12 +111,18 @@ impl Device {
         let id = found.id.0;
         let (context, queue) = platform::open(found)?;
         let grid_kernels = GridKernels::build(&context, id)?;
+        // (On a CPU one work-item a cell is many times faster than sub-groups, which are loops there: BENCHMARKS.md.)
+        let together = match found.info.is_gpu {
+            true if found.has_warps() => Some(Lanes::Warp),
+            true => lanes::sub_group(id, &context, &queue),
+            false => None,
+        };
         let mut memory = Memory::new();
         memory.shells.fill(&context, &queue, &shells::table())?;
         Ok(Self {
             id,
             name: found.info.name.clone(),
-            together: found.shares_cells().then_some(Lanes::Warp),
+            together,
             precision,
             memory_size: found.info.memory,
             context,
@@ -134,6 +141,20 @@ impl Device {
         })
     }
 
+    /// Whether several work-items compute a cell together.
+    pub(crate) fn shares_cells(&self) -> bool {
+        self.together.is_some()
+    }
+
+    /// Lets one work-item compute each cell from now on; whether sub-groups did before.
+    pub(crate) fn leave_sub_groups(&mut self) -> bool {
+        let leaves = matches!(self.together, Some(Lanes::SubGroup(_)));
+        if leaves {
+            self.together = None;
+        }
+        leaves
+    }
+
     /// Lets one work-item compute a cell as several would; whether that is not how the device does it anyway.
     #[cfg(feature = "test-util")]
     pub(crate) fn share_cells(&mut self) -> bool {
@@ -145,7 +166,7 @@ impl Device {
     /// Lets a sub-group compute a cell together; whether the device has any, and does not do so anyway.
     #[cfg(feature = "test-util")]
     pub(crate) fn share_in_sub_groups(&mut self) -> bool {
-        let lanes = crate::lanes::sub_group(self.id, &self.context, &self.queue);
+        let lanes = lanes::sub_group_as_written(self.id, &self.context, &self.queue);
         lanes.is_some() && std::mem::replace(&mut self.together, lanes).is_none()
     }
 

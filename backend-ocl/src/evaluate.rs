@@ -21,11 +21,16 @@ use std::sync::{Mutex, PoisonError};
 /// # Errors
 /// As [`Ocl::new`].
 pub fn open(choice: &DeviceChoice, precision: Precision) -> Result<Box<dyn Backend>> {
-    let shares_cells = |found: &Found| found.shares_cells() && found.unusable(Precision::F64).is_none();
-    if precision == Precision::F32 && !choose(choice, precision)?.iter().all(shares_cells) {
+    let may_share = |found: &Found| found.info.is_gpu && found.unusable(Precision::F64).is_none();
+    if precision == Precision::F32 && !choose(choice, precision)?.iter().all(may_share) {
         return Ok(Box::new(Single::new(choice)?));
     }
-    Ok(Box::new(Ocl::new(choice, precision)?))
+    let mut opened = Ocl::new(choice, precision)?;
+    let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
+    if precision == Precision::F32 && !devices.iter().all(Device::shares_cells) {
+        return Ok(Box::new(Single::new(choice)?));
+    }
+    Ok(Box::new(opened))
 }
 
 /// The OpenCL backend.
@@ -100,12 +105,25 @@ impl Backend for Ocl {
                 "integrand: a device cannot call a function: give the coefficients of a polynomial, or compute on the CPU (--backend cpu)",
             ));
         }
+        let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
+        let computed = self.compute(diagram, request, &mut devices);
+        // Sub-groups are whatever a driver makes of them: where they fail, or what they answer is not believed, each cell is one work-item's.
+        let has_failed = matches!(&computed, Err(error) if error.kind() == ErrorKind::Device);
+        let mut leaves = false;
+        for device in devices.iter_mut().filter(|_| has_failed) {
+            leaves |= device.leave_sub_groups();
+        }
+        if leaves { self.compute(diagram, request, &mut devices) } else { computed }
+    }
+}
+
+impl Ocl {
+    fn compute(&self, diagram: &PowerDiagram, request: &Request, devices: &mut [Device]) -> Result<Output> {
         let container = diagram.framed_container()?;
         let integrand = request.integral.as_ref().map(|f| f.framed(&container.frame)).transpose()?;
-        let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let name: fn(&Device) -> &String = |device| &device.name;
         // Every device orders all sites for itself: its cells are cut by others' sites.
-        let sorted = on_all(&mut devices, name, &|_, device| {
+        let sorted = on_all(devices, name, &|_, device| {
             device.load(diagram, &container, request, integrand.as_ref())?;
             device.sort(diagram, &container)
         })?;
@@ -113,11 +131,11 @@ impl Backend for Ocl {
         let sites = diagram.positions().len();
         let prepared = if sorted.contains(&None) { Some(diagram.prepare()?) } else { None };
         if let Some(prepared) = &prepared {
-            count = on_all(&mut devices, name, &|_, device| device.take(prepared))?.first().copied();
+            count = on_all(devices, name, &|_, device| device.take(prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
         let mut computed =
-            on_all(&mut devices, name, &|i, device| device.compute(request, sites, shares[i].clone(), shares.len()))?;
+            on_all(devices, name, &|i, device| device.compute(request, sites, shares[i].clone(), shares.len()))?;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
 
         let mut assembler = Assembler::new(diagram, &container, request);

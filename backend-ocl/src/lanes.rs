@@ -2,7 +2,7 @@
 
 use crate::buffer::Room;
 use crate::builds::{Build, Lanes};
-use crate::interface::parity::TryLanes;
+use crate::interface::kernels::TryLanes;
 use crate::launch::Kernel;
 use crate::program::compile;
 use laguerre_core::Result;
@@ -14,6 +14,9 @@ use opencl3::types::cl_device_id;
 /// Sizes of sub-groups that are tried: vertices of a cell are shared out among 32 best, and more have no place in a number's bits.
 const SIZES: [u32; 3] = [32, 16, 8];
 
+/// Local memory that the cells of a group take, at most.
+const LOCAL_MEMORY: u64 = 48 << 10;
+
 /// Cells of a group that tries lanes (`lanes_trial.cl`), and groups.
 const CELLS: usize = 4;
 const GROUPS: usize = 16;
@@ -23,12 +26,25 @@ const EXTENSIONS: [&str; 2] = ["cl_khr_subgroup_ballot", "cl_khr_subgroup_shuffl
 
 /// The largest sub-group of the device that is what the kernels take it for, if there is one.
 pub(crate) fn sub_group(id: cl_device_id, context: &Context, queue: &CommandQueue) -> Option<Lanes> {
-    let extensions = Device::new(id).extensions().ok()?;
+    first_right(SIZES.map(Lanes::SubGroup), id, context, queue)
+}
+
+/// The smallest for tests on a CPU, where fewer lanes take less time, by a compiler that does not optimise.
+#[cfg(feature = "test-util")]
+pub(crate) fn sub_group_as_written(id: cl_device_id, context: &Context, queue: &CommandQueue) -> Option<Lanes> {
+    let [large, middle, small] = SIZES;
+    first_right([small, middle, large].map(Lanes::SubGroupAsWritten), id, context, queue)
+}
+
+fn first_right(lanes: [Lanes; 3], id: cl_device_id, context: &Context, queue: &CommandQueue) -> Option<Lanes> {
+    let device = Device::new(id);
+    let extensions = device.extensions().ok()?;
     let has = |name: &&str| extensions.split_whitespace().any(|word| word == *name);
+    if !EXTENSIONS.iter().all(has) || device.local_mem_size().ok()? < LOCAL_MEMORY {
+        return None;
+    }
     // (A size that the device does not have does not build, or is answered by another.)
-    let is_right = |size: &u32| are_right(Lanes::SubGroup(*size), id, context, queue).unwrap_or(false);
-    let size = EXTENSIONS.iter().all(has).then(|| SIZES.into_iter().find(is_right))??;
-    Some(Lanes::SubGroup(size))
+    lanes.into_iter().find(|&lanes| are_right(lanes, id, context, queue).unwrap_or(false))
 }
 
 fn are_right(lanes: Lanes, id: cl_device_id, context: &Context, queue: &CommandQueue) -> Result<bool> {

@@ -11,7 +11,6 @@ mod fallback;
 mod grid;
 mod handle;
 mod interface;
-#[cfg(feature = "test-util")]
 mod lanes;
 mod launch;
 mod params;

@@ -29,8 +29,8 @@ impl Found {
         self.info.unusable.as_deref().filter(|&why| precision == Precision::F64 || why != NO_DOUBLES)
     }
 
-    /// Whether work-items compute a cell together on it: a GPU behind NVIDIA's own driver, whose assembler is known.
-    pub(crate) fn shares_cells(&self) -> bool {
+    /// Whether its work-items run in warps whose assembler is known: a GPU behind NVIDIA's own driver.
+    pub(crate) fn has_warps(&self) -> bool {
         self.info.is_gpu && self.info.platform == "NVIDIA CUDA"
     }
 }

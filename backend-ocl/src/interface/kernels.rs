@@ -182,4 +182,9 @@ kernels! {
         input windings: i32,
         output abouts: [i32; 2],
     }
+
+    kernel TryLanes = try_lanes {
+        /// 1 for each work-item for which all is right.
+        output right: u32,
+    }
 }

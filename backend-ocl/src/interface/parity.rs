@@ -1,4 +1,4 @@
-//! The kernels of tests: those that call single functions on random words, and the one that tries how lanes talk.
+//! The kernels of tests, which call single functions on random words.
 
 use super::data::Params;
 use super::table::kernels;
@@ -15,10 +15,5 @@ kernels! {
         output outputs: u64,
         value output_width: u32,
         value count: u32,
-    }
-
-    kernel TryLanes = try_lanes {
-        /// 1 for each work-item for which all is right.
-        output right: u32,
     }
 }

@@ -2,9 +2,10 @@
 // sub-groups; others WITH_SUBGROUPS; or one alone, with which any device can run the same text and find the same cells. At most 32, a bit of a number
 // each; all call these functions at the same time.
 //
-// Sub-groups are for tests so far. On Intel's OpenCL for CPUs (`intel-opencl-rt`) 32 lanes give the oracle's cells where its compiler does not optimise
-// (work-items then go on alone from one exchange to the next, which finds a wait that is missing); where it does, some starts of the same program give
-// 1 % of wrong cells, with 16 lanes too, with 8 not seen. More waits change nothing, nor does another way to round upward, or that all is inlined.
+// Sub-groups are for GPUs, where a trial of them is right (`lanes_trial.cl`), and for tests on CPUs, which the suite is held to with 8 lanes by Intel's
+// OpenCL (`intel-opencl-rt`). Its compiler, where it optimises, makes wrong cells of functions that are not inlined: the normals of a box's faces, given to
+// `set_box_plane` by value, had what the stack held in place of their zeros (of 2,000 white cells 300 were wrong with 8 lanes, others in each call). With all
+// inlined none is (8 and 32 lanes).
 
 #if LANES > 1u
 // Before a loop over words or places that have to stay in registers.

@@ -28,9 +28,14 @@ typedef double4 real4;
 #endif
 
 // What is always inlined in Rust, and what had better be one piece of code: it is called from several places, and large. In between is what
-// Rust may inline: worth it where lanes share the work of a cell, and not where each work-item has all of it.
+// Rust may inline: worth it where lanes share the work of a cell, and not where each work-item has all of it. In sub-groups nothing is a piece of code of
+// its own: Intel's compiler for CPUs loses what is 0 of a struct that is given by value to a function which is not inlined (`lanes_talk.cl`).
 #define INLINE static inline
+#if WITH_SUBGROUPS
+#define OUTLINE INLINE
+#else
 #define OUTLINE static __attribute__((noinline))
+#endif
 #ifdef LANES
 #define HOT INLINE
 #else

@@ -373,6 +373,9 @@ typedef struct {
     __global const int *windings, \
     __global int2 *abouts
 
+#define TRY_LANES_ARGUMENTS \
+    __global uint *right
+
 // backend-ocl/src/interface/parity.rs
 
 // All that `parity.cl` has: the words of each of `count` calls stand in a row; `table` begins with where its parts do.
@@ -386,9 +389,6 @@ typedef struct {
     __global ulong *outputs, \
     uint output_width, \
     uint count
-
-#define TRY_LANES_ARGUMENTS \
-    __global uint *right
 
 // Sizes as on the host: a compiler that pads does not build this.
 typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];

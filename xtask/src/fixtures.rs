@@ -7,6 +7,8 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::thread;
 
+use crate::run::root;
+
 /// What `fixtures/` holds that is made here.
 const MADE: [&str; 3] = ["sites", "meshes", "answers"];
 
@@ -165,10 +167,6 @@ fn failed(path: &Path, error: &std::io::Error) -> String {
 
 fn cargo() -> std::ffi::OsString {
     env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 /// Where cargo builds: relative to where this was called.

@@ -3,6 +3,7 @@
 
 mod codegen;
 mod fixtures;
+mod lanes;
 mod paper;
 mod run;
 
@@ -15,6 +16,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
 
   test [FILTER…]   all tests of the workspace, doc tests and the conformance suite of every backend included;
                    LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
+  lanes            the conformance suite where work-items share a cell in sub-groups, on Intel's OpenCL for CPUs, which it installs
+                   into target/ (225 MB from PyPI; needs Python and an x86-64; 13 minutes on 2 cores)
   check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; generated text as it
                    should be
   codegen          the OpenCL C of core/src/cell/ and of backend-ocl/src/interface/; with --check only says whether it is up to date
@@ -28,6 +31,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words[..] {
         ["test", ref filters @ ..] => test(filters),
+        ["lanes"] => lanes::run(),
         ["check"] => check(),
         ["fixtures"] => fixtures::run(),
         ["fixtures", "--worst"] => fixtures::worst(),

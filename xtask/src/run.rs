@@ -4,6 +4,7 @@ use std::env;
 use std::fmt;
 use std::io::{BufRead, BufReader};
 use std::ops::AddAssign;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Tests that passed, failed and were ignored.
@@ -59,9 +60,14 @@ fn command(arguments: &[&str], variables: &[(&str, &str)]) -> Command {
     // Cargo says which cargo started this program.
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).envs(variables.iter().copied());
-    // The workspace's root: tests and checks are of the whole, from wherever they are asked for.
-    command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    // Tests and checks are of the whole, from wherever they are asked for.
+    command.current_dir(root());
     command
+}
+
+/// The workspace's root.
+pub(crate) fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
 /// The counts of a line `test result: ok. 4 passed; 1 failed; 0 ignored; …`, if it is one.

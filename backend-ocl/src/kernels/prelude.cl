@@ -27,8 +27,8 @@ typedef double4 real4;
 #define ROLLED
 #endif
 
-// What is always inlined in Rust, and what had better be one piece of code: it is called from several places, and large. In between is what
-// Rust may inline: worth it where lanes share the work of a cell, and not where each work-item has all of it. In sub-groups nothing is a piece of code of
+// What is inlined, and what had better be one piece of code: it is called from several places, and large (`outline` in the Rust text). In between is what
+// to inline is worth it where lanes share the work of a cell, and not where each work-item has all of it (`hot`). In sub-groups nothing is a piece of code of
 // its own: Intel's compiler for CPUs loses what is 0 of a struct that is given by value to a function which is not inlined (`lanes_talk.cl`).
 #define INLINE static inline
 #if WITH_SUBGROUPS

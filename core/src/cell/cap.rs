@@ -26,6 +26,7 @@ const WORTH_A_CAP: Real = 1.1;
 
 /// Cuts off, cap by cap, what lies outside the domain, until no vertex is farther from the site than `radius`, or what is cannot be cut
 /// off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
+#[cfg_attr(opencl, outline)]
 pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
     if (s.has_domain() == 0) || !(radius > 0.0) {
         return UNTOUCHED;
@@ -60,6 +61,7 @@ pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
 
 /// The distance that is tried next: in small steps up to the radius, then in large ones.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn next_distance(distance: Real, radius: Real) -> Real {
     if distance < radius {
         return 1.2 * distance;
@@ -68,6 +70,7 @@ pub(super) fn next_distance(distance: Real, radius: Real) -> Real {
 }
 
 /// The position of the vertex that is farthest from the site.
+#[cfg_attr(opencl, outline)]
 pub(super) fn farthest_position<S: CellStore>(s: &S) -> V3 {
     let mut far: V3 = s.position(0);
     let mut v: u32 = 1;
@@ -83,6 +86,7 @@ pub(super) fn farthest_position<S: CellStore>(s: &S) -> V3 {
 
 /// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
 /// part of it that has something of the cell.
+#[cfg_attr(opencl, outline)]
 pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) -> u32 {
     let mut low: V3 = direction;
     let mut high: V3 = direction;
@@ -102,6 +106,7 @@ pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) 
 /// Widens `[low, high]`, if vertex `v` has `direction·x ≥ height`, by that vertex, and by where the ways to it from all vertices that have not
 /// come to have: what of the cell has lies between such. (All by less than `height`, by a margin.)
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn add_to_part<S: CellStore>(s: &S, v: u32, direction: V3, height: Real, low: &mut V3, high: &mut V3) {
     let below: Real = height - (CAP_MARGIN * height);
     let p: V3 = s.position(v);
@@ -126,6 +131,7 @@ pub(super) fn add_to_part<S: CellStore>(s: &S, v: u32, direction: V3, height: Re
 
 /// Widens `[low, high]` by all roundings, `radius` the vertices' largest error; 0 where they are too large to tell. No vertex is farther than
 /// `direction`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn widen_part<S: CellStore>(
     s: &S,
     direction: V3,
@@ -147,6 +153,7 @@ pub(super) fn widen_part<S: CellStore>(
 
 /// Whether (1) all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
 /// the domain, each of `ALL_PARTS` parts of it that the cell has something of, of which only every `step`th from `first` on is looked at.
+#[cfg_attr(opencl, outline)]
 pub(super) fn boxes_are_outside<S: CellStore>(
     s: &S,
     direction: V3,
@@ -183,6 +190,7 @@ pub(super) fn boxes_are_outside<S: CellStore>(
 
 /// Whether (1) the domain's winding number is 0 all over the box `[low, high]`.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn box_is_outside<S: CellStore>(s: &S, low: V3, high: V3) -> u32 {
     let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
     let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
@@ -195,6 +203,7 @@ pub(super) fn box_is_outside<S: CellStore>(s: &S, low: V3, high: V3) -> u32 {
 
 /// Whether (1) a box about `middle` certainly has nothing of the cell with `direction·x ≥ height`.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn box_misses_part<S: CellStore>(s: &S, direction: V3, height: Real, middle: V3, halves: V3) -> u32 {
     if (dot(direction, middle) + reach_along(direction, halves)) < (height - (CAP_MARGIN * height)) {
         return 1;

@@ -13,6 +13,7 @@ use super::wide::sign_of_conflict;
 /// Starts the cell as the box with minimum corner `lo` and maximum corner `hi`, in the frame of the site.
 ///
 /// Planes 0 to 5 keep x ≥ lo.x, x ≤ hi.x, y ≥ lo.y, y ≤ hi.y, z ≥ lo.z, z ≤ hi.z.
+#[cfg_attr(opencl, outline)]
 pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
     if (s.cap_p() < 6) || (s.cap_v() < 8) {
         return P_FULL;
@@ -27,6 +28,7 @@ pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
 }
 
 /// The six planes of the box; its corners are still to be placed.
+#[cfg_attr(opencl, outline)]
 pub(super) fn set_box_planes<S: CellStore>(s: &mut S, lo: V3, hi: V3) {
     set_box_plane(s, 0, v3(1.0, 0.0, 0.0), -lo.x);
     set_box_plane(s, 1, v3(-1.0, 0.0, 0.0), hi.x);
@@ -41,6 +43,7 @@ pub(super) fn set_box_planes<S: CellStore>(s: &mut S, lo: V3, hi: V3) {
 /// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z. The faces
 /// are at right angles, so that nothing is rounded.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn place_corner<S: CellStore>(s: &mut S, v: u32) {
     let on_x: u32 = v & 1;
     let on_y: u32 = (v >> 1) & 1;
@@ -64,6 +67,7 @@ pub(super) fn place_corner<S: CellStore>(s: &mut S, v: u32) {
     s.set_position(v, position, (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(position));
 }
 
+#[cfg_attr(opencl, outline)]
 pub(super) fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {
     s.set_plane(f, Plane { n: n, d: d });
     s.set_tag(f, TAG_BOX);
@@ -72,6 +76,7 @@ pub(super) fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {
 
 /// Clips the cell by `plane`, keeping the side where `n·x + d ≥ 0`; `tag` says whose plane it is. Returns `CUT`, `UNTOUCHED`,
 /// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again.
+#[cfg_attr(opencl, outline)]
 pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
     if s.planes() == s.cap_p() {
         compact_planes(s);
@@ -186,6 +191,7 @@ pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
 }
 
 /// Decides every uncertain mark against plane `k` by the exact sign.
+#[cfg_attr(opencl, outline)]
 pub(super) fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
     let mut v: u32 = 0;
     while v < s.vertices() {
@@ -211,6 +217,7 @@ pub(super) fn toggle_link<S: CellStore>(s: &mut S, f: u32, change: u32) {
     s.set_link(f, link);
 }
 
+#[cfg_attr(opencl, outline)]
 pub(super) fn clear_links<S: CellStore>(s: &mut S) {
     let mut f: u32 = 0;
     while f < s.planes() {
@@ -220,6 +227,7 @@ pub(super) fn clear_links<S: CellStore>(s: &mut S) {
 }
 
 /// Finds a directed edge a→b of a marked vertex whose reverse belongs to no marked vertex.
+#[cfg_attr(opencl, outline)]
 pub(super) fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut Triplet) {
     let mut v: u32 = s.next_conflict(0, end);
     while v < end {
@@ -261,6 +269,7 @@ pub(super) fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32
 }
 
 /// Drops the planes that no vertex lies on and renumbers the others in order.
+#[cfg_attr(opencl, outline)]
 pub fn compact_planes<S: CellStore>(s: &mut S) {
     let mut v: u32 = 0;
     while v < s.vertices() {

@@ -24,6 +24,7 @@ pub(super) struct TruncatedCone {
 }
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn add_cone<S: CellStore>(
     s: &mut S,
     t: u32,
@@ -70,6 +71,7 @@ pub(crate) fn add_cone<S: CellStore>(
 }
 
 /// Clips by the three sides; `COMPLETE` where something is left.
+#[cfg_attr(opencl, outline)]
 pub(super) fn clip_by_sides<S: CellStore>(s: &mut S, cone: TruncatedCone) -> u32 {
     let mut status: u32 = clip(s, cone.side_0, TAG_CONE);
     if (status == CUT) || (status == UNTOUCHED) {
@@ -86,6 +88,7 @@ pub(super) fn clip_by_sides<S: CellStore>(s: &mut S, cone: TruncatedCone) -> u32
 
 /// Adds the part of triangle `t` within the cell to the boundary's sums: the facet on the triangle's plane of the cell's intersection
 /// with the prism behind it. (The cone would do, but its sides can be nearly parallel to the triangle.)
+#[cfg_attr(opencl, outline)]
 pub(crate) fn add_surface<S: CellStore>(s: &mut S, t: u32, apex: Voxel, center: V3, sums: &mut CellSums) -> u32 {
     let mut prism: TruncatedCone = no_cone();
     if make_prism(s, t, apex, &mut prism) != COMPLETE {
@@ -134,6 +137,7 @@ pub(super) fn all_in_conflict<S: CellStore>(s: &mut S, k: u32, plane: Plane) -> 
 }
 
 /// The truncated cone over triangle `t` from corner `apex`, in the frame of the site.
+#[cfg_attr(opencl, outline)]
 pub(super) fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedCone) -> u32 {
     let triangle: Triangle = s.triangle(t);
     let a: V3 = s.domain_point(triangle.a);
@@ -162,6 +166,7 @@ pub(super) fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut
 }
 
 /// No cone yet.
+#[cfg_attr(opencl, outline)]
 pub(super) fn no_cone() -> TruncatedCone {
     return TruncatedCone {
         sign: 0.0,
@@ -175,6 +180,7 @@ pub(super) fn no_cone() -> TruncatedCone {
 
 /// The prism over triangle `t`, in the frame of the site, on the side that the cone from `apex` keeps: where the surface touches
 /// the cell, both then decide alike.
+#[cfg_attr(opencl, outline)]
 pub(super) fn make_prism<S: CellStore>(s: &mut S, t: u32, apex: Voxel, prism: &mut TruncatedCone) -> u32 {
     let triangle: Triangle = s.triangle(t);
     let a: V3 = s.domain_point(triangle.a);
@@ -215,6 +221,7 @@ pub(super) fn side_over_edge(i: u32, j: u32, p: V3, q: V3, o: V3, o_in: V3, sign
 const CONE_SIGN_ERROR: Real = (7.0 + (56.0 * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF;
 
 /// The exact sign of `det(a − o, b − o, c − o)`, given the rounded differences.
+#[cfg_attr(opencl, outline)]
 pub(super) fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: V3, c: V3) -> i32 {
     let sign: i32 = filtered_sign(a, b, c);
     if sign == SIGN_UNKNOWN {
@@ -225,6 +232,7 @@ pub(super) fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: 
 
 /// The sign of the determinant of three differences of points, given rounded; never 0, but `SIGN_UNKNOWN` where floating point cannot tell.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn filtered_sign(a: V3, b: V3, c: V3) -> i32 {
     let det: Real = dot(a, cross(b, c));
     let abs_b: V3 = magnitudes(b);

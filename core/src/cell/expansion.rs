@@ -23,6 +23,7 @@ pub(super) struct Expansion {
 const EXPANSION_SMALLEST: Real = 1e-60;
 
 /// The sign of the 4×4 determinant with rows `[n | d]`, exactly, or `SIGN_UNKNOWN` where a product could underflow.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn expansion_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
     if (((is_tiny(a) + is_tiny(b)) + is_tiny(c)) + is_tiny(e)) != 0 {
         return SIGN_UNKNOWN;
@@ -47,6 +48,7 @@ pub(crate) fn expansion_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
 
 /// The point where three planes meet, each component within a rounding of the exact one: quotients of determinants (Cramer),
 /// each exact before it is rounded. `UNCERTAIN` where a product could underflow, or the normals are dependent.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn expansion_position(a: Plane, b: Plane, c: Plane, position: &mut V3) -> u32 {
     if ((is_tiny(a) + is_tiny(b)) + is_tiny(c)) != 0 {
         return UNCERTAIN;
@@ -82,6 +84,7 @@ pub(super) fn is_tiny_number(x: Real) -> u32 {
 }
 
 /// Adds `(x_0 y_1 − x_1 y_0)·(z_2 w_3 − z_3 w_2)`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_minors(
     sum: &mut Expansion,
     x0: Real,
@@ -104,6 +107,7 @@ pub(super) fn add_minors(
 }
 
 /// Adds `p·q`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_four(sum: &mut Expansion, p: Wide, q: Wide) {
     add_product(sum, p.lo, q.lo);
     add_product(sum, p.lo, q.hi);
@@ -123,6 +127,7 @@ pub(super) fn add_product(sum: &mut Expansion, x: Real, y: Real) {
 }
 
 /// Adds one number: it passes through the terms from the smallest on and leaves each sum's rounding error behind.
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_number(sum: &mut Expansion, x: Real) {
     let mut carried: Real = x;
     let mut kept: u32 = 0;
@@ -144,6 +149,7 @@ pub(super) fn add_number(sum: &mut Expansion, x: Real) {
 }
 
 /// The value rounded to double-double; the sign of its `hi` is the sign of the sum.
+#[cfg_attr(opencl, outline)]
 pub(super) fn value_of(sum: &mut Expansion) -> Wide {
     if sum.count == 0 {
         return Wide { hi: 0.0, lo: 0.0 };
@@ -159,6 +165,7 @@ pub(super) fn value_of(sum: &mut Expansion) -> Wide {
 }
 
 /// `det(a, b, c)`, exactly before it is rounded to double-double.
+#[cfg_attr(opencl, outline)]
 pub(super) fn determinant(a: V3, b: V3, c: V3) -> Wide {
     let mut sum: Expansion = Expansion { terms: [0.0; 192], count: 0 };
     add_triple(&mut sum, a.x, b.y, c.z);
@@ -171,6 +178,7 @@ pub(super) fn determinant(a: V3, b: V3, c: V3) -> Wide {
 }
 
 /// Adds `x·y·z`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_triple(sum: &mut Expansion, x: Real, y: Real, z: Real) {
     let p: Wide = product_exact(x, y);
     add_product(sum, p.lo, z);

@@ -49,6 +49,7 @@ const SHARE_OF_NO_FACET: Real = 0.0625;
 const BOUNDS_OF_NEGATIVE: Real = 1.0;
 
 /// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
+#[cfg_attr(opencl, outline)]
 pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
     if (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(BOUNDS_OF_NEGATIVE * sum.rounding)) {
         return 1;
@@ -82,6 +83,7 @@ pub(super) fn area_of_triangle(f: Side, to_foot: V3, to_vertex: V3, sign: Real) 
 }
 
 /// The sums of the facet of plane `index` alone.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
     *sum = FacetSum::default();
     let f: Side = side(s, index, center);
@@ -116,6 +118,7 @@ pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, s
 }
 
 /// Sets the facets' sums to zero.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn reset_facets<S: CellStore>(s: &mut S, flags: u32) {
     let mut f: u32 = 0;
     while f < s.planes() {
@@ -129,6 +132,7 @@ pub(crate) fn reset_facets<S: CellStore>(s: &mut S, flags: u32) {
 
 /// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
 /// keeps the domain's inside, −1 where it keeps its outside.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
     // The surface has no negative area.
     if (facet_is_above_bound(sum) == 0) || (sum.area < 0.0) {
@@ -144,6 +148,7 @@ pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mu
 /// Adds the triangles that `integrate` adds to the facets to their second moments. By itself: few ask for it, and what all do is not to pay
 /// for that.
 #[cold]
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_facet_seconds<S: CellStore>(s: &mut S, weight: Real, center: V3) -> u32 {
     let mut v: u32 = 0;
     while v < s.vertices() {
@@ -167,6 +172,7 @@ pub(super) fn add_facet_seconds<S: CellStore>(s: &mut S, weight: Real, center: V
 }
 
 /// Adds the two triangles of one vertex and its edge (f, g).
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_edge_second<S: CellStore>(
     s: &mut S,
     f: Side,
@@ -187,6 +193,7 @@ pub(super) fn add_edge_second<S: CellStore>(
 
 /// Adds the triangle (H, I, v) to the second moments of the facet of plane `f`: `area·(HHᵀ + IIᵀ + vvᵀ + ssᵀ)/12`, `s = H + I + v`,
 /// about the point that all are relative to.
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_triangle_second<S: CellStore>(s: &mut S, f: Side, foot: V3, position: V3, sign: Real) {
     let share: Real = area_of_triangle(f, sub(foot, f.foot), sub(position, f.foot), sign) / 12.0;
     let sum: V3 = add(add(f.foot, foot), position);
@@ -197,6 +204,7 @@ pub(super) fn add_triangle_second<S: CellStore>(s: &mut S, f: Side, foot: V3, po
 }
 
 /// Moves the facets' second moments from `center` to the facets' own barycenters: `∫ (x − b)(x − b)ᵀ = ∫ xxᵀ − mmᵀ/A`, `m = ∫ x`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn center_facets<S: CellStore>(s: &mut S, center: V3) {
     let mut f: u32 = 0;
     while f < s.planes() {

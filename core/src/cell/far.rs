@@ -26,6 +26,7 @@ const LEAST_LENGTH: Real = 1e-150;
 /// are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
 /// more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visited: &mut u32) -> u32 {
     let mut at_once: u32 = first_asked;
     loop {
@@ -92,6 +93,7 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
 /// Of the vertices that are not settled, or of the first that a lane meets, that with the least key above `*key` of its squared distance from a
 /// place times `sign`, and the key; `NO_SITE` where there is none.
 #[inline]
+#[cfg_attr(opencl, hot)]
 fn next_unsettled<S: SearchStore>(s: &S, from: V3, sign: Real, key: &mut u32) -> u32 {
     let mut nearest: u32 = NO_SITE;
     let mut own: u32 = 0;
@@ -119,6 +121,7 @@ fn next_unsettled<S: SearchStore>(s: &S, from: V3, sign: Real, key: &mut u32) ->
 
 /// Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
 #[inline]
+#[cfg_attr(opencl, hot)]
 fn ask_near_first<S: SearchStore>(s: &mut S, at_once: u32) -> u32 {
     let first: Asked = s.asked(0);
     let mut asked: u32 = 1;
@@ -175,6 +178,7 @@ pub fn asked_at(largest_excess: Real, v: u32, place: V3, radius: Real) -> Asked 
 /// that may be, of which `ties` says how many. `stay` has a bit for each of the others where no site has less power or ties, but for those that
 /// it lies on.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(crate) fn least_at<S: SearchStore>(s: &mut S, asked: u32, ties: &mut u32, stay: &mut u32) -> u32 {
     let lanes: u32 = s.lanes();
     // As many leaves at a time as there are lanes for their sites.

@@ -73,6 +73,7 @@ pub(super) const SHARE_OF_NOTHING: Real = 0.125;
 /// that sum of bounds, which no rounding exceeds (16 times what it did in ten thousand cells of volume 0): few surfaces go around anything the
 /// wrong way, but those that fold over themselves do so in slabs as thin as that.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn volume_is_above_bound(sums: CellSums) -> u32 {
     if (sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding)))
         || (sums.volume < -sums.rounding)
@@ -117,6 +118,7 @@ pub(super) struct Side {
 ///
 /// `reach` is the distance to the farthest point that a plane was made from, where that is not a site beyond the plane.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(crate) fn integrate<S: CellStore>(
     s: &mut S,
     weight: Real,
@@ -346,6 +348,7 @@ pub(super) fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> 
 }
 
 /// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn reference_point<S: CellStore>(s: &S) -> V3 {
     let mut inside: u32 = 1;
     let mut f: u32 = 0;

@@ -7,6 +7,7 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, larger, norm_1, smaller
 
 /// Whether (1) no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
 /// `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
+#[cfg_attr(opencl, outline)]
 pub(super) fn surface_passes_by<S: CellStore>(
     s: &mut S,
     low: V3,
@@ -37,6 +38,7 @@ pub(super) fn surface_passes_by<S: CellStore>(
 }
 
 /// Whether (1) the site is strictly inside its cell, so that the cell's winding number is the site's.
+#[cfg_attr(opencl, outline)]
 pub(super) fn site_is_inside<S: CellStore>(s: &S) -> u32 {
     let mut f: u32 = 0;
     while f < s.planes() {
@@ -52,6 +54,7 @@ pub(super) fn site_is_inside<S: CellStore>(s: &S) -> u32 {
 /// The same for the triangles of one voxel, of which `lo` is the lowest; takes from `winding` what they add between the corner of
 /// `lo` and the site.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn voxel_passes_by<S: CellStore>(
     s: &mut S,
     voxel: Voxel,
@@ -79,6 +82,7 @@ pub(super) fn voxel_passes_by<S: CellStore>(
 ///
 /// Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn triangle_passes_by<S: CellStore>(
     s: &mut S,
     t: u32,
@@ -150,6 +154,7 @@ const FEW_ROUNDINGS: Real = 16.0 * UNIT_ROUNDOFF;
 
 /// Whether (1) all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn plane_is_apart<S: CellStore>(s: &S, a_in: V3, e: V3, f: V3) -> u32 {
     let n: V3 = cross(e, f);
     let of_normal: Real = norm_1(e) * norm_1(f);

@@ -62,6 +62,7 @@ fn largest_corner(a: V3, b: V3) -> V3 {
 
 /// The box of a node's sites.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn box_of_node<S: NodeSource>(s: &S) -> NodeBox {
     let mut bounds: NodeBox = NodeBox { lo: s.sampled_place(0), hi: s.sampled_place(0) };
     let mut i: u32 = 1;
@@ -107,6 +108,7 @@ fn square_of_matrix(m: Symmetric) -> Symmetric {
 /// A unit vector across the thinnest direction of the sampled sites: the longest of what their spread leaves of its trace, where the powers of that
 /// matrix lead.
 #[inline]
+#[cfg_attr(opencl, hot)]
 fn thinnest_direction<S: NodeSource>(s: &S) -> V3 {
     let count: u32 = s.sampled();
     let mut mean: V3 = v3(0.0, 0.0, 0.0);
@@ -171,6 +173,7 @@ fn largest_along(bounds: NodeBox, n: V3) -> Real {
 
 /// A slab that holds a node's sites, whose box is known.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn slab_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeSlab {
     let normal: V3 = thinnest_direction(s);
     let mut slab: NodeSlab = NodeSlab { normal: normal, lo: LARGEST, hi: -LARGEST, largest: 0.0 };
@@ -231,6 +234,7 @@ fn rise(w: NodeWeights, u: V3) -> Real {
 }
 
 #[inline]
+#[cfg_attr(opencl, hot)]
 fn rest_of_sampled<S: NodeSource>(s: &S, middle: V3, w: NodeWeights) -> Rest {
     let mut rest: Rest = Rest { top: -LARGEST, bottom: LARGEST };
     let mut i: u32 = 0;
@@ -245,6 +249,7 @@ fn rest_of_sampled<S: NodeSource>(s: &S, middle: V3, w: NodeWeights) -> Rest {
 
 /// The polynomial of so many coefficients that fits the sampled weights best, its constant 0; all 0 where there is none.
 #[inline]
+#[cfg_attr(opencl, hot)]
 fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unknowns: u32) -> NodeWeights {
     let count: u32 = s.sampled();
     let mut e: Equations = Equations { matrix: [0.0; 49], right: [0.0; 7] };
@@ -341,6 +346,7 @@ fn add_largest(
 
 /// An upper bound of the weights of a node's sites, whose box is known: of least degree that is tighter by enough.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn weights_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeWeights {
     let middle: V3 = scale(0.5, add(bounds.lo, bounds.hi));
     let halves: V3 = scale(0.5, sub(bounds.hi, bounds.lo));

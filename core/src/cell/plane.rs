@@ -24,12 +24,14 @@ pub fn bisector(d: V3, dw: Real) -> Plane {
 ///
 /// `lo_o × edge` is `(lo − o) × (hi − o)` without the cancellation of short edges. The triangle on the other side of the
 /// edge gets the same plane negated, to the last bit.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn cone_side(o: V3, lo_o: V3, edge: V3, sign: Real) -> Plane {
     let n: V3 = scale(sign, cross(lo_o, edge));
     return Plane { n: n, d: -dot(n, o) };
 }
 
 /// The plane of triangle `(a, b, c)`, keeping the side where `sign·(b − a)×(c − a)·(x − a) ≥ 0`.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn triangle_plane(a: V3, b: V3, c: V3, sign: Real) -> Plane {
     let n: V3 = scale(sign, cross(sub(b, a), sub(c, a)));
     return Plane { n: n, d: -dot(n, a) };
@@ -37,6 +39,7 @@ pub(crate) fn triangle_plane(a: V3, b: V3, c: V3, sign: Real) -> Plane {
 
 /// The plane through the edge from `a` to `b` of a triangle, across the triangle's own plane of normal `n`; keeps the side
 /// where `(n × (b − a))·(x − a) ≥ 0`: the triangle's, where it is counterclockwise about `n`.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn wall_over_edge(n: V3, a: V3, b: V3) -> Plane {
     let inward: V3 = cross(n, sub(b, a));
     return Plane { n: inward, d: -dot(inward, a) };

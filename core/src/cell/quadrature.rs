@@ -22,6 +22,7 @@ pub struct Node {
 /// The integral of the store's function over the present polytope; `center` is the point that the tetrahedra share.
 // Few ask for it: not to be inlined into what all do.
 #[cold]
+#[cfg_attr(opencl, outline)]
 pub(crate) fn integrate_function<S: CellStore>(s: &S, center: V3) -> Real {
     let mut sum: Wide = Wide { hi: 0.0, lo: 0.0 };
     let mut v: u32 = 0;
@@ -37,6 +38,7 @@ pub(crate) fn integrate_function<S: CellStore>(s: &S, center: V3) -> Real {
 }
 
 /// Adds the tetrahedra over the triangles that the edge (f, g) of vertex `v` has in its two facets; each edge at its later vertex.
+#[cfg_attr(opencl, outline)]
 fn add_fans_at_edge<S: CellStore>(s: &S, v: u32, f: u32, g: u32, center: V3, sum: &mut Wide) {
     let w: u32 = first_vertex_on(s, f, g, v);
     if w == v {
@@ -58,6 +60,7 @@ fn add_fans_at_edge<S: CellStore>(s: &S, v: u32, f: u32, g: u32, center: V3, sum
 }
 
 /// The first vertex below `end` that lies on both planes; `end` if there is none.
+#[cfg_attr(opencl, outline)]
 fn first_vertex_on<S: CellStore>(s: &S, f: u32, g: u32, end: u32) -> u32 {
     let mut v: u32 = 0;
     while v < end {
@@ -71,6 +74,7 @@ fn first_vertex_on<S: CellStore>(s: &S, f: u32, g: u32, end: u32) -> u32 {
 }
 
 /// Adds the integral over the tetrahedron (center, a, b, c) of sixfold signed volume `volume`.
+#[cfg_attr(opencl, outline)]
 fn add_quadrature<S: CellStore>(s: &S, volume: Real, a: V3, b: V3, c: V3, center: V3, sum: &mut Wide) {
     if volume == 0.0 {
         return;
@@ -95,6 +99,7 @@ fn add_compensated(x: Real, sum: &mut Wide) {
 }
 
 /// The store's polynomial at `x`, in the frame of the site: by Horner's scheme, in the order of `FramedIntegrand::coefficients`.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn polynomial<S: CellStore>(s: &S, x: V3) -> Real {
     let degree: u32 = s.degree();
     let y: V3 = add(sub(s.site(), s.origin()), x);

@@ -19,6 +19,7 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, add, larger, norm_max, scale, small
 ///
 /// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards, with
 /// `FACET_SECOND_MOMENTS` their second moments too.
+#[cfg_attr(opencl, outline)]
 pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, sums: &mut CellSums) -> u32 {
     *sums = CellSums::default();
     compact_planes(s);
@@ -31,6 +32,7 @@ pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, s
 }
 
 /// The same about a given point.
+#[cfg_attr(opencl, outline)]
 pub(super) fn integrate_restricted<S: CellStore>(
     s: &mut S,
     center: V3,
@@ -107,6 +109,7 @@ const MOST_WINDINGS: Real = 1e9;
 /// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
 /// can make as much of nothing as the whole cell is, no more is believed than 0 and 1 (it was −1,147,767 for a hair of 1e-15 across).
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -> u32 {
     let quotient: Real = sums.volume / whole.volume;
     let noise: Real = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
@@ -133,6 +136,7 @@ pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -
 ///
 /// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
     if volume_is_above_bound(*sums) == 0 {
         return EMPTY;
@@ -153,6 +157,7 @@ pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
 }
 
 /// Whether (1) the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
+#[cfg_attr(opencl, outline)]
 pub fn lies_outside<S: CellStore>(s: &S) -> u32 {
     if s.has_domain() == 0 {
         return 0;
@@ -164,6 +169,7 @@ pub fn lies_outside<S: CellStore>(s: &S) -> u32 {
 }
 
 /// The integrals of the whole cell, times `weight`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn integrate_whole<S: CellStore>(
     s: &mut S,
     weight: Real,
@@ -185,6 +191,7 @@ pub(super) fn integrate_whole<S: CellStore>(
 }
 
 /// The faces of the initial box are the boundary where there is no domain.
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
     let mut f: u32 = 0;
     while f < s.planes() {
@@ -197,6 +204,7 @@ pub(super) fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
 
 /// The bounding box of the vertices; returns their largest error radius.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> Real {
     *low = s.position(0);
     *high = *low;
@@ -214,6 +222,7 @@ pub(super) fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> R
 
 /// The bounding box of the cell, rounded outward.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn outer_box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) {
     let radius: Real = box_of_cell(s, low, high);
     // The vertices' error, and the rounding of moving them into the diagram's frame.
@@ -226,6 +235,7 @@ pub(super) fn outer_box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3
 
 /// The voxels that a box in the frame of the site meets.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn voxels_of_box<S: CellStore>(s: &S, low: V3, high: V3, lo: &mut Voxel, hi: &mut Voxel) {
     *lo = s.voxel_of(add(s.site(), low));
     *hi = s.voxel_of(add(s.site(), high));
@@ -233,6 +243,7 @@ pub(super) fn voxels_of_box<S: CellStore>(s: &S, low: V3, high: V3, lo: &mut Vox
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
 /// where a piece ends at its triangle.
+#[cfg_attr(opencl, outline)]
 pub(super) fn add_cones<S: CellStore>(
     s: &mut S,
     lo: Voxel,

@@ -57,6 +57,7 @@ pub struct Vantage {
 
 /// From where the cell of a store is searched: the slope and the curvature of the weights of the sites around its own.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
     let mut vantage: Vantage = Vantage { slope: v3(0.0, 0.0, 0.0), center: v3(0.0, 0.0, 0.0), lambda: 0.5 };
     if s.has_weights() == 0 {
@@ -121,6 +122,7 @@ struct Wanted {
 /// First come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
 /// own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
     let mut near: Real = 0.0;
     let mut wanted: Wanted = Wanted { above: 0, below: near_key(s, vantage, &mut near) };
@@ -188,6 +190,7 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
 
 /// The key below which sites are near; all that have one have a `reach_of_site` below `near`.
 #[inline]
+#[cfg_attr(opencl, hot)]
 fn near_key<S: SearchStore>(s: &mut S, vantage: Vantage, near: &mut Real) -> u32 {
     let all: Wanted = Wanted { above: 0, below: NO_SITE };
     let open: Open = open_path(s);
@@ -218,6 +221,7 @@ fn near_key<S: SearchStore>(s: &mut S, vantage: Vantage, near: &mut Real) -> u32
 
 /// Adds those sites of some leaves at hand that are wanted to the candidates, of which there are `count`; returns how many there are now.
 #[inline]
+#[cfg_attr(opencl, hot)]
 fn gather<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, leaves: u32, wanted: Wanted, count: u32) -> u32 {
     let mut there: u32 = count;
     let mut i: u32 = s.lane();

@@ -143,6 +143,7 @@ fn gather_voxels<S: TableStore>(s: &mut S, place: VoxelPlace, reach: Rough, next
 /// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended. `reach` is the square of
 /// its reach, afterwards.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u32) -> u32 {
     let center: V3 = v3(0.0, 0.0, 0.0);
     let place: VoxelPlace = s.place_in_voxel();

@@ -161,6 +161,7 @@ pub(crate) fn asks_by_powers<S: SearchStore>(s: &S, level: u32, node: u32, of_bl
 /// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where no vertex is asked for; else the least
 /// of the blocks is the last.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: Open) -> Open {
     let mut open: Open = given;
     let lanes: u32 = s.lanes();

@@ -43,6 +43,7 @@ pub(super) const ROUNDINGS_OF_EXACT: Real = 8.0;
 
 /// Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
     let mut position: V3 = v3(0.0, 0.0, 0.0);
     let mut radius: Real = 0.0;
@@ -58,6 +59,7 @@ pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
 ///
 /// (The rare ways out read the planes again: what is handed to a function that is not inlined cannot stay in a GPU's registers before it.)
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
     let by: Cramer = cramer(s, t);
     if !(by.det > (NEARLY_DEPENDENT * by.size)) {
@@ -97,6 +99,7 @@ pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3
 /// The position of the vertex with triplet `t` without refinement, and its error radius: enough where both are rounded to single precision
 /// anyway. `UNCERTAIN` where the normals are nearly dependent.
 #[inline]
+#[cfg_attr(opencl, hot)]
 pub fn find_vertex_once<S: CellStore>(s: &S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
     let by: Cramer = cramer(s, t);
     if !(by.det > (NEARLY_DEPENDENT * by.size)) {
@@ -155,6 +158,7 @@ pub(super) fn solve(by: Cramer, inverse: Real) -> V3 {
 }
 
 /// `n·x + d`, rounded once or little more.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn residual(plane: Plane, x: V3) -> Real {
     let first: Wide = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
     let second: Wide = wide_add(product_exact(plane.n.z, x.z), Wide { hi: plane.d, lo: 0.0 });
@@ -163,6 +167,7 @@ pub(crate) fn residual(plane: Plane, x: V3) -> Real {
 }
 
 /// `n·(c + x) + d`, rounded once or little more.
+#[cfg_attr(opencl, outline)]
 pub(super) fn residual_about(plane: Plane, c: V3, x: V3) -> Real {
     let first: Wide = wide_add(product_exact(plane.n.x, x.x), product_exact(plane.n.y, x.y));
     let second: Wide = wide_add(product_exact(plane.n.z, x.z), product_exact(plane.n.x, c.x));

@@ -45,6 +45,7 @@ const DEPENDENT: Real = 1.1368683772161603e-13;
 /// The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
 /// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Four stages: double-double,
 /// integers that wrap, expansions, and the store's own.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn sign_of_conflict<S: CellStore>(s: &mut S, v: u32, k: u32) -> i32 {
     let t: Triplet = s.triplet(v);
     let a: Plane = s.plane(t.a);
@@ -91,6 +92,7 @@ pub struct Minors {
 }
 
 /// The minors of three planes.
+#[cfg_attr(opencl, outline)]
 pub(super) fn minors_of(a: Plane, b: Plane, c: Plane) -> Minors {
     // Of columns z and d, and of x and y.
     let zd: Wide3 =
@@ -129,6 +131,7 @@ pub(super) fn minors_of(a: Plane, b: Plane, c: Plane) -> Minors {
 
 /// The sign of `det [n|d](a, b, c, e)` by the minors of a, b and c: `e_y M_y − e_x M_x + d M_d − e_z M_z`; or `SIGN_UNKNOWN`. A term passes through
 /// one minor, two products and four sums: less than in `wide_sign`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn sign_by_minors(minors: Minors, e: Plane) -> i32 {
     let first: Wide = wide_add(wide_scaled(minors.y, e.n.y), wide_scaled(minors.x, -e.n.x));
     let second: Wide = wide_add(wide_scaled(minors.d, e.d), wide_scaled(minors.z, -e.n.z));
@@ -151,6 +154,7 @@ fn sign_beyond(sum: Wide, size: Real) -> i32 {
 }
 
 /// The sign of `det [n|d](a, b, c, e)` by double-double arithmetic, or `SIGN_UNKNOWN`.
+#[cfg_attr(opencl, outline)]
 pub(super) fn wide_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
     // Laplace expansion along the first two columns: x, y against z, d.
     let mut sum: Wide = Wide { hi: 0.0, lo: 0.0 };
@@ -248,6 +252,7 @@ pub(crate) fn sum_exact(a: Real, b: Real) -> Wide {
 }
 
 /// `a/b`, rounded to one number: within a rounding and a little of the exact quotient.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn wide_quotient(a: Wide, b: Wide) -> Real {
     let first: Real = a.hi / b.hi;
     let product: Wide = multiply(Wide { hi: first, lo: 0.0 }, b);
@@ -256,6 +261,7 @@ pub(crate) fn wide_quotient(a: Wide, b: Wide) -> Real {
 }
 
 /// The position of the vertex of three planes by Cramer's rule in double-double, and its error radius; `UNCERTAIN` where their normals are dependent.
+#[cfg_attr(opencl, outline)]
 pub(crate) fn wide_position(a: Plane, b: Plane, c: Plane, position: &mut V3, radius: &mut Real) -> u32 {
     let size_a: Real = norm_1(a.n);
     let size_b: Real = norm_1(b.n);

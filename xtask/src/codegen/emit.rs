@@ -41,7 +41,7 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                 comments(&mut parts.types, &constant.attrs);
                 let ty = emitter.type_name(&constant.ty)?;
                 let define = |value: &str| format!("#define {} (({ty}){})\n", constant.ident, grouped(value));
-                match argument(unit, "single", &constant.attrs)? {
+                match argument(unit, "single", &said(unit, &constant.attrs, &["single"])?)? {
                     None => parts.types.push_str(&define(&value)),
                     Some(single) => {
                         let single = define(&format!("REAL({single})"));
@@ -71,7 +71,7 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
                 parts.functions.push('\n');
                 comments(&mut parts.functions, &function.attrs);
                 let _ = writeln!(parts.functions, "{head} {{");
-                match argument(unit, "returns", &function.attrs)? {
+                match argument(unit, "returns", &said(unit, &function.attrs, FUNCTION)?)? {
                     Some(value) => {
                         let _ = writeln!(parts.functions, "    return {value};");
                     }
@@ -104,38 +104,50 @@ pub(super) fn documentation(attrs: &[syn::Attribute]) -> Vec<String> {
     attrs.iter().filter_map(text).collect()
 }
 
-/// What `#[cfg_attr(opencl, name(…))]` says to the translator: a constant's value in single precision (`single`), or what devices return instead,
-/// because it is faster there (`returns`, as a string).
-fn argument(unit: &Unit, name: &str, attrs: &[syn::Attribute]) -> Result<Option<String>, String> {
+/// What can be said of a function.
+const FUNCTION: &[&str] = &["outline", "hot", "returns"];
+
+/// What `#[cfg_attr(opencl, …)]` says to the translator; the place allows the given names.
+fn said(unit: &Unit, attrs: &[syn::Attribute], allowed: &[&str]) -> Result<Vec<Meta>, String> {
+    let mut all = Vec::new();
     for attr in attrs.iter().filter(|attr| attr.path().is_ident("cfg_attr")) {
         let parts = attr.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated);
-        let parts = parts.or_else(|_| unit.error(attr.span(), "such attribute"))?;
-        if !parts.first().is_some_and(|condition| condition.path().is_ident("opencl")) {
+        let mut parts = parts.or_else(|_| unit.error(attr.span(), "such attribute"))?.into_iter();
+        if !parts.next().is_some_and(|condition| condition.path().is_ident("opencl")) {
             continue;
         }
-        return match parts.iter().nth(1) {
-            Some(Meta::List(list)) if list.path.is_ident(name) => match syn::parse2(list.tokens.clone()) {
-                Ok(Lit::Str(text)) => Ok(Some(text.value())),
-                Ok(Lit::Float(number)) => Ok(Some(number.to_string())),
-                _ => unit.error(list.span(), "such value"),
-            },
-            _ => unit.error(attr.span(), "such attribute"),
-        };
-    }
-    Ok(None)
-}
-
-/// Whether `#[cfg_attr(opencl, name)]` is among the attributes: of a loop, that it is not to be unrolled (`rolled`).
-fn is_marked(unit: &Unit, name: &str, attrs: &[syn::Attribute]) -> Result<bool, String> {
-    for attr in attrs {
-        let parts = attr.parse_args_with(Punctuated::<syn::Path, Token![,]>::parse_terminated);
-        let parts = parts.or_else(|_| unit.error(attr.span(), "such attribute"))?;
-        let is_it = parts.len() == 2 && parts[0].is_ident("opencl") && parts[1].is_ident(name);
-        if !attr.path().is_ident("cfg_attr") || !is_it {
-            return unit.error(attr.span(), "such attribute");
+        for part in parts {
+            if !allowed.iter().any(|name| part.path().is_ident(name)) {
+                return unit.error(part.span(), "such attribute");
+            }
+            all.push(part);
         }
     }
-    Ok(!attrs.is_empty())
+    Ok(all)
+}
+
+/// The argument of `name(…)`: a constant's value in single precision (`single`), or what devices return instead, because it is faster there
+/// (`returns`, as a string).
+fn argument(unit: &Unit, name: &str, said: &[Meta]) -> Result<Option<String>, String> {
+    let Some(part) = said.iter().find(|part| part.path().is_ident(name)) else { return Ok(None) };
+    let Meta::List(list) = part else { return unit.error(part.span(), "such attribute") };
+    match syn::parse2(list.tokens.clone()) {
+        Ok(Lit::Str(text)) => Ok(Some(text.value())),
+        Ok(Lit::Float(number)) => Ok(Some(number.to_string())),
+        _ => unit.error(list.span(), "such value"),
+    }
+}
+
+/// How a function is called: from several places as one piece of code (`outline`), inlined where lanes share a cell (`hot`), or always inlined.
+fn storage(unit: &Unit, function: &syn::ItemFn) -> Result<&'static str, String> {
+    let said = said(unit, &function.attrs, FUNCTION)?;
+    let has = |name| said.iter().any(|part| part.path().is_ident(name));
+    match (has("outline"), has("hot")) {
+        (false, false) => Ok("INLINE"),
+        (false, true) => Ok("HOT"),
+        (true, false) => Ok("OUTLINE"),
+        (true, true) => unit.error(function.sig.span(), "function that is both `outline` and `hot`"),
+    }
 }
 
 fn comments(out: &mut String, attrs: &[syn::Attribute]) {
@@ -181,12 +193,7 @@ impl<'a> Emitter<'a> {
     /// Return type, name and parameters.
     fn head(&mut self, function: &syn::ItemFn) -> Result<String, String> {
         let signature = &function.sig;
-        let inline = function.attrs.iter().find(|a| a.path().is_ident("inline"));
-        let storage = match inline.map(|a| matches!(a.meta, Meta::Path(_))) {
-            None => "OUTLINE",
-            Some(true) => "HOT",
-            Some(false) => "INLINE",
-        };
+        let storage = storage(self.unit, function)?;
         let result = match &signature.output {
             ReturnType::Default => "void".to_owned(),
             ReturnType::Type(_, ty) => self.type_name(ty)?,
@@ -285,7 +292,10 @@ impl<'a> Emitter<'a> {
                 self.put("}");
             }
             Expr::While(looped) => {
-                if is_marked(self.unit, "rolled", &looped.attrs)? {
+                if let Some(attr) = looped.attrs.iter().find(|attr| !attr.path().is_ident("cfg_attr")) {
+                    return self.unit.error(attr.span(), "such attribute");
+                }
+                if !said(self.unit, &looped.attrs, &["rolled"])?.is_empty() {
                     self.put("ROLLED");
                 }
                 let condition = self.expression(&looped.cond)?;

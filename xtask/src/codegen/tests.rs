@@ -75,7 +75,7 @@ fn the_store_is_called_and_locals_are_pointed_to() {
             return COMPLETE;
         }",
         &[
-            "OUTLINE uint f(Store *s, Sum *sum) {",
+            "INLINE uint f(Store *s, Sum *sum) {",
             "const Plane p = store_plane(s, 3);",
             "sum->count = sum->count + store_planes(s);",
             "sum->terms[sum->count] = fabs(p.d);",
@@ -103,9 +103,11 @@ fn bounds_that_have_room_are_single_and_integers_wrap_where_they_say_so() {
 
 #[test]
 fn how_much_is_inlined_is_said() {
-    assert_c("#[inline]\nfn f() {\n}", &["HOT void f() {"]);
-    assert_c("#[inline(always)]\nfn f() {\n}", &["INLINE void f() {"]);
-    assert_c("fn f() {\n}", &["OUTLINE void f() {"]);
+    assert_c("#[cfg_attr(opencl, hot)]\nfn f() {\n}", &["HOT void f() {"]);
+    assert_c("#[inline]\n#[cfg_attr(opencl, outline)]\nfn f() {\n}", &["OUTLINE void f() {"]);
+    assert_c("fn f() {\n}", &["INLINE void f() {"]);
+    let both = "#[cfg_attr(opencl, hot, outline)]\nfn f() {\n}";
+    assert!(c_of(both).unwrap_err().contains("function that is both"));
 }
 
 #[test]

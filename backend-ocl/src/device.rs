@@ -79,10 +79,10 @@ rooms! {
         counters: Counters = "counters",
         /// The cells of a pass, where they are not a range, and those it could not end.
         todo: u32 = "a list of cells",
-        boundary: u32 = "a list of cells",
-        failed: u32 = "a list of cells",
+        surface: u32 = "a list of cells",
+        later: u32 = "a list of cells",
         full: u32 = "a list of cells",
-        undecided: u32 = "a list of cells",
+        left: u32 = "a list of cells",
         /// Records of finished cells near the surface (`lanes_near.cl`).
         near: [u32; 4] = "cells near the surface",
         vast: u64 = "cells that need much room",

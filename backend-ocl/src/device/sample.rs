@@ -39,7 +39,7 @@ impl Device {
         }
         let all = Todo::Sorted(share);
         loop {
-            let failures = self.sample_of(Way::Alone(room), &all, SAMPLE)?.failed;
+            let failures = self.sample_of(Way::Alone(room), &all, SAMPLE)?.later;
             if f64::from(failures) <= MAY_FAIL * SAMPLE as f64 || room.grown().planes > MOST_PLANES {
                 return Ok(room);
             }
@@ -63,11 +63,11 @@ impl Device {
             return Ok(());
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
-        let mut beyond = first.beyond + first.boundary;
-        if beyond <= WORTH_A_TREE && first.failed > WORTH_A_TREE {
-            std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
-            let open = Todo::Listed(first.failed as usize);
-            beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.boundary;
+        let mut beyond = first.beyond + first.left;
+        if beyond <= WORTH_A_TREE && first.later > WORTH_A_TREE {
+            std::mem::swap(&mut self.memory.todo, &mut self.memory.later);
+            let open = Todo::Listed(first.later as usize);
+            beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.left;
         }
         self.shared.params.has_table = u32::from(beyond <= WORTH_A_TREE);
         Ok(())
@@ -79,7 +79,7 @@ impl Device {
             return Ok(false);
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
-        Ok(first.failed + first.boundary > MOST_OF_SAMPLE)
+        Ok(first.later + first.left > MOST_OF_SAMPLE)
     }
 
     /// Tries a way with so many of the cells, or all if they are fewer; how they ended.

@@ -101,10 +101,10 @@ impl Device {
             let together = begin.filter(|_| room == first);
             self.pass(request, room, todo, room == first, together, &mut for_host)
         })?;
-        let undecided = self.counters.undecided as usize;
-        if undecided > 0 {
-            std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
-            for_host.extend(self.callers(&Todo::Listed(undecided))?);
+        let left = self.counters.left as usize;
+        if left > 0 {
+            std::mem::swap(&mut self.memory.todo, &mut self.memory.left);
+            for_host.extend(self.callers(&Todo::Listed(left))?);
         }
         if let Some(report) = passes.first() {
             let too_many = report.failed as f64 > MAY_FAIL * report.cells as f64;
@@ -137,9 +137,7 @@ impl Device {
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * width_of(shared.params.flags))?;
         memory.rows.grow(context, if request.facets { sites } else { 1 })?;
-        for list in
-            [&mut memory.todo, &mut memory.boundary, &mut memory.failed, &mut memory.full, &mut memory.undecided]
-        {
+        for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
             list.grow(context, share)?;
         }
         let gives_near = domain.is_some() && together.is_some() && !request.facets;
@@ -206,13 +204,13 @@ impl Device {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters.full = 0;
             } else if let (Way::Together(lanes, stage @ (Stage::Single | Stage::First | Stage::Far)), 1..) =
-                (way, counters.failed)
+                (way, counters.later)
             {
                 // What most cells need is more than a few more digits.
-                let are_few = stage == Stage::Single && counters.failed as usize <= all / 2;
-                now = Todo::Listed(counters.failed as usize);
-                std::mem::swap(&mut memory.todo, &mut memory.failed);
-                counters.failed = 0;
+                let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
+                now = Todo::Listed(counters.later as usize);
+                std::mem::swap(&mut memory.todo, &mut memory.later);
+                counters.later = 0;
                 let is_tree = self.shared.params.has_table == 0;
                 let next = match stage {
                     Stage::Single if are_few => Stage::First,
@@ -220,33 +218,38 @@ impl Device {
                     _ => Stage::Exact,
                 };
                 way = Way::Together(lanes, next);
-            } else if counters.boundary > 0 {
-                now = Todo::Listed(counters.boundary as usize);
-                std::mem::swap(&mut memory.todo, &mut memory.boundary);
-                counters.boundary = 0;
+            } else if let (Way::Alone(_), 1..) = (way, counters.surface) {
+                now = Todo::Listed(counters.surface as usize);
+                std::mem::swap(&mut memory.todo, &mut memory.surface);
+                counters.surface = 0;
                 second.cells += if is_second { 0 } else { now.count() };
-                if matches!(way, Way::Together(_, Stage::Vast)) {
+                interior_only = false;
+                is_second = true;
+            } else if let (Way::Together(lanes, stage), 1..) = (way, counters.left) {
+                now = Todo::Listed(counters.left as usize);
+                std::mem::swap(&mut memory.todo, &mut memory.left);
+                counters.left = 0;
+                second.cells += if is_second { 0 } else { now.count() };
+                if stage == Stage::Vast {
                     for_host.extend(self.callers(&now)?);
                     break;
                 }
                 // Cells that reach far outside the domain are for the stage that can cut them off.
                 let cuts_outside = self.domain.is_some() && self.shared.params.has_table == 0 && !is_second;
-                way = match way {
-                    Way::Together(lanes, _) if cuts_outside && !request.facets => Way::Together(lanes, Stage::Exact),
+                way = match stage {
+                    _ if cuts_outside && !request.facets => Way::Together(lanes, Stage::Exact),
                     // (Facets of cells that the surface cuts are not computed together.)
-                    Way::Together(lanes, Stage::Far | Stage::Exact) if !request.facets => {
-                        Way::Together(lanes, Stage::Wide)
-                    }
-                    Way::Together(lanes, Stage::Wide) => Way::Together(lanes, Stage::Vast),
+                    Stage::Far | Stage::Exact if !request.facets => Way::Together(lanes, Stage::Wide),
+                    Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Alone(room),
                 };
                 interior_only = false;
                 is_second = true;
             }
         }
-        let failed = Todo::Listed(self.counters.failed as usize);
-        std::mem::swap(&mut self.memory.todo, &mut self.memory.failed);
-        self.counters.failed = 0;
+        let failed = Todo::Listed(self.counters.later as usize);
+        std::mem::swap(&mut self.memory.todo, &mut self.memory.later);
+        self.counters.later = 0;
         let neighbors = std::mem::take(&mut self.counters.visited);
         let triangles = std::mem::take(&mut self.counters.tried);
         Ok(PassOutcome { failed, neighbors, triangles, device_seconds: self.seconds - begin, second })
@@ -275,8 +278,10 @@ impl Device {
             let end = (begin + batch).min(count);
             self.shared.params.facet_base = self.results.facet_count as u64;
             self.counters.near = 0;
-            let left = |counters: &Counters| counters.boundary + counters.failed + counters.full;
-            let before = left(&self.counters);
+            // (What one work-item leaves is the host's, at the end.)
+            let is_shared = matches!(way, Way::Together(..));
+            let unended = |c: &Counters| c.surface + c.later + c.full + if is_shared { c.left } else { 0 };
+            let before = unended(&self.counters);
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
                 if !request.facets || batch <= FEWEST_CELLS {
@@ -288,12 +293,12 @@ impl Device {
                 continue;
             }
             if let (Way::Together(lanes, Stage::Single | Stage::First | Stage::Far), near @ 1..) =
-                (way, self.counters.undecided)
+                (way, self.counters.surface)
             {
                 second.cells += near as usize;
                 second.seconds += self.near_cells(lanes, near as usize)?;
             }
-            request.progress.advance((end - begin).saturating_sub((left(&self.counters) - before) as usize));
+            request.progress.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize));
             if request.facets {
                 // Beyond the room there is nothing; a gap at its end belongs to no row.
                 let written = self.counters.facets.min(self.shared.params.facet_room) as usize;
@@ -313,8 +318,8 @@ impl Device {
     /// The cells of a batch that turn out to be near the surface, while their records are there; returns the seconds it took.
     fn near_cells(&mut self, lanes: Lanes, count: usize) -> Result<f64> {
         let begin = self.seconds;
-        std::mem::swap(&mut self.memory.todo, &mut self.memory.undecided);
-        self.counters.undecided = 0;
+        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
+        self.counters.surface = 0;
         let records = Todo::Listed(count);
         match self.run(Way::Together(lanes, Stage::Surface), &records, 1, 0..count, true)? {
             Some(late) => Err(late),
@@ -417,10 +422,10 @@ impl Device {
             facets: &memory.facets,
             facet_seconds: &memory.facet_seconds,
             counters: &memory.counters,
-            boundary: &memory.boundary,
-            failed: &memory.failed,
+            surface: &memory.surface,
+            later: &memory.later,
             full: &memory.full,
-            undecided: &memory.undecided,
+            left: &memory.left,
             near: &memory.near,
             vast: &memory.vast,
         };

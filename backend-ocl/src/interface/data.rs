@@ -102,10 +102,10 @@ pub(crate) struct Range {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counters {
     /// Lengths of the lists of cells that did not end.
-    pub(crate) boundary: u32,
-    pub(crate) failed: u32,
+    pub(crate) surface: u32,
+    pub(crate) later: u32,
     pub(crate) full: u32,
-    pub(crate) undecided: u32,
+    pub(crate) left: u32,
     /// The most sites that a cell visited.
     pub(crate) visited: u32,
     /// Facet records.
@@ -114,6 +114,6 @@ pub(crate) struct Counters {
     pub(crate) tried: u32,
     /// Length of the records of cells near the surface.
     pub(crate) near: u32,
-    /// Of the failed, those that reach beyond what was searched.
+    /// Of those for later, those that reach beyond what was searched.
     pub(crate) beyond: u32,
 }

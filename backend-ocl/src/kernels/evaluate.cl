@@ -66,13 +66,13 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     if ((status != COMPLETE) && (status != EMPTY)) {
         if (status == BOUNDARY) {
-            boundary[atomic_inc(&counters->boundary)] = site;
+            surface[atomic_inc(&counters->surface)] = site;
         } else if ((status == P_FULL) || (status == V_FULL)) {
-            failed[atomic_inc(&counters->failed)] = site;
+            later[atomic_inc(&counters->later)] = site;
         } else if (status == FACETS_FULL) {
             full[atomic_inc(&counters->full)] = site;
         } else {
-            undecided[atomic_inc(&counters->undecided)] = site;
+            left[atomic_inc(&counters->left)] = site;
         }
         return;
     }

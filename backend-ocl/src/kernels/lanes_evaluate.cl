@@ -13,9 +13,6 @@
 // inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_FAR for cells that are completed by their vertices (`lanes_tree.cl`),
 // WITH_EXACT for what is open in either, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others
 // 8 %. WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
-//
-// What is left to the other kernel is listed as `boundary`, what is left to a later stage as `failed`; `undecided` lists the records of cells that are
-// given to the stage WITH_SURFACE.
 
 #import "lanes_table.cl"
 #import "lanes_near.cl"
@@ -191,17 +188,17 @@ __kernel void cells(CELLS_ARGUMENTS) {
         atomic_inc(&counters->beyond);
     }
     if ((status == OPEN) || (status == BEYOND)) {
-        failed[atomic_inc(&counters->failed)] = site;
+        later[atomic_inc(&counters->later)] = site;
         return;
     }
 #if GIVES_NEAR
     if (status == NEAR) {
-        undecided[atomic_inc(&counters->undecided)] = place;
+        surface[atomic_inc(&counters->surface)] = place;
         return;
     }
 #endif
     if ((status != COMPLETE) && (status != EMPTY)) {
-        boundary[atomic_inc(&counters->boundary)] = site;
+        left[atomic_inc(&counters->left)] = site;
         return;
     }
     outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);

@@ -160,10 +160,10 @@ typedef struct {
 // What the cells of a run count.
 typedef struct {
     // Lengths of the lists of cells that did not end.
-    uint boundary;
-    uint failed;
+    uint surface;
+    uint later;
     uint full;
-    uint undecided;
+    uint left;
     // The most sites that a cell visited.
     uint visited;
     // Facet records.
@@ -172,7 +172,7 @@ typedef struct {
     uint tried;
     // Length of the records of cells near the surface.
     uint near;
-    // Of the failed, those that reach beyond what was searched.
+    // Of those for later, those that reach beyond what was searched.
     uint beyond;
 } Counters;
 
@@ -262,10 +262,10 @@ typedef struct {
     __global FacetRecord *facets, \
     __global FacetSecond *facet_seconds, \
     volatile __global Counters *counters, \
-    __global uint *boundary, \
-    __global uint *failed, \
+    __global uint *surface, \
+    __global uint *later, \
     __global uint *full, \
-    __global uint *undecided, \
+    __global uint *left, \
     __global uint4 *near, \
     __global ulong *vast
 

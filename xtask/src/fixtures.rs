@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::thread;
 
-use crate::run::root;
+use crate::run::{root, succeed, target};
 
 /// What `fixtures/` holds that is made here.
 const MADE: [&str; 3] = ["sites", "meshes", "answers"];
@@ -152,25 +152,10 @@ fn files(folder: &Path) -> Result<Vec<String>, String> {
 }
 
 /// Runs a command to its end; what it printed.
-fn succeed(command: &mut Command) -> Result<String, String> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let output = command.output().map_err(|error| format!("{name} did not start: {error}"))?;
-    if output.status.success() {
-        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
-    }
-    Err(format!("{name}: {}", String::from_utf8_lossy(&output.stderr).trim_end()))
-}
-
 fn failed(path: &Path, error: &std::io::Error) -> String {
     format!("{}: {error}", path.display())
 }
 
 fn cargo() -> std::ffi::OsString {
     env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
-}
-
-/// Where cargo builds: relative to where this was called.
-fn target() -> PathBuf {
-    let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
-    std::path::absolute(&folder).unwrap_or(folder)
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::run::{cargo_test, root};
+use crate::run::{cargo_test, succeed, target};
 
 /// From PyPI: the runtime, and what it loads.
 const PACKAGES: [&str; 3] = ["intel-opencl-rt==2026.2.0", "intel-cmplr-lib-rt==2026.2.0", "tbb==2023.2.0"];
@@ -13,7 +13,7 @@ const PACKAGES: [&str; 3] = ["intel-opencl-rt==2026.2.0", "intel-cmplr-lib-rt==2
 const CASES: &str = "2";
 
 pub(crate) fn run() -> Result<(), String> {
-    let home = root().join("target/intel-opencl");
+    let home = target().join("intel-opencl");
     let library = home.join("lib/libintelocl.so");
     if !library.exists() {
         install(&home)?;
@@ -37,16 +37,7 @@ pub(crate) fn run() -> Result<(), String> {
 
 /// Into a folder of its own, for which nothing else looks.
 fn install(home: &Path) -> Result<(), String> {
-    call("python3", &["-m", "venv", &home.display().to_string()])?;
-    let mut line = vec!["install", "--quiet", "--disable-pip-version-check"];
-    line.extend(PACKAGES);
-    call(&home.join("bin/pip").display().to_string(), &line)
-}
-
-fn call(program: &str, arguments: &[&str]) -> Result<(), String> {
-    let status = Command::new(program).args(arguments).status();
-    match status.map_err(|error| format!("{program} did not start: {error}"))?.success() {
-        true => Ok(()),
-        false => Err(format!("{program} {} failed", arguments.join(" "))),
-    }
+    succeed(Command::new("python3").args(["-m", "venv"]).arg(home))?;
+    let mut pip = Command::new(home.join("bin/pip"));
+    succeed(pip.args(["install", "--quiet", "--disable-pip-version-check"]).args(PACKAGES)).map(drop)
 }

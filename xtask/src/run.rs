@@ -4,7 +4,7 @@ use std::env;
 use std::fmt;
 use std::io::{BufRead, BufReader};
 use std::ops::AddAssign;
-use std::path::{Path, PathBuf};
+use std::path::{self, Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Tests that passed, failed and were ignored.
@@ -68,6 +68,22 @@ fn command(arguments: &[&str], variables: &[(&str, &str)]) -> Command {
 /// The workspace's root.
 pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+/// Where cargo builds: relative to where this was called.
+pub(crate) fn target() -> PathBuf {
+    let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+    path::absolute(&folder).unwrap_or(folder)
+}
+
+/// Runs a program to its end; what it prints, or why it failed.
+pub(crate) fn succeed(command: &mut Command) -> Result<String, String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command.output().map_err(|error| format!("{name} did not start: {error}"))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    Err(format!("{name}: {}", String::from_utf8_lossy(&output.stderr).trim_end()))
 }
 
 /// The counts of a line `test result: ok. 4 passed; 1 failed; 0 ignored; …`, if it is one.

@@ -11,8 +11,8 @@
 //! store, tuples, `Option`, `match`, iterators, closures, operators on structs, or panics; locals carry types; float expressions are
 //! fully parenthesised, with `sqrt`, `abs` and `max` alone and no fused operation; integers wrap in `wrapping_sub` alone; functions return a `u32`
 //! status or a plain value. `#[cfg_attr(opencl, …)]` says what is other on devices: `single(…)` is a constant's value in single precision, `returns("…")`
-//! what a function does, `rolled` a loop that is not unrolled; a function is inlined there, but for one that is called (`outline`), or is where each
-//! work-item has a cell of its own (`hot`). Only what is behind `store.rs` (the trait; `plain.rs` is the store that tests use) is written by hand for each backend.
+//! what a function does, `rolled` a loop that is not unrolled; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
+//! work-item has a cell of its own). Only what is behind `store.rs` (the trait; `plain.rs` is the store that tests use) is written by hand for each backend.
 
 // The dialect says what C would say.
 #![allow(

@@ -111,6 +111,8 @@ struct Shape {
     cells: u32,
     /// More registers for each work-item, and fewer cells are computed at a time (measured; an option of NVIDIA's alone).
     registers: Option<u32>,
+    /// `SHORT`, where nothing but volumes and barycenters is asked for (`prelude.cl`).
+    short: bool,
     far: bool,
     exact: bool,
     surface: bool,
@@ -120,15 +122,17 @@ struct Shape {
 
 impl Stage {
     const fn shape(self) -> Shape {
+        const FIRST: Shape =
+            Shape { cells: 5, registers: Some(96), short: true, far: false, exact: false, surface: false, room: 0 };
+        const EXACT: Shape =
+            Shape { cells: 4, registers: Some(128), short: false, far: true, exact: true, surface: true, room: 0 };
         match self {
-            Self::Single | Self::First => {
-                Shape { cells: 5, registers: Some(96), far: false, exact: false, surface: false, room: 0 }
-            }
-            Self::Far => Shape { cells: 1, registers: Some(96), far: true, exact: false, surface: false, room: 0 },
-            Self::Surface => Shape { cells: 4, registers: Some(168), far: false, exact: false, surface: true, room: 0 },
-            Self::Exact => Shape { cells: 4, registers: Some(128), far: true, exact: true, surface: true, room: 0 },
-            Self::Wide => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: 1 },
-            Self::Vast => Shape { cells: 1, registers: None, far: true, exact: true, surface: true, room: 2 },
+            Self::Single | Self::First => FIRST,
+            Self::Far => Shape { cells: 1, short: false, far: true, ..FIRST },
+            Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, ..FIRST },
+            Self::Exact => EXACT,
+            Self::Wide => Shape { cells: 1, registers: None, room: 1, ..EXACT },
+            Self::Vast => Shape { cells: 1, registers: None, room: 2, ..EXACT },
         }
     }
 }
@@ -147,7 +151,7 @@ impl Way {
 /// What cells are computed for, and no more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Asked {
-    /// The flags of `integrate_cell` that the text is built for: of second moments no stage but those of all cells.
+    /// The flags of `integrate_cell` that the text is built for: of second moments no stage but those whose text is short without.
     flags: u32,
     /// Whether there is a domain, and whether weights differ, where cells are shared: those kernels are faster if they know that there is
     /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
@@ -160,9 +164,9 @@ pub(crate) struct Asked {
 impl Asked {
     pub(crate) fn of(params: &Params, way: Way) -> Self {
         let is_shared = matches!(way, Way::Together(..));
-        let is_of_all = matches!(way, Way::Together(_, Stage::Single | Stage::First));
+        let is_of_many = matches!(way, Way::Together(_, stage) if stage.shape().short);
         Self {
-            flags: params.flags & if is_of_all { !0 } else { !SECOND_MOMENTS },
+            flags: params.flags & if is_of_many { !0 } else { !SECOND_MOMENTS },
             domain: is_shared && params.has_domain != 0,
             weights: is_shared && params.equal_weights == 0,
             table: params.has_table != 0 && !matches!(way, Way::Together(_, Stage::Far)),
@@ -179,8 +183,8 @@ enum Flag {
     Single(bool),
     Lanes(u32),
     CellsOfGroup(u32),
-    /// What is asked for (`integrate_cell`), all of it where lanes share a cell, and by parts.
-    Flags(u32),
+    Short(bool),
+    /// What is asked for (`integrate_cell`), by parts.
     Facets(bool),
     FacetSecond(bool),
     Integral(bool),
@@ -205,7 +209,7 @@ impl Flag {
             Self::Single(is_set) => set("SINGLE", is_set),
             Self::Lanes(count) => ("LANES", format!("{count}u")),
             Self::CellsOfGroup(count) => ("CELLS", count.to_string()),
-            Self::Flags(flags) => ("FLAGS", format!("{flags}u")),
+            Self::Short(is_set) => set("SHORT", is_set),
             Self::Facets(is_set) => set("WITH_FACETS", is_set),
             Self::FacetSecond(is_set) => set("WITH_FACET_SECOND", is_set),
             Self::Integral(is_set) => set("WITH_INTEGRAL", is_set),
@@ -247,10 +251,10 @@ impl Build {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { cells, far, exact, surface, room, .. } = stage.shape();
+                        let Shape { cells, short, far, exact, surface, room, .. } = stage.shape();
                         vec![
                             Flag::Single(stage == Stage::Single),
-                            Flag::Flags(*asked),
+                            Flag::Short(short && *asked == 0),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Domain(*domain),

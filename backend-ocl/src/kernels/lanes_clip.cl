@@ -48,7 +48,7 @@ INLINE void enter_edges(CELL_SPACE Cell *cell, Triplet t, uint v) {
 }
 
 // Starts a cell as the box `[lo, hi]`: the lanes write the same planes, and a corner each.
-ONCE void begin_together(CELL_SPACE Cell *cell, uint lane, V3 lo, V3 hi) {
+OUTLINE void begin_together(CELL_SPACE Cell *cell, uint lane, V3 lo, V3 hi) {
     Store store;
     store.cell = cell;
     store.view = WHOLE;

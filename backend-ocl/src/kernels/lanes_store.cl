@@ -51,17 +51,6 @@ typedef ushort Place;
 typedef uchar Place;
 #endif
 
-// Whether the integrals are short text, as the cache of instructions asks for: in the stages of all cells, where nothing but volumes and barycenters is
-// asked for. (With it in all stages a million cells with weights in a domain had wrong volumes on one NVIDIA H200, and on no other device: README.md.)
-#define SHORT ((FLAGS == 0) && (WITH_TABLE && (!WITH_WEIGHTS && (!WITH_FAR && (!WITH_EXACT && !WITH_SURFACE)))))
-
-// What stands in one place: short text calls nothing.
-#if SHORT
-#define ONCE INLINE
-#else
-#define ONCE OUTLINE
-#endif
-
 // Determinants that are decided at once by integers, and terms of each.
 #define AT_ONCE 5u
 #define TERMS 6u

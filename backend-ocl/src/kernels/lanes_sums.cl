@@ -57,7 +57,7 @@ INLINE uint settle_sums(Store *s, CellSums *sums) {
 
 // All vertices in double precision: they take the place of the rough ones. Where signs are not settled closely each was born by `find_vertex_once`;
 // the rest of `find_vertex`, which is never reached there, takes 3 % of the time of even sites for being there.
-ONCE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, uint *exact) {
+OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, uint *exact) {
     Store share = share_of(cell, lane, vertices, 1);
     uint status = COMPLETE;
     lanes_wait();
@@ -77,7 +77,7 @@ ONCE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, uint 
 }
 
 // Adds `weight` times the integrals of the present polytope to `sums`, as `integrate` does with one vertex after the other.
-ONCE uint sum_together(
+OUTLINE uint sum_together(
     CELL_SPACE Cell *cell, uint lane, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *sums
 ) {
     Store share = share_of(cell, lane, vertices, 1);

@@ -18,14 +18,12 @@ pub(super) struct Held {
 #[inline(always)]
 pub(super) fn nearest_held<S: SearchStore>(s: &S, count: u32) -> Held {
     let mut nearest: Held = Held { key: NO_SITE, number: 0 };
-    let mut c: u32 = 0;
-    while c < s.held(count) {
+    for c in 0..s.held(count) {
         let key: u32 = s.held_key(c);
         if key < nearest.key {
             nearest.key = key;
             nearest.number = c;
         }
-        c += 1;
     }
     return nearest;
 }

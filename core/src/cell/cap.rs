@@ -32,8 +32,7 @@ pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
         return UNTOUCHED;
     }
     let mut end: u32 = UNTOUCHED;
-    let mut caps: u32 = 0;
-    while caps < MOST_CAPS {
+    for _caps in 0..MOST_CAPS {
         let far: V3 = farthest_position(s);
         let length: Real = dot(far, far).sqrt();
         if length <= radius {
@@ -54,7 +53,6 @@ pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
             return status;
         }
         end = CUT;
-        caps += 1;
     }
     return end;
 }
@@ -73,13 +71,11 @@ pub(super) fn next_distance(distance: Real, radius: Real) -> Real {
 #[cfg_attr(opencl, outline)]
 pub(super) fn farthest_position<S: CellStore>(s: &S) -> V3 {
     let mut far: V3 = s.position(0);
-    let mut v: u32 = 1;
-    while v < s.vertices() {
+    for v in 1..s.vertices() {
         let p: V3 = s.position(v);
         if dot(p, p) > dot(far, far) {
             far = p;
         }
-        v += 1;
     }
     return far;
 }
@@ -91,11 +87,9 @@ pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) 
     let mut low: V3 = direction;
     let mut high: V3 = direction;
     let mut radius: Real = 0.0;
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         add_to_part(s, v, direction, height, &mut low, &mut high);
         radius = larger(radius, s.radius(v));
-        v += 1;
     }
     if widen_part(s, direction, height, radius, &mut low, &mut high) == 0 {
         return 0;
@@ -116,8 +110,7 @@ pub(super) fn add_to_part<S: CellStore>(s: &S, v: u32, direction: V3, height: Re
     }
     *low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
     *high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
-    let mut u: u32 = 0;
-    while u < s.vertices() {
+    for u in 0..s.vertices() {
         let q: V3 = s.position(u);
         let q_height: Real = dot(direction, q);
         if q_height < below {
@@ -125,7 +118,6 @@ pub(super) fn add_to_part<S: CellStore>(s: &S, v: u32, direction: V3, height: Re
             *low = v3(smaller(low.x, between.x), smaller(low.y, between.y), smaller(low.z, between.z));
             *high = v3(larger(high.x, between.x), larger(high.y, between.y), larger(high.z, between.z));
         }
-        u += 1;
     }
 }
 
@@ -208,8 +200,7 @@ pub(super) fn box_misses_part<S: CellStore>(s: &S, direction: V3, height: Real, 
     if (dot(direction, middle) + reach_along(direction, halves)) < (height - (CAP_MARGIN * height)) {
         return 1;
     }
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         let plane: Plane = s.plane(f);
         let largest: Real = (dot(plane.n, middle) + plane.d) + reach_along(plane.n, halves);
         let rounding: Real =
@@ -217,7 +208,6 @@ pub(super) fn box_misses_part<S: CellStore>(s: &S, direction: V3, height: Real, 
         if largest < -rounding {
             return 1;
         }
-        f += 1;
     }
     return 0;
 }

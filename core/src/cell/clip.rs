@@ -19,10 +19,8 @@ pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
         return P_FULL;
     }
     set_box_planes(s, lo, hi);
-    let mut v: u32 = 0;
-    while v < 8 {
+    for v in 0..8 {
         place_corner(s, v);
-        v += 1;
     }
     return COMPLETE;
 }
@@ -193,8 +191,7 @@ pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
 /// Decides every uncertain mark against plane `k` by the exact sign.
 #[cfg_attr(opencl, outline)]
 pub(super) fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         if s.mark(v) == MARK_UNCERTAIN {
             let sign: i32 = sign_of_conflict(s, v, k);
             if sign == SIGN_UNKNOWN {
@@ -206,7 +203,6 @@ pub(super) fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
             }
             s.set_mark(v, mark);
         }
-        v += 1;
     }
     return COMPLETE;
 }
@@ -219,10 +215,8 @@ pub(super) fn toggle_link<S: CellStore>(s: &mut S, f: u32, change: u32) {
 
 #[cfg_attr(opencl, outline)]
 pub(super) fn clear_links<S: CellStore>(s: &mut S) {
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         s.set_link(f, 0);
-        f += 1;
     }
 }
 
@@ -271,18 +265,15 @@ pub(super) fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32
 /// Drops the planes that no vertex lies on and renumbers the others in order.
 #[cfg_attr(opencl, outline)]
 pub fn compact_planes<S: CellStore>(s: &mut S) {
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         s.set_link(t.a, 1);
         s.set_link(t.b, 1);
         s.set_link(t.c, 1);
-        v += 1;
     }
     // The link of a kept plane becomes its new number plus one.
     let mut kept: u32 = 0;
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         if s.link(f) != 0 {
             if kept != f {
                 s.move_plane(f, kept);
@@ -290,13 +281,10 @@ pub fn compact_planes<S: CellStore>(s: &mut S) {
             kept += 1;
             s.set_link(f, kept);
         }
-        f += 1;
     }
-    v = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         s.set_triplet(v, Triplet { a: s.link(t.a) - 1, b: s.link(t.b) - 1, c: s.link(t.c) - 1 });
-        v += 1;
     }
     clear_links(s);
     s.set_planes(kept);

@@ -131,15 +131,13 @@ pub(super) fn add_product(sum: &mut Expansion, x: Real, y: Real) {
 pub(super) fn add_number(sum: &mut Expansion, x: Real) {
     let mut carried: Real = x;
     let mut kept: u32 = 0;
-    let mut i: u32 = 0;
-    while i < sum.count {
+    for i in 0..sum.count {
         let next: Wide = sum_exact(carried, sum.terms[i as usize]);
         carried = next.hi;
         if next.lo != 0.0 {
             sum.terms[kept as usize] = next.lo;
             kept += 1;
         }
-        i += 1;
     }
     if carried != 0.0 {
         sum.terms[kept as usize] = carried;
@@ -156,10 +154,8 @@ pub(super) fn value_of(sum: &mut Expansion) -> Wide {
     }
     let last: u32 = sum.count - 1;
     let mut rest: Real = 0.0;
-    let mut i: u32 = 0;
-    while i < last {
+    for i in 0..last {
         rest = rest + sum.terms[i as usize];
-        i += 1;
     }
     return sum_exact(sum.terms[last as usize], rest);
 }

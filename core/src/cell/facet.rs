@@ -87,8 +87,7 @@ pub(super) fn area_of_triangle(f: Side, to_foot: V3, to_vertex: V3, sign: Real) 
 pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
     *sum = FacetSum::default();
     let f: Side = side(s, index, center);
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         let mut t: Triplet = s.triplet(v);
         if t.b == index {
             t = Triplet { a: t.b, b: t.c, c: t.a };
@@ -112,7 +111,6 @@ pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, s
             }
             add_triangle(f, foot, off, at, -1.0, center, sum);
         }
-        v += 1;
     }
     return COMPLETE;
 }
@@ -120,13 +118,11 @@ pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, s
 /// Sets the facets' sums to zero.
 #[cfg_attr(opencl, outline)]
 pub(crate) fn reset_facets<S: CellStore>(s: &mut S, flags: u32) {
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         s.set_facet(f, FacetSum::default());
         if (flags & FACET_SECOND_MOMENTS) != 0 {
             s.set_facet_second(f, FacetSecond::default());
         }
-        f += 1;
     }
 }
 
@@ -150,8 +146,7 @@ pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mu
 #[cold]
 #[cfg_attr(opencl, outline)]
 pub(super) fn add_facet_seconds<S: CellStore>(s: &mut S, weight: Real, center: V3) -> u32 {
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         let position: V3 = sub(s.position(v), center);
         let a: Side = side(s, t.a, center);
@@ -166,7 +161,6 @@ pub(super) fn add_facet_seconds<S: CellStore>(s: &mut S, weight: Real, center: V
         if add_edge_second(s, c, a, position, weight, center) != COMPLETE {
             return UNCERTAIN;
         }
-        v += 1;
     }
     return COMPLETE;
 }
@@ -206,8 +200,7 @@ pub(super) fn add_triangle_second<S: CellStore>(s: &mut S, f: Side, foot: V3, po
 /// Moves the facets' second moments from `center` to the facets' own barycenters: `∫ (x − b)(x − b)ᵀ = ∫ xxᵀ − mmᵀ/A`, `m = ∫ x`.
 #[cfg_attr(opencl, outline)]
 pub(super) fn center_facets<S: CellStore>(s: &mut S, center: V3) {
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         let sum: FacetSum = s.facet(f);
         if facet_is_above_bound(sum) != 0 {
             let m: V3 = sub(sum.moment, scale(sum.area, center));
@@ -217,6 +210,5 @@ pub(super) fn center_facets<S: CellStore>(s: &mut S, center: V3) {
             second.mixed = sub(second.mixed, v3(m.x * b.y, m.x * b.z, m.y * b.z));
             s.set_facet_second(f, second);
         }
-        f += 1;
     }
 }

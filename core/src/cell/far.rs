@@ -46,13 +46,11 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
         let mut ties: u32 = 0;
         let mut stay: u32 = 0;
         let found: u32 = least_at(s, asked, &mut ties, &mut stay);
-        let mut i: u32 = 1;
-        while i < asked {
+        for i in 1..asked {
             if (stay & (1 << i)) != 0 {
                 let other: u32 = s.asked(i).vertex;
                 s.set_settled(other, true);
             }
-            i += 1;
         }
         if found != NO_SITE {
             s.set_candidate(0, found, 0);
@@ -62,7 +60,7 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
             return UNCERTAIN;
         }
         let mut status: u32 = UNTOUCHED;
-        i = 0;
+        let mut i: u32 = 0;
         while (i < ties) && (status == UNTOUCHED) {
             let j: u32 = s.candidate(i);
             if (found != NO_SITE) || (s.was_tried(j) == 0) {

@@ -128,8 +128,7 @@ pub(crate) fn integrate<S: CellStore>(
     sums: &mut CellSums,
 ) -> u32 {
     let mut part: CellSums = CellSums::default();
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         let at: Corner = Corner {
             position: sub(s.position(v), center),
@@ -138,9 +137,8 @@ pub(crate) fn integrate<S: CellStore>(
         };
         let mut f: Side = side(s, t.a, center);
         if s.is_short() != 0 {
-            let mut edge: u32 = 0;
             #[cfg_attr(opencl, rolled)]
-            while edge < 3 {
+            for edge in 0..3 {
                 let mut next: u32 = t.a;
                 if edge == 0 {
                     next = t.b;
@@ -152,7 +150,6 @@ pub(crate) fn integrate<S: CellStore>(
                     return UNCERTAIN;
                 }
                 f = g;
-                edge += 1;
             }
         } else {
             let b: Side = side(s, t.b, center);
@@ -167,7 +164,6 @@ pub(crate) fn integrate<S: CellStore>(
                 return UNCERTAIN;
             }
         }
-        v += 1;
     }
     // `part` holds sixfold volumes, and moments about `center` scaled alike: 24 of the first, 120 of the second.
     let volume: Real = (weight / 6.0) * part.volume;
@@ -351,21 +347,17 @@ pub(super) fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> 
 #[cfg_attr(opencl, outline)]
 pub(crate) fn reference_point<S: CellStore>(s: &S) -> V3 {
     let mut inside: u32 = 1;
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         if s.plane(f).d < 0.0 {
             inside = 0;
         }
-        f += 1;
     }
     let mut mean: V3 = v3(0.0, 0.0, 0.0);
     if inside != 0 {
         return mean;
     }
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         mean = add(mean, s.position(v));
-        v += 1;
     }
     return scale(1.0 / (s.vertices() as Real), mean);
 }

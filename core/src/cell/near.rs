@@ -40,13 +40,11 @@ pub(super) fn surface_passes_by<S: CellStore>(
 /// Whether (1) the site is strictly inside its cell, so that the cell's winding number is the site's.
 #[cfg_attr(opencl, outline)]
 pub(super) fn site_is_inside<S: CellStore>(s: &S) -> u32 {
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         let d: Real = s.plane(f).d;
         if !(d > 0.0) {
             return 0;
         }
-        f += 1;
     }
     return 1;
 }
@@ -64,15 +62,13 @@ pub(super) fn voxel_passes_by<S: CellStore>(
     winding: &mut i32,
 ) -> u32 {
     let end: u32 = s.list_end(voxel);
-    let mut entry: u32 = s.list_begin(voxel);
-    while entry < end {
+    for entry in s.list_begin(voxel)..end {
         let t: u32 = s.list_entry(entry);
         if is_first_voxel(s.lowest_voxel(t), lo, voxel) != 0 {
             if triangle_passes_by(s, t, lo, low, high, winding) == 0 {
                 return 0;
             }
         }
-        entry += 1;
     }
     return 1;
 }
@@ -162,8 +158,7 @@ pub(super) fn plane_is_apart<S: CellStore>(s: &S, a_in: V3, e: V3, f: V3) -> u32
     let reach: Real = norm_1(a_in);
     let mut above: u32 = 0;
     let mut below: u32 = 0;
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         let way: V3 = sub(s.position(v), a_in);
         let height: Real = dot(n, way);
         let way_length: Real = norm_1(way);
@@ -179,7 +174,6 @@ pub(super) fn plane_is_apart<S: CellStore>(s: &S, a_in: V3, e: V3, f: V3) -> u32
         if (above != 0) && (below != 0) {
             return 0;
         }
-        v += 1;
     }
     return 1;
 }

@@ -71,12 +71,10 @@ pub fn box_of_node<S: NodeSource>(s: &S) -> NodeBox {
         bounds.hi = largest_corner(bounds.hi, s.sampled_place(i));
         i += 1;
     }
-    i = 0;
-    while i < s.parts() {
+    for i in 0..s.parts() {
         let its: NodeBox = s.part_box(i);
         bounds.lo = least_corner(bounds.lo, its.lo);
         bounds.hi = largest_corner(bounds.hi, its.hi);
-        i += 1;
     }
     return bounds;
 }
@@ -112,15 +110,12 @@ fn square_of_matrix(m: Symmetric) -> Symmetric {
 fn thinnest_direction<S: NodeSource>(s: &S) -> V3 {
     let count: u32 = s.sampled();
     let mut mean: V3 = v3(0.0, 0.0, 0.0);
-    let mut i: u32 = 0;
-    while i < count {
+    for i in 0..count {
         mean = add(mean, s.sampled_place(i));
-        i += 1;
     }
     mean = scale(1.0 / (count as Real), mean);
     let mut spread: Symmetric = Symmetric { xx: 0.0, yy: 0.0, zz: 0.0, xy: 0.0, yz: 0.0, zx: 0.0 };
-    i = 0;
-    while i < count {
+    for i in 0..count {
         let d: V3 = sub(s.sampled_place(i), mean);
         spread.xx += d.x * d.x;
         spread.yy += d.y * d.y;
@@ -128,7 +123,6 @@ fn thinnest_direction<S: NodeSource>(s: &S) -> V3 {
         spread.xy += d.x * d.y;
         spread.yz += d.y * d.z;
         spread.zx += d.z * d.x;
-        i += 1;
     }
     let mut power: Symmetric = Symmetric {
         xx: spread.yy + spread.zz,
@@ -138,8 +132,7 @@ fn thinnest_direction<S: NodeSource>(s: &S) -> V3 {
         yz: -spread.yz,
         zx: -spread.zx,
     };
-    i = 0;
-    while i < SQUARINGS {
+    for _turn in 0..SQUARINGS {
         let unit: Real = 1.0 / ((power.xx + power.yy) + power.zz);
         power = square_of_matrix(Symmetric {
             xx: power.xx * unit,
@@ -149,7 +142,6 @@ fn thinnest_direction<S: NodeSource>(s: &S) -> V3 {
             yz: power.yz * unit,
             zx: power.zx * unit,
         });
-        i += 1;
     }
     let along: V3 = v3(
         ((power.xx * 0.577) + (power.xy * 0.5771)) + (power.zx * 0.5772),
@@ -185,8 +177,7 @@ pub fn slab_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeSlab {
         slab.largest = larger(slab.largest, s.sampled_weight(i));
         i += 1;
     }
-    i = 0;
-    while i < s.parts() {
+    for i in 0..s.parts() {
         // By its box alone, or by its slab and what the box has across the slab's normal.
         let its: NodeSlab = s.part_slab(i);
         let its_box: NodeBox = s.part_box(i);
@@ -197,7 +188,6 @@ pub fn slab_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeSlab {
         slab.hi = larger(slab.hi, smaller(top, largest_along(its_box, normal)));
         slab.lo = smaller(slab.lo, larger(bottom, -largest_along(its_box, scale(-1.0, normal))));
         slab.largest = larger(slab.largest, its.largest);
-        i += 1;
     }
     let farthest: V3 = v3(
         larger(bounds.lo.x.abs(), bounds.hi.x.abs()),
@@ -237,12 +227,10 @@ fn rise(w: NodeWeights, u: V3) -> Real {
 #[cfg_attr(opencl, hot)]
 fn rest_of_sampled<S: NodeSource>(s: &S, middle: V3, w: NodeWeights) -> Rest {
     let mut rest: Rest = Rest { top: -LARGEST, bottom: LARGEST };
-    let mut i: u32 = 0;
-    while i < s.sampled() {
+    for i in 0..s.sampled() {
         let its: Real = s.sampled_weight(i) - rise(w, sub(s.sampled_place(i), middle));
         rest.top = larger(rest.top, its);
         rest.bottom = smaller(rest.bottom, its);
-        i += 1;
     }
     return rest;
 }
@@ -253,8 +241,7 @@ fn rest_of_sampled<S: NodeSource>(s: &S, middle: V3, w: NodeWeights) -> Rest {
 fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unknowns: u32) -> NodeWeights {
     let count: u32 = s.sampled();
     let mut e: Equations = Equations { matrix: [0.0; 49], right: [0.0; 7] };
-    let mut i: u32 = 0;
-    while i < count {
+    for i in 0..count {
         let u: V3 = scale(1.0 / width, sub(s.sampled_place(i), middle));
         let w: Real = s.sampled_weight(i) - base;
         let mut terms: [Real; 7] = [0.0; 7];
@@ -265,46 +252,32 @@ fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unk
         terms[4] = u.x * u.x;
         terms[5] = u.y * u.y;
         terms[6] = u.z * u.z;
-        let mut row: u32 = 0;
-        while row < unknowns {
-            let mut column: u32 = 0;
-            while column < unknowns {
+        for row in 0..unknowns {
+            for column in 0..unknowns {
                 e.matrix[((row * QUADRATIC) + column) as usize] += terms[row as usize] * terms[column as usize];
-                column += 1;
             }
             e.right[row as usize] += terms[row as usize] * w;
-            row += 1;
         }
-        i += 1;
     }
-    let mut row: u32 = 1;
-    while row < unknowns {
+    for row in 1..unknowns {
         e.matrix[((row * QUADRATIC) + row) as usize] += RIDGE_SHARE * (count as Real);
-        row += 1;
     }
     // Gauss–Jordan; positive definite, so that no pivot is sought.
-    let mut pivot: u32 = 0;
-    while pivot < unknowns {
+    for pivot in 0..unknowns {
         let inverse: Real = 1.0 / e.matrix[((pivot * QUADRATIC) + pivot) as usize];
-        row = 0;
-        while row < unknowns {
+        for row in 0..unknowns {
             if row != pivot {
                 let share: Real = e.matrix[((row * QUADRATIC) + pivot) as usize] * inverse;
-                let mut column: u32 = pivot;
-                while column < unknowns {
+                for column in pivot..unknowns {
                     e.matrix[((row * QUADRATIC) + column) as usize] -=
                         share * e.matrix[((pivot * QUADRATIC) + column) as usize];
-                    column += 1;
                 }
                 e.right[row as usize] -= share * e.right[pivot as usize];
             }
-            row += 1;
         }
-        pivot += 1;
     }
     let mut largest: Real = 0.0;
-    row = 0;
-    while row < unknowns {
+    for row in 0..unknowns {
         e.right[row as usize] = e.right[row as usize] / (e.matrix[((row * QUADRATIC) + row) as usize] * width);
         if row >= AFFINE {
             e.right[row as usize] = e.right[row as usize] / width;
@@ -313,7 +286,6 @@ fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unk
         if !(e.right[row as usize].abs() < LARGEST) {
             largest = LARGEST;
         }
-        row += 1;
     }
     let mut fit: NodeWeights = NodeWeights { offset: 0.0, slope: v3(0.0, 0.0, 0.0), curvature: v3(0.0, 0.0, 0.0) };
     if largest < LARGEST {

@@ -25,13 +25,11 @@ pub struct Node {
 #[cfg_attr(opencl, outline)]
 pub(crate) fn integrate_function<S: CellStore>(s: &S, center: V3) -> Real {
     let mut sum: Wide = Wide { hi: 0.0, lo: 0.0 };
-    let mut v: u32 = 0;
-    while v < s.vertices() {
+    for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         add_fans_at_edge(s, v, t.a, t.b, center, &mut sum);
         add_fans_at_edge(s, v, t.b, t.c, center, &mut sum);
         add_fans_at_edge(s, v, t.c, t.a, center, &mut sum);
-        v += 1;
     }
     // Of sixfold volumes.
     return (sum.hi + sum.lo) / 6.0;
@@ -62,13 +60,11 @@ fn add_fans_at_edge<S: CellStore>(s: &S, v: u32, f: u32, g: u32, center: V3, sum
 /// The first vertex below `end` that lies on both planes; `end` if there is none.
 #[cfg_attr(opencl, outline)]
 fn first_vertex_on<S: CellStore>(s: &S, f: u32, g: u32, end: u32) -> u32 {
-    let mut v: u32 = 0;
-    while v < end {
+    for v in 0..end {
         let t: Triplet = s.triplet(v);
         if (((t.a == f) || (t.b == f)) || (t.c == f)) && (((t.a == g) || (t.b == g)) || (t.c == g)) {
             return v;
         }
-        v += 1;
     }
     return end;
 }
@@ -80,12 +76,10 @@ fn add_quadrature<S: CellStore>(s: &S, volume: Real, a: V3, b: V3, c: V3, center
         return;
     }
     let mut mean: Wide = Wide { hi: 0.0, lo: 0.0 };
-    let mut q: u32 = 0;
-    while q < s.nodes() {
+    for q in 0..s.nodes() {
         let node: Node = s.node(q);
         let way: V3 = add(add(scale(node.place.x, a), scale(node.place.y, b)), scale(node.place.z, c));
         add_compensated(node.weight * s.function(add(center, way)), &mut mean);
-        q += 1;
     }
     add_compensated(volume * (mean.hi + mean.lo), sum);
 }

@@ -193,12 +193,10 @@ pub(super) fn integrate_whole<S: CellStore>(
 /// The faces of the initial box are the boundary where there is no domain.
 #[cfg_attr(opencl, outline)]
 pub(super) fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
-    let mut f: u32 = 0;
-    while f < s.planes() {
+    for f in 0..s.planes() {
         if s.tag(f) == TAG_BOX {
             add_boundary(s.facet(f), s.plane(f), 1.0, sums);
         }
-        f += 1;
     }
 }
 
@@ -209,13 +207,11 @@ pub(super) fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> R
     *low = s.position(0);
     *high = *low;
     let mut radius: Real = s.radius(0);
-    let mut v: u32 = 1;
-    while v < s.vertices() {
+    for v in 1..s.vertices() {
         let p: V3 = s.position(v);
         *low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
         *high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
         radius = larger(radius, s.radius(v));
-        v += 1;
     }
     return radius;
 }
@@ -262,8 +258,7 @@ pub(super) fn add_cones<S: CellStore>(
             while i <= hi.i {
                 let voxel: Voxel = Voxel { i: i, j: j, k: k };
                 let end: u32 = s.list_end(voxel);
-                let mut entry: u32 = s.list_begin(voxel);
-                while entry < end {
+                for entry in s.list_begin(voxel)..end {
                     let t: u32 = s.list_entry(entry);
                     if is_first_voxel(s.lowest_voxel(t), lo, voxel) != 0 {
                         let status: u32 = add_cone(s, t, lo, center, flags, touched, sums);
@@ -277,7 +272,6 @@ pub(super) fn add_cones<S: CellStore>(
                             }
                         }
                     }
-                    entry += 1;
                 }
                 i += 1;
             }

@@ -168,13 +168,11 @@ pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u
         let mut window: u32 = 0;
         while window < all {
             s.lanes_wait();
-            let mut i: u32 = 0;
-            while i < own {
+            for i in 0..own {
                 let at: u32 = (before + i).wrapping_sub(window);
                 if at < s.window() {
                     s.set_in_window(at, range.begin + i);
                 }
-                i += 1;
             }
             s.lanes_wait();
             let mut count: u32 = all - window;
@@ -183,8 +181,7 @@ pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u
             }
             // (A site out of reach does not get its key, so that the lanes agree at once that none is left.)
             let limit: u32 = s.key_of_reach(*reach);
-            let mut c: u32 = 0;
-            while c < s.held(count) {
+            for c in 0..s.held(count) {
                 let at: u32 = (c * s.lanes()) + s.lane();
                 let mut site: u32 = s.own_site();
                 let mut key: u32 = NO_SITE;
@@ -197,7 +194,6 @@ pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u
                     }
                 }
                 s.hold(c, site, key);
-                c += 1;
             }
             let status: u32 = visit_candidates(s, center, count, NO_SITE, reach, visited);
             if status != UNTOUCHED {

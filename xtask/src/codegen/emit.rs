@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use syn::punctuated::Punctuated;
 use syn::spanned::Spanned;
-use syn::{BinOp, Expr, FnArg, Item, Lit, Meta, Pat, ReturnType, Stmt, Token, Type, UnOp};
+use syn::{BinOp, Expr, FnArg, Item, Lit, Meta, Pat, RangeLimits, ReturnType, Stmt, Token, Type, UnOp};
 
 /// The C of one file.
 #[derive(Default)]
@@ -292,14 +292,27 @@ impl<'a> Emitter<'a> {
                 self.put("}");
             }
             Expr::While(looped) => {
-                if let Some(attr) = looped.attrs.iter().find(|attr| !attr.path().is_ident("cfg_attr")) {
-                    return self.unit.error(attr.span(), "such attribute");
-                }
-                if !said(self.unit, &looped.attrs, &["rolled"])?.is_empty() {
-                    self.put("ROLLED");
-                }
+                self.rolled(&looped.attrs)?;
                 let condition = self.expression(&looped.cond)?;
                 self.put(&format!("while {} {{", grouped(&condition)));
+                self.inner(&looped.body)?;
+                self.put("}");
+            }
+            Expr::ForLoop(looped) => {
+                self.rolled(&looped.attrs)?;
+                let Pat::Ident(name) = &*looped.pat else { return self.unit.error(looped.pat.span(), "pattern") };
+                let Expr::Range(syn::ExprRange {
+                    start: Some(start),
+                    limits: RangeLimits::HalfOpen(_),
+                    end: Some(end),
+                    ..
+                }) = &*looped.expr
+                else {
+                    return self.unit.error(looped.expr.span(), "loop but over `a..b`");
+                };
+                let name = name.ident.to_string();
+                let (start, end) = (self.expression(start)?, self.operand(end)?);
+                self.put(&format!("for (uint {name} = {start}; {name} < {end}; {name}++) {{"));
                 self.inner(&looped.body)?;
                 self.put("}");
             }
@@ -321,6 +334,17 @@ impl<'a> Emitter<'a> {
                 let text = self.expression(other)?;
                 self.put(&format!("{text};"));
             }
+        }
+        Ok(())
+    }
+
+    /// Before a loop, that it is not to be unrolled, where its attributes say so.
+    fn rolled(&mut self, attrs: &[syn::Attribute]) -> Result<(), String> {
+        if let Some(attr) = attrs.iter().find(|attr| !attr.path().is_ident("cfg_attr")) {
+            return self.unit.error(attr.span(), "such attribute");
+        }
+        if !said(self.unit, attrs, &["rolled"])?.is_empty() {
+            self.put("ROLLED");
         }
         Ok(())
     }

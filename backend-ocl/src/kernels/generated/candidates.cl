@@ -3,14 +3,12 @@
 // The nearest of the candidates that this lane holds: not alike.
 INLINE Held nearest_held(Store *s, uint count) {
     Held nearest = (Held){ .key = NO_SITE, .number = 0 };
-    uint c = 0;
-    while (c < store_held(s, count)) {
+    for (uint c = 0; c < store_held(s, count); c++) {
         const uint key = store_held_key(s, c);
         if (key < nearest.key) {
             nearest.key = key;
             nearest.number = c;
         }
-        c += 1;
     }
     return nearest;
 }

@@ -7,8 +7,7 @@ OUTLINE uint cap_outside(Store *s, real radius) {
         return UNTOUCHED;
     }
     uint end = UNTOUCHED;
-    uint caps = 0;
-    while (caps < MOST_CAPS) {
+    for (uint _caps = 0; _caps < MOST_CAPS; _caps++) {
         const V3 far = farthest_position(s);
         const real length = sqrt(v3_dot(far, far));
         if (length <= radius) {
@@ -29,7 +28,6 @@ OUTLINE uint cap_outside(Store *s, real radius) {
             return status;
         }
         end = CUT;
-        caps += 1;
     }
     return end;
 }
@@ -45,13 +43,11 @@ HOT real next_distance(real distance, real radius) {
 // The position of the vertex that is farthest from the site.
 OUTLINE V3 farthest_position(Store *s) {
     V3 far = store_position(s, 0);
-    uint v = 1;
-    while (v < store_vertices(s)) {
+    for (uint v = 1; v < store_vertices(s); v++) {
         const V3 p = store_position(s, v);
         if (v3_dot(p, p) > v3_dot(far, far)) {
             far = p;
         }
-        v += 1;
     }
     return far;
 }
@@ -62,11 +58,9 @@ OUTLINE uint part_is_outside(Store *s, V3 direction, real height) {
     V3 low = direction;
     V3 high = direction;
     real radius = REAL(0.0);
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         add_to_part(s, v, direction, height, &low, &high);
         radius = larger(radius, store_radius(s, v));
-        v += 1;
     }
     if (widen_part(s, direction, height, radius, &low, &high) == 0) {
         return 0;
@@ -85,8 +79,7 @@ HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *h
     }
     *low = v3(smaller(low->x, p.x), smaller(low->y, p.y), smaller(low->z, p.z));
     *high = v3(larger(high->x, p.x), larger(high->y, p.y), larger(high->z, p.z));
-    uint u = 0;
-    while (u < store_vertices(s)) {
+    for (uint u = 0; u < store_vertices(s); u++) {
         const V3 q = store_position(s, u);
         const real q_height = v3_dot(direction, q);
         if (q_height < below) {
@@ -94,7 +87,6 @@ HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *h
             *low = v3(smaller(low->x, between.x), smaller(low->y, between.y), smaller(low->z, between.z));
             *high = v3(larger(high->x, between.x), larger(high->y, between.y), larger(high->z, between.z));
         }
-        u += 1;
     }
 }
 
@@ -156,15 +148,13 @@ HOT uint box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halv
     if ((v3_dot(direction, middle) + reach_along(direction, halves)) < (height - (CAP_MARGIN * height))) {
         return 1;
     }
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         const Plane plane = store_plane(s, f);
         const real largest = (v3_dot(plane.n, middle) + plane.d) + reach_along(plane.n, halves);
         const real rounding = (REAL(16.0) * UNIT_ROUNDOFF) * ((norm_1(plane.n) * (norm_max(middle) + norm_max(halves))) + fabs(plane.d));
         if (largest < -rounding) {
             return 1;
         }
-        f += 1;
     }
     return 0;
 }

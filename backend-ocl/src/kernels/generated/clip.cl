@@ -8,10 +8,8 @@ OUTLINE uint begin(Store *s, V3 lo, V3 hi) {
         return P_FULL;
     }
     set_box_planes(s, lo, hi);
-    uint v = 0;
-    while (v < 8) {
+    for (uint v = 0; v < 8; v++) {
         place_corner(s, v);
-        v += 1;
     }
     return COMPLETE;
 }
@@ -172,8 +170,7 @@ OUTLINE uint clip(Store *s, Plane plane, uint tag) {
 
 // Decides every uncertain mark against plane `k` by the exact sign.
 OUTLINE uint settle_marks(Store *s, uint k) {
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         if (store_mark(s, v) == MARK_UNCERTAIN) {
             const int sign = sign_of_conflict(s, v, k);
             if (sign == SIGN_UNKNOWN) {
@@ -185,7 +182,6 @@ OUTLINE uint settle_marks(Store *s, uint k) {
             }
             store_set_mark(s, v, mark);
         }
-        v += 1;
     }
     return COMPLETE;
 }
@@ -196,10 +192,8 @@ INLINE void toggle_link(Store *s, uint f, uint change) {
 }
 
 OUTLINE void clear_links(Store *s) {
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         store_set_link(s, f, 0);
-        f += 1;
     }
 }
 
@@ -245,18 +239,15 @@ INLINE uint is_boundary_edge(Store *s, uint end, uint a, uint b) {
 
 // Drops the planes that no vertex lies on and renumbers the others in order.
 OUTLINE void compact_planes(Store *s) {
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
         store_set_link(s, t.a, 1);
         store_set_link(s, t.b, 1);
         store_set_link(s, t.c, 1);
-        v += 1;
     }
     // The link of a kept plane becomes its new number plus one.
     uint kept = 0;
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         if (store_link(s, f) != 0) {
             if (kept != f) {
                 store_move_plane(s, f, kept);
@@ -264,13 +255,10 @@ OUTLINE void compact_planes(Store *s) {
             kept += 1;
             store_set_link(s, f, kept);
         }
-        f += 1;
     }
-    v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
         store_set_triplet(s, v, (Triplet){ .a = store_link(s, t.a) - 1, .b = store_link(s, t.b) - 1, .c = store_link(s, t.c) - 1 });
-        v += 1;
     }
     clear_links(s);
     store_set_planes(s, kept);

@@ -89,15 +89,13 @@ INLINE void add_product(Expansion *sum, real x, real y) {
 OUTLINE void add_number(Expansion *sum, real x) {
     real carried = x;
     uint kept = 0;
-    uint i = 0;
-    while (i < sum->count) {
+    for (uint i = 0; i < sum->count; i++) {
         const Wide next = sum_exact(carried, sum->terms[i]);
         carried = next.hi;
         if (next.lo != REAL(0.0)) {
             sum->terms[kept] = next.lo;
             kept += 1;
         }
-        i += 1;
     }
     if (carried != REAL(0.0)) {
         sum->terms[kept] = carried;
@@ -113,10 +111,8 @@ OUTLINE Wide value_of(Expansion *sum) {
     }
     const uint last = sum->count - 1;
     real rest = REAL(0.0);
-    uint i = 0;
-    while (i < last) {
+    for (uint i = 0; i < last; i++) {
         rest = rest + sum->terms[i];
-        i += 1;
     }
     return sum_exact(sum->terms[last], rest);
 }

@@ -35,8 +35,7 @@ INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign) {
 OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum) {
     *sum = (FacetSum){ 0 };
     const Side f = side(s, index, center);
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         Triplet t = store_triplet(s, v);
         if (t.b == index) {
             t = (Triplet){ .a = t.b, .b = t.c, .c = t.a };
@@ -59,20 +58,17 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum) {
             }
             add_triangle(f, foot, off, at, -REAL(1.0), center, sum);
         }
-        v += 1;
     }
     return COMPLETE;
 }
 
 // Sets the facets' sums to zero.
 OUTLINE void reset_facets(Store *s, uint flags) {
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         store_set_facet(s, f, (FacetSum){ 0 });
         if ((flags & FACET_SECOND_MOMENTS) != 0) {
             store_set_facet_second(s, f, (FacetSecond){ 0 });
         }
-        f += 1;
     }
 }
 
@@ -93,8 +89,7 @@ OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sum
 // Adds the triangles that `integrate` adds to the facets to their second moments. By itself: few ask for it, and what all do is not to pay
 // for that.
 OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center) {
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
         const V3 position = sub(store_position(s, v), center);
         const Side a = side(s, t.a, center);
@@ -109,7 +104,6 @@ OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center) {
         if (add_edge_second(s, c, a, position, weight, center) != COMPLETE) {
             return UNCERTAIN;
         }
-        v += 1;
     }
     return COMPLETE;
 }
@@ -139,8 +133,7 @@ OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real si
 
 // Moves the facets' second moments from `center` to the facets' own barycenters: `∫ (x − b)(x − b)ᵀ = ∫ xxᵀ − mmᵀ/A`, `m = ∫ x`.
 OUTLINE void center_facets(Store *s, V3 center) {
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         const FacetSum sum = store_facet(s, f);
         if (facet_is_above_bound(sum) != 0) {
             const V3 m = sub(sum.moment, scale(sum.area, center));
@@ -150,6 +143,5 @@ OUTLINE void center_facets(Store *s, V3 center) {
             second.mixed = sub(second.mixed, v3(m.x * b.y, m.x * b.z, m.y * b.z));
             store_set_facet_second(s, f, second);
         }
-        f += 1;
     }
 }

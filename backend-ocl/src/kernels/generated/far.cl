@@ -22,13 +22,11 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
         uint ties = 0;
         uint stay = 0;
         const uint found = least_at(s, asked, &ties, &stay);
-        uint i = 1;
-        while (i < asked) {
+        for (uint i = 1; i < asked; i++) {
             if ((stay & (1 << i)) != 0) {
                 const uint other = store_asked(s, i).vertex;
                 store_set_settled(s, other, 1);
             }
-            i += 1;
         }
         if (found != NO_SITE) {
             store_set_candidate(s, 0, found, 0);
@@ -38,7 +36,7 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
             return UNCERTAIN;
         }
         uint status = UNTOUCHED;
-        i = 0;
+        uint i = 0;
         while ((i < ties) && (status == UNTOUCHED)) {
             const uint j = store_candidate(s, i);
             if ((found != NO_SITE) || (store_was_tried(s, j) == 0)) {

@@ -22,15 +22,13 @@ HOT uint volume_is_above_bound(CellSums sums) {
 // `reach` is the distance to the farthest point that a plane was made from, where that is not a site beyond the plane.
 HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
     CellSums part = (CellSums){ 0 };
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
         const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
         Side f = side(s, t.a, center);
         if (store_is_short(s) != 0) {
-            uint edge = 0;
             ROLLED
-            while (edge < 3) {
+            for (uint edge = 0; edge < 3; edge++) {
                 uint next = t.a;
                 if (edge == 0) {
                     next = t.b;
@@ -42,7 +40,6 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
                     return UNCERTAIN;
                 }
                 f = g;
-                edge += 1;
             }
         } else {
             const Side b = side(s, t.b, center);
@@ -57,7 +54,6 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
                 return UNCERTAIN;
             }
         }
-        v += 1;
     }
     // `part` holds sixfold volumes, and moments about `center` scaled alike: 24 of the first, 120 of the second.
     const real volume = (weight / REAL(6.0)) * part.volume;
@@ -193,21 +189,17 @@ INLINE real products(real a, real b, real c, real d, real e, real f) {
 // The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
 OUTLINE V3 reference_point(Store *s) {
     uint inside = 1;
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         if (store_plane(s, f).d < REAL(0.0)) {
             inside = 0;
         }
-        f += 1;
     }
     V3 mean = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     if (inside != 0) {
         return mean;
     }
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         mean = add(mean, store_position(s, v));
-        v += 1;
     }
     return scale(REAL(1.0) / ((real)store_vertices(s)), mean);
 }

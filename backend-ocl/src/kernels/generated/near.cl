@@ -26,13 +26,11 @@ OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, in
 
 // Whether (1) the site is strictly inside its cell, so that the cell's winding number is the site's.
 OUTLINE uint site_is_inside(Store *s) {
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         const real d = store_plane(s, f).d;
         if (!(d > REAL(0.0))) {
             return 0;
         }
-        f += 1;
     }
     return 1;
 }
@@ -41,15 +39,13 @@ OUTLINE uint site_is_inside(Store *s) {
 // `lo` and the site.
 HOT uint voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding) {
     const uint end = store_list_end(s, voxel);
-    uint entry = store_list_begin(s, voxel);
-    while (entry < end) {
+    for (uint entry = store_list_begin(s, voxel); entry < end; entry++) {
         const uint t = store_list_entry(s, entry);
         if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel) != 0) {
             if (triangle_passes_by(s, t, lo, low, high, winding) == 0) {
                 return 0;
             }
         }
-        entry += 1;
     }
     return 1;
 }
@@ -124,8 +120,7 @@ HOT uint plane_is_apart(Store *s, V3 a_in, V3 e, V3 f) {
     const real reach = norm_1(a_in);
     uint above = 0;
     uint below = 0;
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         const V3 way = sub(store_position(s, v), a_in);
         const real height = v3_dot(n, way);
         const real way_length = norm_1(way);
@@ -140,7 +135,6 @@ HOT uint plane_is_apart(Store *s, V3 a_in, V3 e, V3 f) {
         if ((above != 0) && (below != 0)) {
             return 0;
         }
-        v += 1;
     }
     return 1;
 }

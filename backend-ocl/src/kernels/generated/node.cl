@@ -17,12 +17,10 @@ HOT NodeBox box_of_node(Store *s) {
         bounds.hi = largest_corner(bounds.hi, store_sampled_place(s, i));
         i += 1;
     }
-    i = 0;
-    while (i < store_parts(s)) {
+    for (uint i = 0; i < store_parts(s); i++) {
         const NodeBox its = store_part_box(s, i);
         bounds.lo = least_corner(bounds.lo, its.lo);
         bounds.hi = largest_corner(bounds.hi, its.hi);
-        i += 1;
     }
     return bounds;
 }
@@ -36,15 +34,12 @@ INLINE Symmetric square_of_matrix(Symmetric m) {
 HOT V3 thinnest_direction(Store *s) {
     const uint count = store_sampled(s);
     V3 mean = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    uint i = 0;
-    while (i < count) {
+    for (uint i = 0; i < count; i++) {
         mean = add(mean, store_sampled_place(s, i));
-        i += 1;
     }
     mean = scale(REAL(1.0) / ((real)count), mean);
     Symmetric spread = (Symmetric){ .xx = REAL(0.0), .yy = REAL(0.0), .zz = REAL(0.0), .xy = REAL(0.0), .yz = REAL(0.0), .zx = REAL(0.0) };
-    i = 0;
-    while (i < count) {
+    for (uint i = 0; i < count; i++) {
         const V3 d = sub(store_sampled_place(s, i), mean);
         spread.xx += (d.x * d.x);
         spread.yy += (d.y * d.y);
@@ -52,14 +47,11 @@ HOT V3 thinnest_direction(Store *s) {
         spread.xy += (d.x * d.y);
         spread.yz += (d.y * d.z);
         spread.zx += (d.z * d.x);
-        i += 1;
     }
     Symmetric power = (Symmetric){ .xx = spread.yy + spread.zz, .yy = spread.zz + spread.xx, .zz = spread.xx + spread.yy, .xy = -spread.xy, .yz = -spread.yz, .zx = -spread.zx };
-    i = 0;
-    while (i < SQUARINGS) {
+    for (uint _turn = 0; _turn < SQUARINGS; _turn++) {
         const real unit = REAL(1.0) / ((power.xx + power.yy) + power.zz);
         power = square_of_matrix((Symmetric){ .xx = power.xx * unit, .yy = power.yy * unit, .zz = power.zz * unit, .xy = power.xy * unit, .yz = power.yz * unit, .zx = power.zx * unit });
-        i += 1;
     }
     const V3 along = v3(((power.xx * REAL(0.577)) + (power.xy * REAL(0.5771))) + (power.zx * REAL(0.5772)), ((power.xy * REAL(0.577)) + (power.yy * REAL(0.5771))) + (power.yz * REAL(0.5772)), ((power.zx * REAL(0.577)) + (power.yz * REAL(0.5771))) + (power.zz * REAL(0.5772)));
     const real length = sqrt(v3_dot(along, along));
@@ -87,8 +79,7 @@ HOT NodeSlab slab_of_node(Store *s, NodeBox bounds) {
         slab.largest = larger(slab.largest, store_sampled_weight(s, i));
         i += 1;
     }
-    i = 0;
-    while (i < store_parts(s)) {
+    for (uint i = 0; i < store_parts(s); i++) {
         // By its box alone, or by its slab and what the box has across the slab's normal.
         const NodeSlab its = store_part_slab(s, i);
         const NodeBox its_box = store_part_box(s, i);
@@ -99,7 +90,6 @@ HOT NodeSlab slab_of_node(Store *s, NodeBox bounds) {
         slab.hi = larger(slab.hi, smaller(top, largest_along(its_box, normal)));
         slab.lo = smaller(slab.lo, larger(bottom, -largest_along(its_box, scale(-REAL(1.0), normal))));
         slab.largest = larger(slab.largest, its.largest);
-        i += 1;
     }
     const V3 farthest = v3(larger(fabs(bounds.lo.x), fabs(bounds.hi.x)), larger(fabs(bounds.lo.y), fabs(bounds.hi.y)), larger(fabs(bounds.lo.z), fabs(bounds.hi.z)));
     const real outward = FEW_ROUNDINGS_OF_SUM * norm_1(farthest);
@@ -115,12 +105,10 @@ INLINE real rise(NodeWeights w, V3 u) {
 
 HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w) {
     Rest rest = (Rest){ .top = -LARGEST, .bottom = LARGEST };
-    uint i = 0;
-    while (i < store_sampled(s)) {
+    for (uint i = 0; i < store_sampled(s); i++) {
         const real its = store_sampled_weight(s, i) - rise(w, sub(store_sampled_place(s, i), middle));
         rest.top = larger(rest.top, its);
         rest.bottom = smaller(rest.bottom, its);
-        i += 1;
     }
     return rest;
 }
@@ -129,8 +117,7 @@ HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w) {
 HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns) {
     const uint count = store_sampled(s);
     Equations e = (Equations){ .matrix = { 0 }, .right = { 0 } };
-    uint i = 0;
-    while (i < count) {
+    for (uint i = 0; i < count; i++) {
         const V3 u = scale(REAL(1.0) / width, sub(store_sampled_place(s, i), middle));
         const real w = store_sampled_weight(s, i) - base;
         real terms[7] = { 0 };
@@ -141,45 +128,31 @@ HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint 
         terms[4] = u.x * u.x;
         terms[5] = u.y * u.y;
         terms[6] = u.z * u.z;
-        uint row = 0;
-        while (row < unknowns) {
-            uint column = 0;
-            while (column < unknowns) {
+        for (uint row = 0; row < unknowns; row++) {
+            for (uint column = 0; column < unknowns; column++) {
                 e.matrix[((row * QUADRATIC) + column)] += (terms[row] * terms[column]);
-                column += 1;
             }
             e.right[row] += (terms[row] * w);
-            row += 1;
         }
-        i += 1;
     }
-    uint row = 1;
-    while (row < unknowns) {
+    for (uint row = 1; row < unknowns; row++) {
         e.matrix[((row * QUADRATIC) + row)] += (RIDGE_SHARE * ((real)count));
-        row += 1;
     }
     // Gauss–Jordan; positive definite, so that no pivot is sought.
-    uint pivot = 0;
-    while (pivot < unknowns) {
+    for (uint pivot = 0; pivot < unknowns; pivot++) {
         const real inverse = REAL(1.0) / e.matrix[((pivot * QUADRATIC) + pivot)];
-        row = 0;
-        while (row < unknowns) {
+        for (uint row = 0; row < unknowns; row++) {
             if (row != pivot) {
                 const real share = e.matrix[((row * QUADRATIC) + pivot)] * inverse;
-                uint column = pivot;
-                while (column < unknowns) {
+                for (uint column = pivot; column < unknowns; column++) {
                     e.matrix[((row * QUADRATIC) + column)] -= (share * e.matrix[((pivot * QUADRATIC) + column)]);
-                    column += 1;
                 }
                 e.right[row] -= (share * e.right[pivot]);
             }
-            row += 1;
         }
-        pivot += 1;
     }
     real largest = REAL(0.0);
-    row = 0;
-    while (row < unknowns) {
+    for (uint row = 0; row < unknowns; row++) {
         e.right[row] = e.right[row] / (e.matrix[((row * QUADRATIC) + row)] * width);
         if (row >= AFFINE) {
             e.right[row] = e.right[row] / width;
@@ -188,7 +161,6 @@ HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint 
         if (!(fabs(e.right[row]) < LARGEST)) {
             largest = LARGEST;
         }
-        row += 1;
     }
     NodeWeights fit = (NodeWeights){ .offset = REAL(0.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .curvature = v3(REAL(0.0), REAL(0.0), REAL(0.0)) };
     if (largest < LARGEST) {

@@ -3,13 +3,11 @@
 // The integral of the store's function over the present polytope; `center` is the point that the tetrahedra share.
 OUTLINE real integrate_function(Store *s, V3 center) {
     Wide sum = (Wide){ .hi = REAL(0.0), .lo = REAL(0.0) };
-    uint v = 0;
-    while (v < store_vertices(s)) {
+    for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
         add_fans_at_edge(s, v, t.a, t.b, center, &sum);
         add_fans_at_edge(s, v, t.b, t.c, center, &sum);
         add_fans_at_edge(s, v, t.c, t.a, center, &sum);
-        v += 1;
     }
     // Of sixfold volumes.
     return (sum.hi + sum.lo) / REAL(6.0);
@@ -38,13 +36,11 @@ OUTLINE void add_fans_at_edge(Store *s, uint v, uint f, uint g, V3 center, Wide 
 
 // The first vertex below `end` that lies on both planes; `end` if there is none.
 OUTLINE uint first_vertex_on(Store *s, uint f, uint g, uint end) {
-    uint v = 0;
-    while (v < end) {
+    for (uint v = 0; v < end; v++) {
         const Triplet t = store_triplet(s, v);
         if ((((t.a == f) || (t.b == f)) || (t.c == f)) && (((t.a == g) || (t.b == g)) || (t.c == g))) {
             return v;
         }
-        v += 1;
     }
     return end;
 }
@@ -55,12 +51,10 @@ OUTLINE void add_quadrature(Store *s, real volume, V3 a, V3 b, V3 c, V3 center, 
         return;
     }
     Wide mean = (Wide){ .hi = REAL(0.0), .lo = REAL(0.0) };
-    uint q = 0;
-    while (q < store_nodes(s)) {
+    for (uint q = 0; q < store_nodes(s); q++) {
         const Node node = store_node(s, q);
         const V3 way = add(add(scale(node.place.x, a), scale(node.place.y, b)), scale(node.place.z, c));
         add_compensated(node.weight * store_function(s, add(center, way)), &mean);
-        q += 1;
     }
     add_compensated(volume * (mean.hi + mean.lo), sum);
 }

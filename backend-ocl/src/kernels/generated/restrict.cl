@@ -156,12 +156,10 @@ OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellS
 
 // The faces of the initial box are the boundary where there is no domain.
 OUTLINE void add_box_faces(Store *s, CellSums *sums) {
-    uint f = 0;
-    while (f < store_planes(s)) {
+    for (uint f = 0; f < store_planes(s); f++) {
         if (store_tag(s, f) == TAG_BOX) {
             add_boundary(store_facet(s, f), store_plane(s, f), REAL(1.0), sums);
         }
-        f += 1;
     }
 }
 
@@ -170,13 +168,11 @@ HOT real box_of_cell(Store *s, V3 *low, V3 *high) {
     *low = store_position(s, 0);
     *high = *low;
     real radius = store_radius(s, 0);
-    uint v = 1;
-    while (v < store_vertices(s)) {
+    for (uint v = 1; v < store_vertices(s); v++) {
         const V3 p = store_position(s, v);
         *low = v3(smaller(low->x, p.x), smaller(low->y, p.y), smaller(low->z, p.z));
         *high = v3(larger(high->x, p.x), larger(high->y, p.y), larger(high->z, p.z));
         radius = larger(radius, store_radius(s, v));
-        v += 1;
     }
     return radius;
 }
@@ -209,8 +205,7 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint
             while (i <= hi.i) {
                 const Voxel voxel = (Voxel){ .i = i, .j = j, .k = k };
                 const uint end = store_list_end(s, voxel);
-                uint entry = store_list_begin(s, voxel);
-                while (entry < end) {
+                for (uint entry = store_list_begin(s, voxel); entry < end; entry++) {
                     const uint t = store_list_entry(s, entry);
                     if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel) != 0) {
                         const uint status = add_cone(s, t, lo, center, flags, touched, sums);
@@ -224,7 +219,6 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint
                             }
                         }
                     }
-                    entry += 1;
                 }
                 i += 1;
             }

@@ -81,13 +81,11 @@ HOT uint search_table(Store *s, float *reach, uint *visited) {
         uint window = 0;
         while (window < all) {
             store_lanes_wait(s);
-            uint i = 0;
-            while (i < own) {
+            for (uint i = 0; i < own; i++) {
                 const uint at = ((before + i) - window);
                 if (at < store_window(s)) {
                     store_set_in_window(s, at, range.begin + i);
                 }
-                i += 1;
             }
             store_lanes_wait(s);
             uint count = all - window;
@@ -96,8 +94,7 @@ HOT uint search_table(Store *s, float *reach, uint *visited) {
             }
             // (A site out of reach does not get its key, so that the lanes agree at once that none is left.)
             const uint limit = store_key_of_reach(s, *reach);
-            uint c = 0;
-            while (c < store_held(s, count)) {
+            for (uint c = 0; c < store_held(s, count); c++) {
                 const uint at = (c * store_lanes(s)) + store_lane(s);
                 uint site = store_own_site(s);
                 uint key = NO_SITE;
@@ -110,7 +107,6 @@ HOT uint search_table(Store *s, float *reach, uint *visited) {
                     }
                 }
                 store_hold(s, c, site, key);
-                c += 1;
             }
             const uint status = visit_candidates(s, center, count, NO_SITE, reach, visited);
             if (status != UNTOUCHED) {

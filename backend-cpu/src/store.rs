@@ -207,8 +207,8 @@ impl CellStore for CpuStore<'_> {
         *word = (*word & !(1 << (v % 64))) | u64::from(settled) << (v % 64);
     }
     #[inline(always)]
-    fn keeps_minors(&self) -> u32 {
-        1
+    fn keeps_minors(&self) -> bool {
+        true
     }
     #[inline(always)]
     fn minors(&self, v: u32) -> Minors {

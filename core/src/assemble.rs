@@ -48,7 +48,7 @@ impl Facets {
     pub fn collect<S: CellStore>(&mut self, store: &S, flags: u32, order: &[u32]) {
         for f in 0..store.planes() {
             let (tag, sum) = (store.tag(f), store.facet(f));
-            if tag < TAG_BOX && facet_is_above_bound(sum) != 0 {
+            if tag < TAG_BOX && facet_is_above_bound(sum) {
                 let neighbor = order[tag as usize];
                 self.records.push(FacetRecord { area: sum.area, moment: sum.moment, neighbor, unused: 0 });
                 if flags & FACET_SECOND_MOMENTS != 0 {

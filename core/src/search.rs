@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
                 return None;
             }
             if self.prepared.domain_grid().is_some() {
-                if cell::lies_outside(cell.store) != 0 {
+                if cell::lies_outside(cell.store) {
                     cell.outcome.status = EMPTY;
                     return None;
                 }
@@ -267,7 +267,7 @@ fn visit_all<S: CellStore>(
                 }
             }
             // Cells outside the domain need not be complete to be known empty.
-            if looks_outside && cell::lies_outside(cell.store) != 0 {
+            if looks_outside && cell::lies_outside(cell.store) {
                 cell.outcome.status = EMPTY;
                 return false;
             }

@@ -4,13 +4,13 @@
 #import <store>
 
 #ifdef SHORT
-INLINE uint store_is_short(Store *s) { return SHORT; }
+INLINE bool store_is_short(Store *s) { return SHORT; }
 #else
-INLINE uint store_is_short(Store *s) { return 0u; }
+INLINE bool store_is_short(Store *s) { return false; }
 #endif
 
 // There is no room to keep minors.
-INLINE uint store_keeps_minors(Store *s) { return 0u; }
+INLINE bool store_keeps_minors(Store *s) { return false; }
 INLINE Minors store_minors(Store *s, uint v) { return (Minors){ 0 }; }
 INLINE void store_keep_minors(Store *s, uint v, Minors minors) {}
 
@@ -38,9 +38,9 @@ INLINE V3 store_origin(Store *s) {
 INLINE real store_coefficient(Store *s, uint i) { return s->world.integrand[(4u * s->world.params->nodes) + i]; }
 INLINE real store_function(Store *s, V3 x) { return polynomial(s, x); }
 #else
-INLINE uint store_nodes(Store *s) { return 0u; }
+INLINE uint store_nodes(Store *s) { return false; }
 INLINE Node store_node(Store *s, uint q) { return (Node){ 0 }; }
-INLINE uint store_degree(Store *s) { return 0u; }
+INLINE uint store_degree(Store *s) { return false; }
 INLINE V3 store_origin(Store *s) { return (V3){ 0 }; }
 INLINE real store_coefficient(Store *s, uint i) { return REAL(0.0); }
 INLINE real store_function(Store *s, V3 x) { return REAL(0.0); }

@@ -6,7 +6,7 @@
 
 INLINE uint store_lanes(Store *s) { return LANES; }
 INLINE uint store_lane(Store *s) { return s->lane; }
-INLINE uint store_lanes_with(Store *s, uint bit) { return lanes_with(bit); }
+INLINE uint store_lanes_with(Store *s, bool is_so) { return lanes_with(is_so); }
 INLINE uint store_count_of(Store *s, uint lanes) { return popcount(lanes); }
 INLINE uint store_rank_in(Store *s, uint lanes) { return popcount(lanes & ((1u << s->lane) - 1u)); }
 INLINE uint store_first_of(Store *s, uint lanes) { return lowest_bit(lanes); }

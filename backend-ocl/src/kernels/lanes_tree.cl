@@ -57,13 +57,13 @@ INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return status;
 #endif
 }
-INLINE uint store_was_tried(Store *s, uint j) { return has_cut(s, j); }
-INLINE uint store_touches(Store *s, uint v, uint j) {
+INLINE bool store_was_tried(Store *s, uint j) { return has_cut(s, j); }
+INLINE bool store_touches(Store *s, uint v, uint j) {
     const Triplet t = store_triplet(s, v);
     return (s->cell->source[t.a] == j) || (s->cell->source[t.b] == j) || (s->cell->source[t.c] == j);
 }
 // (Proofs that are cut short are for one work-item.)
-INLINE uint store_leaves_out(Store *s) { return 0u; }
+INLINE bool store_leaves_out(Store *s) { return false; }
 INLINE uint store_cut_outside(Store *s, real radius) {
 #if WITH_DOMAIN
     const float far = farthest_of(s);

@@ -7,10 +7,12 @@ typedef __global const ulong *Input;
 typedef __global ulong *Output;
 
 INLINE uint take_uint(Input *in) { return (uint)*(*in)++; }
+INLINE bool take_bool(Input *in) { return take_uint(in) != 0u; }
 INLINE int take_int(Input *in) { return (int)take_uint(in); }
 INLINE real take_real(Input *in) { return as_double(*(*in)++); }
 
 INLINE void give_uint(Output *out, uint value) { *(*out)++ = value; }
+INLINE void give_bool(Output *out, bool value) { give_uint(out, value); }
 INLINE void give_int(Output *out, int value) { give_uint(out, (uint)value); }
 // Which bits a NaN has is nobody's promise.
 INLINE void give_real(Output *out, real value) { *(*out)++ = isnan(value) ? 0x7ff8000000000000ul : as_ulong(value); }

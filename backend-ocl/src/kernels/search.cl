@@ -3,12 +3,12 @@
 
 #import "generated/cell.cl"
 
-OUTLINE uint store_was_tried(Store *s, uint j);
+OUTLINE bool store_was_tried(Store *s, uint j);
 
-INLINE uint store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
+INLINE bool store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }
 INLINE uint store_cut_by(Store *s, uint j) {
 #if WITH_TABLE
-    if ((s->is_sampled != 0u) && (store_was_tried(s, j) != 0u)) {
+    if ((s->is_sampled != 0u) && store_was_tried(s, j)) {
         return UNTOUCHED;
     }
 #endif

@@ -50,7 +50,7 @@ OUTLINE uint is_outside(Store *s) {
 }
 
 // Bisectors that are moved outward need not cut off what the sites do.
-INLINE uint store_leaves_out(Store *s) { return s->is_widened; }
+INLINE bool store_leaves_out(Store *s) { return s->is_widened != 0u; }
 
 INLINE uint store_cut_by(Store *s, uint j) {
     const V3 d = store_way_to(s, j);

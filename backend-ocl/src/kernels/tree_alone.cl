@@ -4,7 +4,7 @@
 
 INLINE uint store_lanes(Store *s) { return 1u; }
 INLINE uint store_lane(Store *s) { return 0u; }
-INLINE uint store_lanes_with(Store *s, uint bit) { return (bit != 0u) ? 1u : 0u; }
+INLINE uint store_lanes_with(Store *s, bool is_so) { return is_so; }
 INLINE uint store_count_of(Store *s, uint lanes) { return lanes; }
 INLINE uint store_rank_in(Store *s, uint lanes) { return 0u; }
 INLINE uint store_first_of(Store *s, uint lanes) { return 0u; }
@@ -63,15 +63,15 @@ INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);
 }
 
-OUTLINE uint store_was_tried(Store *s, uint j) {
+OUTLINE bool store_was_tried(Store *s, uint j) {
     for (uint f = 0; f < s->planes; f++) {
         if (store_tag(s, f) == j) {
-            return 1;
+            return true;
         }
     }
-    return 0;
+    return false;
 }
-INLINE uint store_touches(Store *s, uint v, uint j) {
+INLINE bool store_touches(Store *s, uint v, uint j) {
     const Triplet t = store_triplet(s, v);
     return (store_tag(s, t.a) == j) || (store_tag(s, t.b) == j) || (store_tag(s, t.c) == j);
 }

@@ -39,11 +39,11 @@ INLINE uint store_asks_of_node(Store *s, uint level, uint node, uint asks, uint 
 #endif
 
 #if WITH_WEIGHTS
-INLINE uint store_has_weights(Store *s) { return s->world.params->equal_weights == 0u; }
+INLINE bool store_has_weights(Store *s) { return s->world.params->equal_weights == 0u; }
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
 #if !LANES
     // (Where weights are asked for at run time: without them there are no bounds.)
-    if (store_has_weights(s) == 0u) {
+    if (!store_has_weights(s)) {
         return (NodeWeights){ 0 };
     }
 #endif
@@ -55,7 +55,7 @@ INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
     };
 }
 #else
-INLINE uint store_has_weights(Store *s) { return 0u; }
+INLINE bool store_has_weights(Store *s) { return false; }
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) { return (NodeWeights){ 0 }; }
 #endif
 

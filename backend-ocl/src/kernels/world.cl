@@ -3,7 +3,7 @@
 #import <store>
 #import "surface_table.cl"
 
-INLINE uint store_has_domain(Store *s) { return s->world.params->has_domain; }
+INLINE bool store_has_domain(Store *s) { return s->world.params->has_domain != 0u; }
 
 // Lattice coordinates are exact, as on the host (domain_grid/lattice.rs).
 INLINE real domain_coordinate(Store *s, uint axis, uint i) {

@@ -163,7 +163,7 @@ pub fn no_false_proof(_: &dyn Backend) -> Verdict {
 
 /// Whether a node of one site, which weighs `excess` more than the cell's, is not opened for vertex `v`.
 fn power_is_beyond(store: &PlainStore<'_>, v: u32, site: V3, excess: f64) -> bool {
-    let seer = Seer { site: v3(0.0, 0.0, 0.0), excess: (-excess).max(0.0), has_weights: 1 };
+    let seer = Seer { site: v3(0.0, 0.0, 0.0), excess: (-excess).max(0.0), has_weights: true };
     let more = excess + seer.excess;
     let bounds = NodeBox { lo: site, hi: site };
     let slab = NodeSlab { normal: v3(1.0, 0.0, 0.0), lo: site.x, hi: site.x, largest: more };

@@ -15,7 +15,7 @@ pub struct Seer {
     /// What it weighs more than the lightest of all.
     pub excess: Real,
     /// Whether weights differ.
-    pub has_weights: u32,
+    pub has_weights: bool,
 }
 
 /// How far `place` is from the range `[lo, hi]`, at least.
@@ -50,7 +50,7 @@ pub fn least_weighted(seer: Seer, alpha: Real, g: V3, bounds: NodeBox, weights: 
 /// The least of `αd² + g·d − w` at any site of a node; without weights there is no g.
 #[inline(always)]
 pub fn least_of_node(seer: Seer, alpha: Real, g: V3, bounds: NodeBox, weights: NodeWeights) -> Real {
-    if seer.has_weights == 0 {
+    if !seer.has_weights {
         let lo: V3 = sub(bounds.lo, seer.site);
         let hi: V3 = sub(bounds.hi, seer.site);
         return (alpha * square_to_box(lo, hi, v3(0.0, 0.0, 0.0))) * (1.0 - FEW_ROUNDINGS_OF_SUM);
@@ -70,7 +70,7 @@ pub fn least_power_of_node(seer: Seer, v: V3, bounds: NodeBox, slab: NodeSlab, w
     let rounding: Real = FEW_ROUNDINGS_OF_SUM * ((from.x.abs() + from.y.abs()) + from.z.abs());
     let across: Real = larger((height - slab.hi) - rounding, 0.0) - larger((slab.lo - height) - rounding, 0.0);
     let beyond: Real = (across * across) * (1.0 - FEW_ROUNDINGS_OF_SUM);
-    if seer.has_weights == 0 {
+    if !seer.has_weights {
         let foot: V3 = sub(v, scale(across, slab.normal));
         let square: Real = square_to_box(sub(bounds.lo, site), sub(bounds.hi, site), foot);
         return (square + beyond) * (1.0 - FEW_ROUNDINGS_OF_SUM);

@@ -28,7 +28,7 @@ const WORTH_A_CAP: Real = 1.1;
 /// off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
 #[cfg_attr(opencl, outline)]
 pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
-    if (s.has_domain() == 0) || !(radius > 0.0) {
+    if !s.has_domain() || !(radius > 0.0) {
         return UNTOUCHED;
     }
     let mut end: u32 = UNTOUCHED;
@@ -41,7 +41,7 @@ pub fn cap_outside<S: CellStore>(s: &mut S, radius: Real) -> u32 {
         let mut distance: Real = larger(FIRST_DISTANCE * radius, LEAST_SHARE * length);
         let mut status: u32 = UNTOUCHED;
         while (status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length) {
-            if part_is_outside(s, far, distance * length) != 0 {
+            if part_is_outside(s, far, distance * length) {
                 status = clip(s, Plane { n: scale(-1.0, far), d: distance * length }, TAG_CAP);
             }
             distance = next_distance(distance, radius);
@@ -80,10 +80,10 @@ pub(super) fn farthest_position<S: CellStore>(s: &S) -> V3 {
     return far;
 }
 
-/// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
+/// Whether what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
 /// part of it that has something of the cell.
 #[cfg_attr(opencl, outline)]
-pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) -> u32 {
+pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) -> bool {
     let mut low: V3 = direction;
     let mut high: V3 = direction;
     let mut radius: Real = 0.0;
@@ -91,8 +91,8 @@ pub(super) fn part_is_outside<S: CellStore>(s: &S, direction: V3, height: Real) 
         add_to_part(s, v, direction, height, &mut low, &mut high);
         radius = larger(radius, s.radius(v));
     }
-    if widen_part(s, direction, height, radius, &mut low, &mut high) == 0 {
-        return 0;
+    if !widen_part(s, direction, height, radius, &mut low, &mut high) {
+        return false;
     }
     return boxes_are_outside(s, direction, height, low, high, 0, 1);
 }
@@ -121,7 +121,7 @@ pub(super) fn add_to_part<S: CellStore>(s: &S, v: u32, direction: V3, height: Re
     }
 }
 
-/// Widens `[low, high]` by all roundings, `radius` the vertices' largest error; 0 where they are too large to tell. No vertex is farther than
+/// Widens `[low, high]` by all roundings, `radius` the vertices' largest error: whether they are not too large to tell. No vertex is farther than
 /// `direction`.
 #[cfg_attr(opencl, outline)]
 pub(super) fn widen_part<S: CellStore>(
@@ -131,19 +131,19 @@ pub(super) fn widen_part<S: CellStore>(
     radius: Real,
     low: &mut V3,
     high: &mut V3,
-) -> u32 {
+) -> bool {
     // The vertices' error, the roundings of heights and places, and of moving them into the diagram's frame.
     let rounding: Real = radius + ((16.0 * UNIT_ROUNDOFF) * (norm_max(s.site()) + norm_1(direction)));
     if !((norm_1(direction) * rounding) < (0.25 * (CAP_MARGIN * height))) {
-        return 0;
+        return false;
     }
     let outward: V3 = v3(rounding, rounding, rounding);
     *low = sub(*low, outward);
     *high = add(*high, outward);
-    return 1;
+    return true;
 }
 
-/// Whether (1) all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
+/// Whether all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
 /// the domain, each of `ALL_PARTS` parts of it that the cell has something of, of which only every `step`th from `first` on is looked at.
 #[cfg_attr(opencl, outline)]
 pub(super) fn boxes_are_outside<S: CellStore>(
@@ -154,12 +154,12 @@ pub(super) fn boxes_are_outside<S: CellStore>(
     high: V3,
     first: u32,
     step: u32,
-) -> u32 {
-    if box_is_outside(s, low, high) != 0 {
-        return 1;
+) -> bool {
+    if box_is_outside(s, low, high) {
+        return true;
     }
     if (step == 0) || (step > ALL_PARTS) {
-        return 0;
+        return false;
     }
     let size: V3 = scale(0.125, sub(high, low));
     // Wider than a part by what its corners are rounded by.
@@ -170,35 +170,32 @@ pub(super) fn boxes_are_outside<S: CellStore>(
         let along_y: Real = (((n >> 3) & 7) as Real) + 0.5;
         let along_z: Real = ((n >> 6) as Real) + 0.5;
         let middle: V3 = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
-        if box_is_outside(s, sub(middle, halves), add(middle, halves)) == 0 {
-            if box_misses_part(s, direction, height, middle, halves) == 0 {
-                return 0;
+        if !box_is_outside(s, sub(middle, halves), add(middle, halves)) {
+            if !box_misses_part(s, direction, height, middle, halves) {
+                return false;
             }
         }
         n += step;
     }
-    return 1;
+    return true;
 }
 
-/// Whether (1) the domain's winding number is 0 all over the box `[low, high]`.
+/// Whether the domain's winding number is 0 all over the box `[low, high]`.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn box_is_outside<S: CellStore>(s: &S, low: V3, high: V3) -> u32 {
+pub(super) fn box_is_outside<S: CellStore>(s: &S, low: V3, high: V3) -> bool {
     let mut lo: Voxel = Voxel { i: 0, j: 0, k: 0 };
     let mut hi: Voxel = Voxel { i: 0, j: 0, k: 0 };
     voxels_of_box(s, low, high, &mut lo, &mut hi);
-    if (s.surface_voxels(lo, hi) == 0) && (s.winding(lo) == 0) {
-        return 1;
-    }
-    return 0;
+    return (s.surface_voxels(lo, hi) == 0) && (s.winding(lo) == 0);
 }
 
-/// Whether (1) a box about `middle` certainly has nothing of the cell with `direction·x ≥ height`.
+/// Whether a box about `middle` certainly has nothing of the cell with `direction·x ≥ height`.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn box_misses_part<S: CellStore>(s: &S, direction: V3, height: Real, middle: V3, halves: V3) -> u32 {
+pub(super) fn box_misses_part<S: CellStore>(s: &S, direction: V3, height: Real, middle: V3, halves: V3) -> bool {
     if (dot(direction, middle) + reach_along(direction, halves)) < (height - (CAP_MARGIN * height)) {
-        return 1;
+        return true;
     }
     for f in 0..s.planes() {
         let plane: Plane = s.plane(f);
@@ -206,10 +203,10 @@ pub(super) fn box_misses_part<S: CellStore>(s: &S, direction: V3, height: Real, 
         let rounding: Real =
             (16.0 * UNIT_ROUNDOFF) * ((norm_1(plane.n) * (norm_max(middle) + norm_max(halves))) + plane.d.abs());
         if largest < -rounding {
-            return 1;
+            return true;
         }
     }
-    return 0;
+    return false;
 }
 
 /// The largest `n·x` of a box about 0.

@@ -226,17 +226,17 @@ pub(super) fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut T
     let mut v: u32 = s.next_conflict(0, end);
     while v < end {
         let t: Triplet = s.triplet(v);
-        if is_boundary_edge(s, end, t.a, t.b) != 0 {
+        if is_boundary_edge(s, end, t.a, t.b) {
             edge.a = t.a;
             edge.b = t.b;
             return;
         }
-        if is_boundary_edge(s, end, t.b, t.c) != 0 {
+        if is_boundary_edge(s, end, t.b, t.c) {
             edge.a = t.b;
             edge.b = t.c;
             return;
         }
-        if is_boundary_edge(s, end, t.c, t.a) != 0 {
+        if is_boundary_edge(s, end, t.c, t.a) {
             edge.a = t.c;
             edge.b = t.a;
             return;
@@ -247,19 +247,19 @@ pub(super) fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut T
 
 /// Whether the edge a→b of a marked vertex lies on the boundary of the hole: both planes do, and no marked vertex has b→a.
 #[inline(always)]
-pub(super) fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32) -> u32 {
+pub(super) fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32) -> bool {
     if (s.link(a) == 0) || (s.link(b) == 0) {
-        return 0;
+        return false;
     }
     let mut v: u32 = s.next_conflict(0, end);
     while v < end {
         let t: Triplet = s.triplet(v);
         if ((t.a == b) && (t.b == a)) || ((t.b == b) && (t.c == a)) || ((t.c == b) && (t.a == a)) {
-            return 0;
+            return false;
         }
         v = s.next_conflict(v + 1, end);
     }
-    return 1;
+    return true;
 }
 
 /// Drops the planes that no vertex lies on and renumbers the others in order.

@@ -31,7 +31,7 @@ pub(crate) fn add_cone<S: CellStore>(
     apex: Voxel,
     center: V3,
     flags: u32,
-    touched: &mut u32,
+    touched: &mut bool,
     sums: &mut CellSums,
 ) -> u32 {
     let mut cone: TruncatedCone = no_cone();
@@ -40,15 +40,15 @@ pub(crate) fn add_cone<S: CellStore>(
     }
     if cone.sign == 0.0 {
         // The cone is flat, but the surface may still divide the cell.
-        *touched = 1;
+        *touched = true;
         return COMPLETE;
     }
     // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
     let base: u32 = s.planes();
-    if (all_in_conflict(s, base, cone.end) != 0)
-        || (all_in_conflict(s, base, cone.side_0) != 0)
-        || (all_in_conflict(s, base, cone.side_1) != 0)
-        || (all_in_conflict(s, base, cone.side_2) != 0)
+    if (all_in_conflict(s, base, cone.end))
+        || (all_in_conflict(s, base, cone.side_0))
+        || (all_in_conflict(s, base, cone.side_1))
+        || (all_in_conflict(s, base, cone.side_2))
     {
         return COMPLETE;
     }
@@ -56,7 +56,7 @@ pub(crate) fn add_cone<S: CellStore>(
     if status == COMPLETE {
         status = clip(s, cone.end, TAG_TRIANGLE);
         if status == CUT {
-            *touched = 1;
+            *touched = true;
         }
         if (status == CUT) || (status == UNTOUCHED) {
             status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
@@ -100,9 +100,9 @@ pub(crate) fn add_surface<S: CellStore>(s: &mut S, t: u32, apex: Voxel, center: 
     if (seen == SEEN_CONFLICT) || (seen == SEEN_KEEP) {
         return COMPLETE;
     }
-    if (all_in_conflict(s, base, prism.side_0) != 0)
-        || (all_in_conflict(s, base, prism.side_1) != 0)
-        || (all_in_conflict(s, base, prism.side_2) != 0)
+    if (all_in_conflict(s, base, prism.side_0))
+        || (all_in_conflict(s, base, prism.side_1))
+        || (all_in_conflict(s, base, prism.side_2))
     {
         return COMPLETE;
     }
@@ -126,14 +126,11 @@ pub(crate) fn add_surface<S: CellStore>(s: &mut S, t: u32, apex: Voxel, center: 
     return status;
 }
 
-/// Whether (1) every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
+/// Whether every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
 #[inline(always)]
-pub(super) fn all_in_conflict<S: CellStore>(s: &mut S, k: u32, plane: Plane) -> u32 {
+pub(super) fn all_in_conflict<S: CellStore>(s: &mut S, k: u32, plane: Plane) -> bool {
     s.set_plane(k, plane);
-    if s.mark_conflicts(k) == SEEN_CONFLICT {
-        return 1;
-    }
-    return 0;
+    return s.mark_conflicts(k) == SEEN_CONFLICT;
 }
 
 /// The truncated cone over triangle `t` from corner `apex`, in the frame of the site.

@@ -25,7 +25,7 @@ const EXPANSION_SMALLEST: Real = 1e-60;
 /// The sign of the 4×4 determinant with rows `[n | d]`, exactly, or `SIGN_UNKNOWN` where a product could underflow.
 #[cfg_attr(opencl, outline)]
 pub(crate) fn expansion_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
-    if (((is_tiny(a) + is_tiny(b)) + is_tiny(c)) + is_tiny(e)) != 0 {
+    if ((is_tiny(a) || is_tiny(b)) || is_tiny(c)) || is_tiny(e) {
         return SIGN_UNKNOWN;
     }
     let mut sum: Expansion = Expansion { terms: [0.0; 192], count: 0 };
@@ -50,7 +50,7 @@ pub(crate) fn expansion_sign(a: Plane, b: Plane, c: Plane, e: Plane) -> i32 {
 /// each exact before it is rounded. `UNCERTAIN` where a product could underflow, or the normals are dependent.
 #[cfg_attr(opencl, outline)]
 pub(crate) fn expansion_position(a: Plane, b: Plane, c: Plane, position: &mut V3) -> u32 {
-    if ((is_tiny(a) + is_tiny(b)) + is_tiny(c)) != 0 {
+    if (is_tiny(a) || is_tiny(b)) || is_tiny(c) {
         return UNCERTAIN;
     }
     let det: Wide = determinant(a.n, b.n, c.n);
@@ -64,15 +64,15 @@ pub(crate) fn expansion_position(a: Plane, b: Plane, c: Plane, position: &mut V3
     return COMPLETE;
 }
 
-/// Whether (1) a coefficient is smaller than `EXPANSION_SMALLEST` and not zero.
+/// Whether a coefficient is smaller than `EXPANSION_SMALLEST` and not zero.
 #[inline(always)]
-pub(super) fn is_tiny(plane: Plane) -> u32 {
+pub(super) fn is_tiny(plane: Plane) -> bool {
     if ((is_tiny_number(plane.n.x) + is_tiny_number(plane.n.y)) + (is_tiny_number(plane.n.z) + is_tiny_number(plane.d)))
         != 0
     {
-        return 1;
+        return true;
     }
-    return 0;
+    return false;
 }
 
 #[inline(always)]

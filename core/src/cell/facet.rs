@@ -48,13 +48,10 @@ const SHARE_OF_NO_FACET: Real = 0.0625;
 /// that was dropped; with 2 bounds there are 2, with 4 there are 6, with 16 there are 34.
 const BOUNDS_OF_NEGATIVE: Real = 1.0;
 
-/// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
+/// Whether a facet's area exceeds what rounding alone can make of nothing.
 #[cfg_attr(opencl, outline)]
-pub fn facet_is_above_bound(sum: FacetSum) -> u32 {
-    if (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(BOUNDS_OF_NEGATIVE * sum.rounding)) {
-        return 1;
-    }
-    return 0;
+pub fn facet_is_above_bound(sum: FacetSum) -> bool {
+    return (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(BOUNDS_OF_NEGATIVE * sum.rounding));
 }
 
 /// Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
@@ -131,7 +128,7 @@ pub(crate) fn reset_facets<S: CellStore>(s: &mut S, flags: u32) {
 #[cfg_attr(opencl, outline)]
 pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
     // The surface has no negative area.
-    if (facet_is_above_bound(sum) == 0) || (sum.area < 0.0) {
+    if (!facet_is_above_bound(sum)) || (sum.area < 0.0) {
         return;
     }
     let share: Real = (outward * sum.area) / dot(plane.n, plane.n).sqrt();
@@ -202,7 +199,7 @@ pub(super) fn add_triangle_second<S: CellStore>(s: &mut S, f: Side, foot: V3, po
 pub(super) fn center_facets<S: CellStore>(s: &mut S, center: V3) {
     for f in 0..s.planes() {
         let sum: FacetSum = s.facet(f);
-        if facet_is_above_bound(sum) != 0 {
+        if facet_is_above_bound(sum) {
             let m: V3 = sub(sum.moment, scale(sum.area, center));
             let b: V3 = scale(1.0 / sum.area, m);
             let mut second: FacetSecond = s.facet_second(f);

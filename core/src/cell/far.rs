@@ -36,7 +36,7 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
         if v == NO_SITE {
             return COMPLETE;
         }
-        if ask(s, v, 0) == 0 {
+        if !ask(s, v, 0) {
             return UNCERTAIN;
         }
         let mut asked: u32 = 1;
@@ -63,13 +63,13 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
         let mut i: u32 = 0;
         while (i < ties) && (status == UNTOUCHED) {
             let j: u32 = s.candidate(i);
-            if (found != NO_SITE) || (s.was_tried(j) == 0) {
+            if (found != NO_SITE) || !s.was_tried(j) {
                 *visited += 1;
                 status = s.cut_by(j);
             }
             i += 1;
         }
-        if ((status == UNTOUCHED) && (found != NO_SITE)) && (s.leaves_out() == 0) {
+        if ((status == UNTOUCHED) && (found != NO_SITE)) && !s.leaves_out() {
             // What rounding cannot take back has less power there.
             return UNCERTAIN;
         }
@@ -114,7 +114,7 @@ fn next_unsettled<S: SearchStore>(s: &S, from: V3, sign: Real, key: &mut u32) ->
     if least == NO_SITE {
         return NO_SITE;
     }
-    return s.lane_value(own, s.first_of(s.lanes_with((nearest == least) as u32)));
+    return s.lane_value(own, s.first_of(s.lanes_with(nearest == least)));
 }
 
 /// Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
@@ -130,22 +130,24 @@ fn ask_near_first<S: SearchStore>(s: &mut S, at_once: u32) -> u32 {
         if v == NO_SITE {
             return asked;
         }
-        asked += ask(s, v, asked);
+        if ask(s, v, asked) {
+            asked += 1;
+        }
     }
     return asked;
 }
 
-/// Makes vertex `v` the asked vertex `i`: 1; or 0 where it is not known well.
+/// Makes vertex `v` the asked vertex `i`, where it is known well: whether it is.
 #[inline(always)]
-fn ask<S: SearchStore>(s: &mut S, v: u32, i: u32) -> u32 {
+fn ask<S: SearchStore>(s: &mut S, v: u32, i: u32) -> bool {
     let mut place: V3 = v3(0.0, 0.0, 0.0);
     let mut radius: Real = 0.0;
     if s.fine_position(v, &mut place, &mut radius) != COMPLETE {
-        return 0;
+        return false;
     }
     let asked: Asked = asked_at(s.largest_excess(), v, place, radius);
     s.set_asked(i, asked);
-    return 1;
+    return true;
 }
 
 /// What is asked for at a place that is off by up to `radius` along each axis, of sites that weigh up to `largest_excess` more than the cell's.
@@ -208,7 +210,7 @@ pub(crate) fn least_at<S: SearchStore>(s: &mut S, asked: u32, ties: &mut u32, st
                         asks = 0;
                     }
                 }
-                if s.lanes_with(asks) != 0 {
+                if s.lanes_with(asks != 0) != 0 {
                     left = left & ask_site(s, j, asks, left, &mut found, ties);
                 }
                 i += lanes;
@@ -241,8 +243,8 @@ fn ask_site<S: SearchStore>(s: &mut S, j: u32, asks: u32, left: u32, found: &mut
     let mut a: u32 = 0;
     while (left >> a) != 0 {
         let its: Asked = s.asked(a);
-        let mut is_less: u32 = 0;
-        let mut is_tied: u32 = 0;
+        let mut is_less: bool = false;
+        let mut is_tied: bool = false;
         let mut power: Real = 0.0;
         if (asks & (1 << a)) != 0 {
             let way: V3 = sub(its.place, d);
@@ -252,15 +254,15 @@ fn ask_site<S: SearchStore>(s: &mut S, j: u32, asks: u32, left: u32, found: &mut
                 + (FEW_ROUNDINGS_OF_SUM * ((square + its.own) + (excess.abs() + dot(d, d))));
             power = square - excess;
             if less < -rounding {
-                is_less = 1;
+                is_less = true;
             } else if less <= rounding {
-                is_tied = 1;
+                is_tied = true;
             }
         }
         if a > 0 {
-            let mut is_off: u32 = 0;
-            if ((is_less + is_tied) != 0) && (s.touches(its.vertex, j) == 0) {
-                is_off = 1;
+            let mut is_off: bool = false;
+            if (is_less || is_tied) && !s.touches(its.vertex, j) {
+                is_off = true;
             }
             if s.lanes_with(is_off) != 0 {
                 stay = stay & (0xFFFF_FFFF ^ (1 << a));
@@ -268,11 +270,11 @@ fn ask_site<S: SearchStore>(s: &mut S, j: u32, asks: u32, left: u32, found: &mut
         } else {
             if s.lanes_with(is_less) != 0 {
                 let mut key: u32 = NO_SITE;
-                if is_less != 0 {
+                if is_less {
                     key = s.key_above(power);
                 }
                 let least: u32 = s.least_of_lanes(key);
-                let from: u32 = s.first_of(s.lanes_with((key == least) as u32));
+                let from: u32 = s.first_of(s.lanes_with(key == least));
                 let best: Real = s.lane_real(power, from);
                 if (*found == NO_SITE) || (best < its.limit) {
                     *found = s.lane_value(j, from);
@@ -284,7 +286,7 @@ fn ask_site<S: SearchStore>(s: &mut S, j: u32, asks: u32, left: u32, found: &mut
             let tied: u32 = s.lanes_with(is_tied);
             if (*found == NO_SITE) && (tied != 0) {
                 let at: u32 = *ties + s.rank_in(tied);
-                if (is_tied != 0) && (at < s.most_ties()) {
+                if is_tied && (at < s.most_ties()) {
                     s.set_candidate(at, j, 0);
                 }
                 *ties += s.count_of(tied);

@@ -66,7 +66,7 @@ const ROUNDINGS_OF_SURFACE: Real = 8.0;
 /// What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
 pub(super) const SHARE_OF_NOTHING: Real = 0.125;
 
-/// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
+/// Whether a cell's volume exceeds what rounding alone can make of nothing.
 ///
 /// For a volume that is positive the bound of one of the pieces that it is made of decides: the bounds of all pieces together are far
 /// above what rounding does, and would swallow thin slabs that the sum over all cells misses. What is negative is believed only beyond
@@ -74,13 +74,13 @@ pub(super) const SHARE_OF_NOTHING: Real = 0.125;
 /// wrong way, but those that fold over themselves do so in slabs as thin as that.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub fn volume_is_above_bound(sums: CellSums) -> u32 {
+pub fn volume_is_above_bound(sums: CellSums) -> bool {
     if (sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding)))
         || (sums.volume < -sums.rounding)
     {
-        return 1;
+        return true;
     }
-    return 0;
+    return false;
 }
 
 /// Below this share of `|n_f|²|n_g|²`, the square of the angle's sine, the foot on the edge is computed exactly: each step of refinement
@@ -136,7 +136,7 @@ pub(crate) fn integrate<S: CellStore>(
             radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
         };
         let mut f: Side = side(s, t.a, center);
-        if s.is_short() != 0 {
+        if s.is_short() {
             #[cfg_attr(opencl, rolled)]
             for edge in 0..3 {
                 let mut next: u32 = t.a;
@@ -346,14 +346,14 @@ pub(super) fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> 
 /// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
 #[cfg_attr(opencl, outline)]
 pub(crate) fn reference_point<S: CellStore>(s: &S) -> V3 {
-    let mut inside: u32 = 1;
+    let mut inside: bool = true;
     for f in 0..s.planes() {
         if s.plane(f).d < 0.0 {
-            inside = 0;
+            inside = false;
         }
     }
     let mut mean: V3 = v3(0.0, 0.0, 0.0);
-    if inside != 0 {
+    if inside {
         return mean;
     }
     for v in 0..s.vertices() {

@@ -8,9 +8,9 @@
 //!
 //! This text is meant to be translated to OpenCL C, so it keeps to a subset of Rust: constants, `#[repr(C)]` structs,
 //! free functions; the first parameter may be the store, any other `&mut` is to a local; no slices, references into the
-//! store, tuples, `Option`, `match`, iterators, closures, operators on structs, or panics; locals carry types; float expressions are
-//! fully parenthesised, with `sqrt`, `abs` and `max` alone and no fused operation; integers wrap in `wrapping_sub` alone; functions return a `u32`
-//! status or a plain value. `#[cfg_attr(opencl, …)]` says what is other on devices: `single(…)` is a constant's value in single precision, `returns("…")`
+//! store, tuples, `Option`, `match`, closures, operators on structs, or panics; `for` goes over `a..b`, where `b` stays what it is in the loop; locals carry types; float expressions are
+//! fully parenthesised, with `sqrt`, `abs` and `max` alone and no fused operation; integers wrap in `wrapping_sub` alone; functions return a status
+//! or a plain value. `#[cfg_attr(opencl, …)]` says what is other on devices: `single(…)` is a constant's value in single precision, `returns("…")`
 //! what a function does, `rolled` a loop that is not unrolled; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
 //! work-item has a cell of its own). Only what is behind `store.rs` (the trait; `plain.rs` is the store that tests use) is written by hand for each backend.
 

@@ -5,7 +5,7 @@ use super::status::SIGN_UNKNOWN;
 use super::store::{CellStore, Triangle, Voxel};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, larger, norm_1, smaller, sub};
 
-/// Whether (1) no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
+/// Whether no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
 /// `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
 #[cfg_attr(opencl, outline)]
 pub(super) fn surface_passes_by<S: CellStore>(
@@ -15,9 +15,9 @@ pub(super) fn surface_passes_by<S: CellStore>(
     lo: Voxel,
     hi: Voxel,
     winding: &mut i32,
-) -> u32 {
-    if site_is_inside(s) == 0 {
-        return 0;
+) -> bool {
+    if !site_is_inside(s) {
+        return false;
     }
     let mut k: u32 = lo.k;
     while k <= hi.k {
@@ -25,8 +25,8 @@ pub(super) fn surface_passes_by<S: CellStore>(
         while j <= hi.j {
             let mut i: u32 = lo.i;
             while i <= hi.i {
-                if voxel_passes_by(s, Voxel { i: i, j: j, k: k }, lo, low, high, winding) == 0 {
-                    return 0;
+                if !voxel_passes_by(s, Voxel { i: i, j: j, k: k }, lo, low, high, winding) {
+                    return false;
                 }
                 i += 1;
             }
@@ -34,19 +34,19 @@ pub(super) fn surface_passes_by<S: CellStore>(
         }
         k += 1;
     }
-    return 1;
+    return true;
 }
 
-/// Whether (1) the site is strictly inside its cell, so that the cell's winding number is the site's.
+/// Whether the site is strictly inside its cell, so that the cell's winding number is the site's.
 #[cfg_attr(opencl, outline)]
-pub(super) fn site_is_inside<S: CellStore>(s: &S) -> u32 {
+pub(super) fn site_is_inside<S: CellStore>(s: &S) -> bool {
     for f in 0..s.planes() {
         let d: Real = s.plane(f).d;
         if !(d > 0.0) {
-            return 0;
+            return false;
         }
     }
-    return 1;
+    return true;
 }
 
 /// The same for the triangles of one voxel, of which `lo` is the lowest; takes from `winding` what they add between the corner of
@@ -60,20 +60,20 @@ pub(super) fn voxel_passes_by<S: CellStore>(
     low: V3,
     high: V3,
     winding: &mut i32,
-) -> u32 {
+) -> bool {
     let end: u32 = s.list_end(voxel);
     for entry in s.list_begin(voxel)..end {
         let t: u32 = s.list_entry(entry);
-        if is_first_voxel(s.lowest_voxel(t), lo, voxel) != 0 {
-            if triangle_passes_by(s, t, lo, low, high, winding) == 0 {
-                return 0;
+        if is_first_voxel(s.lowest_voxel(t), lo, voxel) {
+            if !triangle_passes_by(s, t, lo, low, high, winding) {
+                return false;
             }
         }
     }
-    return 1;
+    return true;
 }
 
-/// Whether (1) triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
+/// Whether triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
 /// it stands between that and the site.
 ///
 /// Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
@@ -86,7 +86,7 @@ pub(super) fn triangle_passes_by<S: CellStore>(
     low: V3,
     high: V3,
     winding: &mut i32,
-) -> u32 {
+) -> bool {
     let triangle: Triangle = s.triangle(t);
     let a: V3 = s.domain_point(triangle.a);
     let b: V3 = s.domain_point(triangle.b);
@@ -97,17 +97,17 @@ pub(super) fn triangle_passes_by<S: CellStore>(
     let c_in: V3 = sub(c, site);
     let least: V3 = least_of(a_in, b_in, c_in);
     let most: V3 = most_of(a_in, b_in, c_in);
-    if are_apart(least, most, low, high) == 0 {
-        if plane_is_apart(s, a_in, sub(b, a), sub(c, a)) == 0 {
-            return 0;
+    if !are_apart(least, most, low, high) {
+        if !plane_is_apart(s, a_in, sub(b, a), sub(c, a)) {
+            return false;
         }
     }
     // Does it cross the segment from the corner, the lowest point of the cell's voxels, to the site?
     let o: V3 = s.corner(apex);
     let x: V3 = sub(site, o);
     let o_in: V3 = sub(o, site);
-    if are_apart(least, most, o_in, V3 { x: 0.0, y: 0.0, z: 0.0 }) != 0 {
-        return 1;
+    if are_apart(least, most, o_in, V3 { x: 0.0, y: 0.0, z: 0.0 }) {
+        return true;
     }
     let p: V3 = sub(a, o);
     let q: V3 = sub(b, o);
@@ -115,43 +115,40 @@ pub(super) fn triangle_passes_by<S: CellStore>(
     let of_corner: i32 = filtered_sign(p, q, r);
     let of_site: i32 = filtered_sign(a_in, b_in, c_in);
     if (of_corner == SIGN_UNKNOWN) || (of_site == SIGN_UNKNOWN) {
-        return 0;
+        return false;
     }
     if of_corner == of_site {
-        return 1;
+        return true;
     }
     let over_0: i32 = filtered_sign(p, q, x);
     let over_1: i32 = filtered_sign(q, r, x);
     let over_2: i32 = filtered_sign(r, p, x);
     if ((over_0 == SIGN_UNKNOWN) || (over_1 == SIGN_UNKNOWN)) || (over_2 == SIGN_UNKNOWN) {
-        return 0;
+        return false;
     }
     if ((over_0 == of_corner) && (over_1 == of_corner)) && (over_2 == of_corner) {
         *winding -= of_corner;
     }
-    return 1;
+    return true;
 }
 
-/// Whether (1) the boxes `[a, b]` and `[c, d]` are apart. (The rounded differences that their corners are tell it as the exact ones
+/// Whether the boxes `[a, b]` and `[c, d]` are apart. (The rounded differences that their corners are tell it as the exact ones
 /// do: rounding keeps the order.)
 #[inline(always)]
-pub(super) fn are_apart(a: V3, b: V3, c: V3, d: V3) -> u32 {
+pub(super) fn are_apart(a: V3, b: V3, c: V3, d: V3) -> bool {
     if ((b.x < c.x) || (b.y < c.y)) || (b.z < c.z) {
-        return 1;
+        return true;
     }
-    if ((a.x > d.x) || (a.y > d.y)) || (a.z > d.z) {
-        return 1;
-    }
-    return 0;
+    return ((a.x > d.x) || (a.y > d.y)) || (a.z > d.z);
 }
 
 /// Roundings of a product of three differences, or of one component that is twice rounded.
 const FEW_ROUNDINGS: Real = 16.0 * UNIT_ROUNDOFF;
 
-/// Whether (1) all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
+/// Whether all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn plane_is_apart<S: CellStore>(s: &S, a_in: V3, e: V3, f: V3) -> u32 {
+pub(super) fn plane_is_apart<S: CellStore>(s: &S, a_in: V3, e: V3, f: V3) -> bool {
     let n: V3 = cross(e, f);
     let of_normal: Real = norm_1(e) * norm_1(f);
     let length: Real = norm_1(n) + (FEW_ROUNDINGS * of_normal);
@@ -169,13 +166,13 @@ pub(super) fn plane_is_apart<S: CellStore>(s: &S, a_in: V3, e: V3, f: V3) -> u32
         } else if height < -bound {
             below = 1;
         } else {
-            return 0;
+            return false;
         }
         if (above != 0) && (below != 0) {
-            return 0;
+            return false;
         }
     }
-    return 1;
+    return true;
 }
 
 #[inline(always)]
@@ -194,7 +191,7 @@ pub(super) fn most_of(a: V3, b: V3, c: V3) -> V3 {
 
 /// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
 #[inline(always)]
-pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> u32 {
+pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> bool {
     let mut i: u32 = lowest.i;
     let mut j: u32 = lowest.j;
     let mut k: u32 = lowest.k;
@@ -207,8 +204,5 @@ pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> u32 {
     if lo.k > k {
         k = lo.k;
     }
-    if ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k) {
-        return 1;
-    }
-    return 0;
+    return ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k);
 }

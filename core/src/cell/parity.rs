@@ -314,6 +314,16 @@ impl Word for u32 {
     }
 }
 
+impl Word for bool {
+    fn take(words: &mut Words<'_>) -> Self {
+        let value = words.random.below(2);
+        words.given(value) != 0
+    }
+    fn give(self, words: &mut Vec<u64>) {
+        words.push(self.into());
+    }
+}
+
 impl Word for i32 {
     fn take(words: &mut Words<'_>) -> Self {
         u32::take(words) as i32

@@ -40,7 +40,7 @@ pub(super) fn integrate_restricted<S: CellStore>(
     interior_only: u32,
     sums: &mut CellSums,
 ) -> u32 {
-    if s.has_domain() == 0 {
+    if !s.has_domain() {
         let status: u32 = integrate_whole(s, 1.0, center, flags, sums);
         if (status == COMPLETE) && ((flags & FACETS) != 0) {
             add_box_faces(s, sums);
@@ -59,7 +59,7 @@ pub(super) fn integrate_restricted<S: CellStore>(
         return integrate_whole(s, winding as Real, center, flags, sums);
     }
     let mut inner: i32 = winding;
-    if surface_passes_by(s, low, high, lo, hi, &mut inner) != 0 {
+    if surface_passes_by(s, low, high, lo, hi, &mut inner) {
         return integrate_whole(s, inner as Real, center, flags, sums);
     }
     if interior_only != 0 {
@@ -78,12 +78,12 @@ pub(super) fn integrate_restricted<S: CellStore>(
             return status;
         }
     }
-    let mut touched: u32 = 0;
+    let mut touched: bool = false;
     let cones: u32 = add_cones(s, lo, hi, center, flags, &mut touched, sums);
     if cones != COMPLETE {
         return cones;
     }
-    if touched == 0 {
+    if !touched {
         // No piece ends at its triangle: the surface does not meet the cell, and the winding number within is the nearest
         // integer to the quotient.
         let mut whole: CellSums = CellSums::default();
@@ -91,10 +91,10 @@ pub(super) fn integrate_restricted<S: CellStore>(
         if status != COMPLETE {
             return status;
         }
-        if volume_is_above_bound(whole) == 0 {
+        if !volume_is_above_bound(whole) {
             return EMPTY;
         }
-        if is_undivided(*sums, whole, &mut inner) != 0 {
+        if is_undivided(*sums, whole, &mut inner) {
             *sums = CellSums::default();
             return integrate_whole(s, inner as Real, center, flags, sums);
         }
@@ -105,20 +105,20 @@ pub(super) fn integrate_restricted<S: CellStore>(
 /// No quotient of volumes beyond this is a winding number.
 const MOST_WINDINGS: Real = 1e9;
 
-/// Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
+/// Whether the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
 /// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
 /// can make as much of nothing as the whole cell is, no more is believed than 0 and 1 (it was −1,147,767 for a hair of 1e-15 across).
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -> u32 {
+pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -> bool {
     let quotient: Real = sums.volume / whole.volume;
     let noise: Real = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
     if !(quotient.abs() < MOST_WINDINGS) {
-        return 0;
+        return false;
     }
     let is_usual: bool = (quotient > -0.5) && (quotient < 1.5);
     if !(noise < whole.volume) && !is_usual {
-        return 0;
+        return false;
     }
     let mut inner: i32 = (quotient.abs() + 0.5) as i32;
     if quotient < 0.0 {
@@ -126,10 +126,7 @@ pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -
     }
     *winding = inner;
     let off: Real = (sums.volume - ((inner as Real) * whole.volume)).abs();
-    if off <= (sums.rounding + whole.rounding) {
-        return 1;
-    }
-    return 0;
+    return off <= (sums.rounding + whole.rounding);
 }
 
 /// `COMPLETE` where something is left of the cell, else `EMPTY`.
@@ -138,7 +135,7 @@ pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
-    if volume_is_above_bound(*sums) == 0 {
+    if !volume_is_above_bound(*sums) {
         return EMPTY;
     }
     if sums.volume.abs() > sums.rounding {
@@ -156,11 +153,11 @@ pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
     return COMPLETE;
 }
 
-/// Whether (1) the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
+/// Whether the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
 #[cfg_attr(opencl, outline)]
-pub fn lies_outside<S: CellStore>(s: &S) -> u32 {
-    if s.has_domain() == 0 {
-        return 0;
+pub fn lies_outside<S: CellStore>(s: &S) -> bool {
+    if !s.has_domain() {
+        return false;
     }
     let mut low: V3 = v3(0.0, 0.0, 0.0);
     let mut high: V3 = v3(0.0, 0.0, 0.0);
@@ -237,7 +234,7 @@ pub(super) fn voxels_of_box<S: CellStore>(s: &S, low: V3, high: V3, lo: &mut Vox
     *hi = s.voxel_of(add(s.site(), high));
 }
 
-/// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
+/// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes true
 /// where a piece ends at its triangle.
 #[cfg_attr(opencl, outline)]
 pub(super) fn add_cones<S: CellStore>(
@@ -246,7 +243,7 @@ pub(super) fn add_cones<S: CellStore>(
     hi: Voxel,
     center: V3,
     flags: u32,
-    touched: &mut u32,
+    touched: &mut bool,
     sums: &mut CellSums,
 ) -> u32 {
     s.save();
@@ -260,7 +257,7 @@ pub(super) fn add_cones<S: CellStore>(
                 let end: u32 = s.list_end(voxel);
                 for entry in s.list_begin(voxel)..end {
                     let t: u32 = s.list_entry(entry);
-                    if is_first_voxel(s.lowest_voxel(t), lo, voxel) != 0 {
+                    if is_first_voxel(s.lowest_voxel(t), lo, voxel) {
                         let status: u32 = add_cone(s, t, lo, center, flags, touched, sums);
                         if status != COMPLETE {
                             return status;

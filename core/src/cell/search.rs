@@ -60,7 +60,7 @@ pub struct Vantage {
 #[cfg_attr(opencl, hot)]
 pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
     let mut vantage: Vantage = Vantage { slope: v3(0.0, 0.0, 0.0), center: v3(0.0, 0.0, 0.0), lambda: 0.5 };
-    if s.has_weights() == 0 {
+    if !s.has_weights() {
         return vantage;
     }
     // The leaf's block, where the tree has more than one.
@@ -88,7 +88,7 @@ pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
 #[inline(always)]
 fn reach_of_site<S: SearchStore>(s: &S, vantage: Vantage, j: u32) -> Real {
     let d: V3 = s.way_to(j);
-    if s.has_weights() == 0 {
+    if !s.has_weights() {
         return dot(d, d);
     }
     return reach_of_bisector(vantage.slope, d, s.excess_of(j));
@@ -127,7 +127,7 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
     let mut near: Real = 0.0;
     let mut wanted: Wanted = Wanted { above: 0, below: near_key(s, vantage, &mut near) };
     let mut reach: Rough = s.square_of_reach(vantage.center);
-    let mut is_rest: u32 = 0;
+    let mut is_rest: bool = false;
     let mut open: Open = open_path(s);
     let mut looked: u32 = 0;
     let mut count: u32 = 0;
@@ -147,7 +147,7 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
             }
         } else if !is_batch && (open.blocks > 0) {
             let mut within: Real = reach;
-            if is_rest == 0 {
+            if !is_rest {
                 within = smaller(reach, near);
             }
             let question: Question = Question {
@@ -167,8 +167,8 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
             if *visited > MOST_NEAR_SITES {
                 return UNTOUCHED;
             }
-        } else if is_rest == 0 {
-            if s.has_domain() != 0 {
+        } else if !is_rest {
+            if s.has_domain() {
                 let status: u32 = s.cut_outside(size_around(s) + dot(vantage.center, vantage.center).sqrt());
                 if (status != UNTOUCHED) && (status != CUT) {
                     return status;
@@ -178,7 +178,7 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
             if reach > (FAR_SQUARE * near) {
                 return UNTOUCHED;
             }
-            is_rest = 1;
+            is_rest = true;
             wanted.above = wanted.below;
             wanted.below = NO_SITE;
             open = open_path(s);
@@ -231,15 +231,13 @@ fn gather<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, leaves: u32, 
             j = (s.leaf(first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
         }
         let mut key: u32 = NO_SITE;
-        let mut is_wanted: u32 = 0;
+        let mut is_wanted: bool = false;
         if (j < s.sites()) && (j != s.own_site()) {
             key = s.key_below(reach_of_site(s, vantage, j));
-            if (key >= wanted.above) && (key < wanted.below) {
-                is_wanted = 1;
-            }
+            is_wanted = (key >= wanted.above) && (key < wanted.below);
         }
         let all: u32 = s.lanes_with(is_wanted);
-        if is_wanted != 0 {
+        if is_wanted {
             s.set_candidate(there + s.rank_in(all), j, key);
         }
         there += s.count_of(all);

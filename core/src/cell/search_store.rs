@@ -83,9 +83,9 @@ pub trait SearchStore {
     fn lane(&self) -> u32 {
         0
     }
-    /// The lanes for which `bit` is not 0, a bit each.
-    fn lanes_with(&self, bit: u32) -> u32 {
-        u32::from(bit != 0)
+    /// The lanes for which something is so, a bit each.
+    fn lanes_with(&self, is_so: bool) -> u32 {
+        u32::from(is_so)
     }
     /// How many lanes are among `lanes`.
     fn count_of(&self, lanes: u32) -> u32 {
@@ -105,7 +105,7 @@ pub trait SearchStore {
     }
     /// A lane whose key is the least of all.
     fn lane_of_key(&self, own: u32, least: u32) -> u32 {
-        self.first_of(self.lanes_with((own == least) as u32))
+        self.first_of(self.lanes_with(own == least))
     }
     /// What lane `from` has.
     fn lane_value(&self, x: u32, _from: u32) -> u32 {
@@ -138,7 +138,7 @@ pub trait SearchStore {
     /// What the heaviest site weighs more than the cell's.
     fn largest_excess(&self) -> Real;
     /// Whether weights differ.
-    fn has_weights(&self) -> u32;
+    fn has_weights(&self) -> bool;
 
     /// The level of the tree's root, 0 that of the leaves.
     fn top_level(&self) -> u32;
@@ -211,7 +211,7 @@ pub trait SearchStore {
     fn set_asked(&mut self, i: u32, asked: Asked);
 
     /// Whether the cell is restricted to a domain.
-    fn has_domain(&self) -> u32;
+    fn has_domain(&self) -> bool;
     /// The square of the cell's reach about a place, rounded up: of twice the distance of its farthest vertex. No site as heavy that is beyond can
     /// cut it.
     fn square_of_reach(&self, center: V3) -> Rough;
@@ -233,9 +233,9 @@ pub trait SearchStore {
     /// Sets it.
     fn set_settled(&mut self, v: u32, settled: bool);
     /// Whether vertex `v` lies on the bisector with site `j`.
-    fn touches(&self, v: u32, j: u32) -> u32;
+    fn touches(&self, v: u32, j: u32) -> bool;
     /// Whether the bisector with site `j` was tried: it is among the cell's half-spaces.
-    fn was_tried(&self, j: u32) -> u32;
+    fn was_tried(&self, j: u32) -> bool;
     /// Whether sites are left out that might cut the cell.
-    fn leaves_out(&self) -> u32;
+    fn leaves_out(&self) -> bool;
 }

@@ -187,13 +187,13 @@ pub trait CellStore {
     /// Whether the edges of a vertex are gone through in a loop by the integrals: on a GPU three times the text is more than its nearest cache of
     /// instructions holds.
     #[inline(always)]
-    fn is_short(&self) -> u32 {
-        1
+    fn is_short(&self) -> bool {
+        true
     }
 
     /// Whether the minors of a vertex's planes are kept, which decide the sign of each further plane at a sixth of the cost.
-    fn keeps_minors(&self) -> u32 {
-        0
+    fn keeps_minors(&self) -> bool {
+        false
     }
     /// Those of vertex `v`, if they were kept since its position was set.
     fn minors(&self, _v: u32) -> Minors {
@@ -277,8 +277,8 @@ pub trait CellStore {
 
     /// Whether the cell is restricted to a domain (1) or to its initial box alone (0).
     #[inline(always)]
-    fn has_domain(&self) -> u32 {
-        u32::from(self.domain().is_some())
+    fn has_domain(&self) -> bool {
+        self.domain().is_some()
     }
 
     /// The voxel that holds `x` (in the diagram's frame), clamped into the grid.

@@ -111,13 +111,13 @@ fn gather_voxels<S: TableStore>(s: &mut S, place: VoxelPlace, reach: Rough, next
         let z: Rough = gap_to_voxel(offset.z, place.z);
         let voxel: u32 = s.voxel_at(offset);
         let is_near: bool = ((own < s.offsets()) && (voxel != NO_VOXEL)) && ((((x * x) + (y * y)) + (z * z)) < limit);
-        let all: u32 = s.lanes_with(is_near as u32);
+        let all: u32 = s.lanes_with(is_near);
         let rank: u32 = found + s.rank_in(all);
         if is_near && (rank < s.lanes()) {
             s.set_in_window(rank, voxel);
         }
-        let out: u32 = s.lanes_with((is_near && (rank >= s.lanes())) as u32);
-        let past: u32 = s.lanes_with(((own < s.offsets()) && (offset.apart >= limit)) as u32);
+        let out: u32 = s.lanes_with(is_near && (rank >= s.lanes()));
+        let past: u32 = s.lanes_with((own < s.offsets()) && (offset.apart >= limit));
         if out != 0 {
             // The first that has no place is the next to be looked at.
             *next += s.first_of(out);

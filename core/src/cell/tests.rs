@@ -119,7 +119,7 @@ fn lattices_stay_simple_in_any_order() {
             let mut sums = CellSums::default();
             assert_eq!(integrate_cell(&mut store, FACETS, 0, &mut sums), COMPLETE);
             assert!((sums.volume - 0.008).abs() < 1e-17, "{}", sums.volume);
-            let faces = (0..store.planes()).filter(|&f| facet_is_above_bound(store.facet(f)) != 0);
+            let faces = (0..store.planes()).filter(|&f| facet_is_above_bound(store.facet(f)));
             let area: f64 = faces.map(|f| store.facet(f).area).sum();
             assert!((area - 0.24).abs() < 1e-14, "{area}");
         }
@@ -143,7 +143,7 @@ fn the_search_has_no_false_proof() {
         }
     }
     // A wall of sites beyond a face cuts its corners when it stands nearer to them than the site does.
-    let seer = Seer { site: origin, excess: 0.0, has_weights: 0 };
+    let seer = Seer { site: origin, excess: 0.0, has_weights: false };
     for (off, is_left_out) in [(1e-12, true), (-1e-12, false)] {
         let x = 0.5 + 0.75_f64.sqrt() + off;
         let wall = NodeBox { lo: v3(x, -0.5, -0.5), hi: v3(x, 0.5, 0.5) };

@@ -100,7 +100,7 @@ fn keep_asked<S: SearchStore>(s: &mut S, is_leaf: bool, vertices: u32, count: u3
             }
         }
         let is_kept: bool = (asks > 1) || ((asks == 1) && (key <= limit));
-        let all: u32 = s.lanes_with(is_kept as u32);
+        let all: u32 = s.lanes_with(is_kept);
         s.lanes_wait();
         if is_kept {
             if is_leaf {
@@ -174,11 +174,11 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
     }
     open.blocks -= some;
     let turn: u32 = s.lane() / WIDTH;
-    let mut is_there: u32 = 0;
+    let mut is_there: bool = false;
     let mut block: u32 = 0;
     let mut of_block: u32 = 0;
     if turn < some {
-        is_there = 1;
+        is_there = true;
         block = s.open_block(open.blocks + turn);
         of_block = s.open_asks(open.blocks + turn);
     }
@@ -195,13 +195,13 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
     let mut k: u32 = s.lane() & (WIDTH - 1);
     while k < WIDTH {
         let node: u32 = first + k;
-        let mut is_wanted: u32 = 0;
+        let mut is_wanted: bool = false;
         let mut key: u32 = 0;
         let mut asks: u32 = 0;
-        if (is_there != 0) && (node != own) {
+        if is_there && (node != own) {
             if question.vertices != 0 {
                 asks = s.asks_of_node(level, node, of_block, &mut key);
-                is_wanted = (asks != 0) as u32;
+                is_wanted = asks != 0;
             } else {
                 let least: Real = least_of_node(
                     seer_of(s),
@@ -210,18 +210,14 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
                     s.node_box(level, node),
                     s.node_weights(level, node),
                 );
-                is_wanted = (least < question.limit) as u32;
+                is_wanted = least < question.limit;
             }
         }
-        let mut is_block: u32 = is_wanted;
-        let mut is_leaf: u32 = 0;
-        if level == 0 {
-            is_block = 0;
-            is_leaf = is_wanted;
-        }
+        let is_block: bool = is_wanted && (level > 0);
+        let is_leaf: bool = is_wanted && (level == 0);
         let blocks: u32 = s.lanes_with(is_block);
         let leaves: u32 = s.lanes_with(is_leaf);
-        if is_block != 0 {
+        if is_block {
             let at: u32 = open.blocks + s.rank_in(blocks);
             s.set_open_block(at, ((level - 1) << LEVEL_SHIFT) | node, key, asks);
             if key < best {
@@ -229,7 +225,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
                 best_at = at;
             }
         }
-        if is_leaf != 0 {
+        if is_leaf {
             s.set_leaf(open.leaves + s.rank_in(leaves), node, key, asks);
         }
         open.blocks += s.count_of(blocks);
@@ -241,7 +237,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
     if (question.vertices != 0) && ((open.blocks * WIDTH) > lanes) {
         let least: u32 = s.least_of_lanes(best);
         if least != NO_SITE {
-            let at: u32 = s.lane_value(best_at, s.first_of(s.lanes_with((best == least) as u32)));
+            let at: u32 = s.lane_value(best_at, s.first_of(s.lanes_with(best == least)));
             let last: u32 = open.blocks - 1;
             let nearest: u32 = s.open_block(at);
             let other: u32 = s.open_block(last);

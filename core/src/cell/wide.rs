@@ -53,7 +53,7 @@ pub(crate) fn sign_of_conflict<S: CellStore>(s: &mut S, v: u32, k: u32) -> i32 {
     let c: Plane = s.plane(t.c);
     let e: Plane = s.plane(k);
     let mut sign: i32;
-    if s.keeps_minors() != 0 {
+    if s.keeps_minors() {
         let mut minors: Minors = s.minors(v);
         if minors.is_known == 0 {
             minors = minors_of(a, b, c);

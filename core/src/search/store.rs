@@ -126,13 +126,13 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
         let mut powers = [0.0; WIDTH];
         let site = self.own();
         if self.tree.has_weights() {
-            let seer = Seer { site, excess: self.own_excess(), has_weights: 1 };
+            let seer = Seer { site, excess: self.own_excess(), has_weights: true };
             for (k, power) in powers.iter_mut().enumerate() {
                 let (bounds, slab) = (self.boxed(block, k), self.slab(block, k));
                 *power = least_power_of_node(seer, place, bounds, slab, self.weights(block, k));
             }
         } else {
-            let seer = Seer { site, excess: 0.0, has_weights: 0 };
+            let seer = Seer { site, excess: 0.0, has_weights: false };
             for (k, power) in powers.iter_mut().enumerate() {
                 let (bounds, slab) = (self.boxed(block, k), self.slab(block, k));
                 *power = least_power_of_node(seer, place, bounds, slab, NodeWeights::default());
@@ -224,8 +224,8 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     fn largest_excess(&self) -> Real {
         self.tree.largest_weight() - self.cell.weight
     }
-    fn has_weights(&self) -> u32 {
-        u32::from(self.tree.has_weights())
+    fn has_weights(&self) -> bool {
+        self.tree.has_weights()
     }
 
     fn top_level(&self) -> u32 {
@@ -317,7 +317,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         self.room.asked[i as usize] = asked;
     }
 
-    fn has_domain(&self) -> u32 {
+    fn has_domain(&self) -> bool {
         self.cell.store.has_domain()
     }
     fn square_of_reach(&self, center: V3) -> Rough {
@@ -336,7 +336,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         if self.cell.outcome.cuts == cuts { UNTOUCHED } else { CUT }
     }
     fn cut_outside(&mut self, radius: Real) -> u32 {
-        if cell::lies_outside(self.cell.store) != 0 {
+        if cell::lies_outside(self.cell.store) {
             return EMPTY;
         }
         cell::cap_outside(self.cell.store, radius)
@@ -357,14 +357,14 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     fn set_settled(&mut self, v: u32, settled: bool) {
         self.cell.store.set_settled(v, settled);
     }
-    fn touches(&self, v: u32, j: u32) -> u32 {
+    fn touches(&self, v: u32, j: u32) -> bool {
         let t = self.cell.store.triplet(v);
-        u32::from([t.a, t.b, t.c].iter().any(|&f| self.cell.store.tag(f) == j))
+        [t.a, t.b, t.c].iter().any(|&f| self.cell.store.tag(f) == j)
     }
-    fn was_tried(&self, j: u32) -> u32 {
-        u32::from(self.room.tried.contains(&j) || (0..self.cell.store.planes()).any(|f| self.cell.store.tag(f) == j))
+    fn was_tried(&self, j: u32) -> bool {
+        self.room.tried.contains(&j) || (0..self.cell.store.planes()).any(|f| self.cell.store.tag(f) == j)
     }
-    fn leaves_out(&self) -> u32 {
-        u32::from(self.cell.enlarged.is_some())
+    fn leaves_out(&self) -> bool {
+        self.cell.enlarged.is_some()
     }
 }

@@ -89,7 +89,7 @@ impl Words<'_> {
             Type::Array(array) => self.uses(&array.elem),
             Type::Path(path) => {
                 let Some(name) = path.path.get_ident().map(ToString::to_string) else { return false };
-                if matches!(name.as_str(), "Real" | "u32" | "i32") || self.order.contains(&name) {
+                if matches!(name.as_str(), "Real" | "u32" | "i32" | "bool") || self.order.contains(&name) {
                     return true;
                 }
                 let Some(&item) = self.structs.get(&name) else { return false };

@@ -132,6 +132,14 @@ fn statements_keep_their_comments() {
 }
 
 #[test]
+fn a_range_is_gone_through() {
+    assert_c(
+        "fn f(n: u32) {\n    #[cfg_attr(opencl, rolled)]\n    for i in 1..n + 2 {\n        g(i);\n    }\n}",
+        &["    ROLLED\n    for (uint i = 1; i < (n + 2); i++) {\n        g(i);\n    }"],
+    );
+}
+
+#[test]
 fn operands_are_grouped_as_rust_groups_them() {
     // C ranks `&` below `==`.
     assert_c(
@@ -144,7 +152,7 @@ fn operands_are_grouped_as_rust_groups_them() {
 fn what_the_dialect_lacks_is_refused_with_its_line() {
     for (rust, said) in [
         ("fn f() {\n    let x = 1;\n}", "text.rs line 2: the dialect has no local without type"),
-        ("fn f() {\n    for i in 0..3 {}\n}", "text.rs line 2: the dialect has no such expression"),
+        ("fn f() {\n    for i in 0..=3 {}\n}", "text.rs line 2: the dialect has no loop but over `a..b`"),
         ("fn f(x: Real) -> Real {\n    return x.min(1.0);\n}", "text.rs line 2: the dialect has no such method"),
         ("fn f() -> (u32, u32) {\n}", "text.rs line 1: the dialect has no such type"),
         ("#[cfg_attr(opencl, returns(1))]\nconst A: Real = 1.0;", "text.rs line 1: the dialect has no such attribute"),

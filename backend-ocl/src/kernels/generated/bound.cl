@@ -28,7 +28,7 @@ INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeig
 
 // The least of `αd² + g·d − w` at any site of a node; without weights there is no g.
 INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights) {
-    if (seer.has_weights == 0) {
+    if (!seer.has_weights) {
         const V3 lo = sub(bounds.lo, seer.site);
         const V3 hi = sub(bounds.hi, seer.site);
         return (alpha * square_to_box(lo, hi, v3(REAL(0.0), REAL(0.0), REAL(0.0)))) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
@@ -47,7 +47,7 @@ INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, 
     const real rounding = FEW_ROUNDINGS_OF_SUM * ((fabs(from.x) + fabs(from.y)) + fabs(from.z));
     const real across = larger((height - slab.hi) - rounding, REAL(0.0)) - larger((slab.lo - height) - rounding, REAL(0.0));
     const real beyond = (across * across) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
-    if (seer.has_weights == 0) {
+    if (!seer.has_weights) {
         const V3 foot = sub(v, scale(across, slab.normal));
         const real square = square_to_box(sub(bounds.lo, site), sub(bounds.hi, site), foot);
         return (square + beyond) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);

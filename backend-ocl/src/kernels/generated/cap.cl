@@ -3,7 +3,7 @@
 // Cuts off, cap by cap, what lies outside the domain, until no vertex is farther from the site than `radius`, or what is cannot be cut
 // off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
 OUTLINE uint cap_outside(Store *s, real radius) {
-    if ((store_has_domain(s) == 0) || !(radius > REAL(0.0))) {
+    if (!store_has_domain(s) || !(radius > REAL(0.0))) {
         return UNTOUCHED;
     }
     uint end = UNTOUCHED;
@@ -16,7 +16,7 @@ OUTLINE uint cap_outside(Store *s, real radius) {
         real distance = larger(FIRST_DISTANCE * radius, LEAST_SHARE * length);
         uint status = UNTOUCHED;
         while ((status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length)) {
-            if (part_is_outside(s, far, distance * length) != 0) {
+            if (part_is_outside(s, far, distance * length)) {
                 status = clip(s, (Plane){ .n = scale(-REAL(1.0), far), .d = distance * length }, TAG_CAP);
             }
             distance = next_distance(distance, radius);
@@ -52,9 +52,9 @@ OUTLINE V3 farthest_position(Store *s) {
     return far;
 }
 
-// Whether (1) what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
+// Whether what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
 // part of it that has something of the cell.
-OUTLINE uint part_is_outside(Store *s, V3 direction, real height) {
+OUTLINE bool part_is_outside(Store *s, V3 direction, real height) {
     V3 low = direction;
     V3 high = direction;
     real radius = REAL(0.0);
@@ -62,7 +62,7 @@ OUTLINE uint part_is_outside(Store *s, V3 direction, real height) {
         add_to_part(s, v, direction, height, &low, &high);
         radius = larger(radius, store_radius(s, v));
     }
-    if (widen_part(s, direction, height, radius, &low, &high) == 0) {
+    if (!widen_part(s, direction, height, radius, &low, &high)) {
         return 0;
     }
     return boxes_are_outside(s, direction, height, low, high, 0, 1);
@@ -90,9 +90,9 @@ HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *h
     }
 }
 
-// Widens `[low, high]` by all roundings, `radius` the vertices' largest error; 0 where they are too large to tell. No vertex is farther than
+// Widens `[low, high]` by all roundings, `radius` the vertices' largest error: whether they are not too large to tell. No vertex is farther than
 // `direction`.
-OUTLINE uint widen_part(Store *s, V3 direction, real height, real radius, V3 *low, V3 *high) {
+OUTLINE bool widen_part(Store *s, V3 direction, real height, real radius, V3 *low, V3 *high) {
     // The vertices' error, the roundings of heights and places, and of moving them into the diagram's frame.
     const real rounding = radius + ((REAL(16.0) * UNIT_ROUNDOFF) * (norm_max(store_site(s)) + norm_1(direction)));
     if (!((norm_1(direction) * rounding) < (REAL(0.25) * (CAP_MARGIN * height)))) {
@@ -104,10 +104,10 @@ OUTLINE uint widen_part(Store *s, V3 direction, real height, real radius, V3 *lo
     return 1;
 }
 
-// Whether (1) all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
+// Whether all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
 // the domain, each of `ALL_PARTS` parts of it that the cell has something of, of which only every `step`th from `first` on is looked at.
-OUTLINE uint boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step) {
-    if (box_is_outside(s, low, high) != 0) {
+OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step) {
+    if (box_is_outside(s, low, high)) {
         return 1;
     }
     if ((step == 0) || (step > ALL_PARTS)) {
@@ -122,8 +122,8 @@ OUTLINE uint boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 h
         const real along_y = ((real)((n >> 3) & 7)) + REAL(0.5);
         const real along_z = ((real)(n >> 6)) + REAL(0.5);
         const V3 middle = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
-        if (box_is_outside(s, sub(middle, halves), add(middle, halves)) == 0) {
-            if (box_misses_part(s, direction, height, middle, halves) == 0) {
+        if (!box_is_outside(s, sub(middle, halves), add(middle, halves))) {
+            if (!box_misses_part(s, direction, height, middle, halves)) {
                 return 0;
             }
         }
@@ -132,19 +132,16 @@ OUTLINE uint boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 h
     return 1;
 }
 
-// Whether (1) the domain's winding number is 0 all over the box `[low, high]`.
-HOT uint box_is_outside(Store *s, V3 low, V3 high) {
+// Whether the domain's winding number is 0 all over the box `[low, high]`.
+HOT bool box_is_outside(Store *s, V3 low, V3 high) {
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
     Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
     voxels_of_box(s, low, high, &lo, &hi);
-    if ((store_surface_voxels(s, lo, hi) == 0) && (store_winding(s, lo) == 0)) {
-        return 1;
-    }
-    return 0;
+    return (store_surface_voxels(s, lo, hi) == 0) && (store_winding(s, lo) == 0);
 }
 
-// Whether (1) a box about `middle` certainly has nothing of the cell with `direction·x ≥ height`.
-HOT uint box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves) {
+// Whether a box about `middle` certainly has nothing of the cell with `direction·x ≥ height`.
+HOT bool box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves) {
     if ((v3_dot(direction, middle) + reach_along(direction, halves)) < (height - (CAP_MARGIN * height))) {
         return 1;
     }

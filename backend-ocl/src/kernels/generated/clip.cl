@@ -202,17 +202,17 @@ OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge) {
     uint v = store_next_conflict(s, 0, end);
     while (v < end) {
         const Triplet t = store_triplet(s, v);
-        if (is_boundary_edge(s, end, t.a, t.b) != 0) {
+        if (is_boundary_edge(s, end, t.a, t.b)) {
             edge->a = t.a;
             edge->b = t.b;
             return;
         }
-        if (is_boundary_edge(s, end, t.b, t.c) != 0) {
+        if (is_boundary_edge(s, end, t.b, t.c)) {
             edge->a = t.b;
             edge->b = t.c;
             return;
         }
-        if (is_boundary_edge(s, end, t.c, t.a) != 0) {
+        if (is_boundary_edge(s, end, t.c, t.a)) {
             edge->a = t.c;
             edge->b = t.a;
             return;
@@ -222,7 +222,7 @@ OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge) {
 }
 
 // Whether the edge a→b of a marked vertex lies on the boundary of the hole: both planes do, and no marked vertex has b→a.
-INLINE uint is_boundary_edge(Store *s, uint end, uint a, uint b) {
+INLINE bool is_boundary_edge(Store *s, uint end, uint a, uint b) {
     if ((store_link(s, a) == 0) || (store_link(s, b) == 0)) {
         return 0;
     }

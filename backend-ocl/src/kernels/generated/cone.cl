@@ -1,7 +1,7 @@
 // Generated from core/src/cell/cone.rs by `cargo xtask codegen`; do not edit.
 
 // Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
-OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint *touched, CellSums *sums) {
+OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, bool *touched, CellSums *sums) {
     TruncatedCone cone = no_cone();
     if (make_cone(s, t, apex, &cone) != COMPLETE) {
         return UNCERTAIN;
@@ -13,7 +13,7 @@ OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, uint 
     }
     // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
     const uint base = store_planes(s);
-    if ((((all_in_conflict(s, base, cone.end) != 0) || (all_in_conflict(s, base, cone.side_0) != 0)) || (all_in_conflict(s, base, cone.side_1) != 0)) || (all_in_conflict(s, base, cone.side_2) != 0)) {
+    if ((((all_in_conflict(s, base, cone.end)) || (all_in_conflict(s, base, cone.side_0))) || (all_in_conflict(s, base, cone.side_1))) || (all_in_conflict(s, base, cone.side_2))) {
         return COMPLETE;
     }
     uint status = clip_by_sides(s, cone);
@@ -62,7 +62,7 @@ OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums
     if ((seen == SEEN_CONFLICT) || (seen == SEEN_KEEP)) {
         return COMPLETE;
     }
-    if (((all_in_conflict(s, base, prism.side_0) != 0) || (all_in_conflict(s, base, prism.side_1) != 0)) || (all_in_conflict(s, base, prism.side_2) != 0)) {
+    if (((all_in_conflict(s, base, prism.side_0)) || (all_in_conflict(s, base, prism.side_1))) || (all_in_conflict(s, base, prism.side_2))) {
         return COMPLETE;
     }
     uint status = clip_by_sides(s, prism);
@@ -85,13 +85,10 @@ OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums
     return status;
 }
 
-// Whether (1) every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
-INLINE uint all_in_conflict(Store *s, uint k, Plane plane) {
+// Whether every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
+INLINE bool all_in_conflict(Store *s, uint k, Plane plane) {
     store_set_plane(s, k, plane);
-    if (store_mark_conflicts(s, k) == SEEN_CONFLICT) {
-        return 1;
-    }
-    return 0;
+    return store_mark_conflicts(s, k) == SEEN_CONFLICT;
 }
 
 // The truncated cone over triangle `t` from corner `apex`, in the frame of the site.

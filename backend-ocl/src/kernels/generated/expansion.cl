@@ -2,7 +2,7 @@
 
 // The sign of the 4×4 determinant with rows `[n | d]`, exactly, or `SIGN_UNKNOWN` where a product could underflow.
 OUTLINE int expansion_sign(Plane a, Plane b, Plane c, Plane e) {
-    if ((((is_tiny(a) + is_tiny(b)) + is_tiny(c)) + is_tiny(e)) != 0) {
+    if (((is_tiny(a) || is_tiny(b)) || is_tiny(c)) || is_tiny(e)) {
         return SIGN_UNKNOWN;
     }
     Expansion sum = (Expansion){ .terms = { 0 }, .count = 0 };
@@ -26,7 +26,7 @@ OUTLINE int expansion_sign(Plane a, Plane b, Plane c, Plane e) {
 // The point where three planes meet, each component within a rounding of the exact one: quotients of determinants (Cramer),
 // each exact before it is rounded. `UNCERTAIN` where a product could underflow, or the normals are dependent.
 OUTLINE uint expansion_position(Plane a, Plane b, Plane c, V3 *position) {
-    if (((is_tiny(a) + is_tiny(b)) + is_tiny(c)) != 0) {
+    if ((is_tiny(a) || is_tiny(b)) || is_tiny(c)) {
         return UNCERTAIN;
     }
     const Wide det = determinant(a.n, b.n, c.n);
@@ -40,8 +40,8 @@ OUTLINE uint expansion_position(Plane a, Plane b, Plane c, V3 *position) {
     return COMPLETE;
 }
 
-// Whether (1) a coefficient is smaller than `EXPANSION_SMALLEST` and not zero.
-INLINE uint is_tiny(Plane plane) {
+// Whether a coefficient is smaller than `EXPANSION_SMALLEST` and not zero.
+INLINE bool is_tiny(Plane plane) {
     if (((is_tiny_number(plane.n.x) + is_tiny_number(plane.n.y)) + (is_tiny_number(plane.n.z) + is_tiny_number(plane.d))) != 0) {
         return 1;
     }

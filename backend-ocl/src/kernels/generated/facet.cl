@@ -1,11 +1,8 @@
 // Generated from core/src/cell/facet.rs by `cargo xtask codegen`; do not edit.
 
-// Whether (1) a facet's area exceeds what rounding alone can make of nothing.
-OUTLINE uint facet_is_above_bound(FacetSum sum) {
-    if ((sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(BOUNDS_OF_NEGATIVE * sum.rounding))) {
-        return 1;
-    }
-    return 0;
+// Whether a facet's area exceeds what rounding alone can make of nothing.
+OUTLINE bool facet_is_above_bound(FacetSum sum) {
+    return (sum.area > (SHARE_OF_NO_FACET * sum.rounding)) || (sum.area < -(BOUNDS_OF_NEGATIVE * sum.rounding));
 }
 
 // Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
@@ -76,7 +73,7 @@ OUTLINE void reset_facets(Store *s, uint flags) {
 // keeps the domain's inside, −1 where it keeps its outside.
 OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums) {
     // The surface has no negative area.
-    if ((facet_is_above_bound(sum) == 0) || (sum.area < REAL(0.0))) {
+    if ((!facet_is_above_bound(sum)) || (sum.area < REAL(0.0))) {
         return;
     }
     const real share = (outward * sum.area) / sqrt(v3_dot(plane.n, plane.n));
@@ -135,7 +132,7 @@ OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real si
 OUTLINE void center_facets(Store *s, V3 center) {
     for (uint f = 0; f < store_planes(s); f++) {
         const FacetSum sum = store_facet(s, f);
-        if (facet_is_above_bound(sum) != 0) {
+        if (facet_is_above_bound(sum)) {
             const V3 m = sub(sum.moment, scale(sum.area, center));
             const V3 b = scale(REAL(1.0) / sum.area, m);
             FacetSecond second = store_facet_second(s, f);

@@ -12,7 +12,7 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
         if (v == NO_SITE) {
             return COMPLETE;
         }
-        if (ask(s, v, 0) == 0) {
+        if (!ask(s, v, 0)) {
             return UNCERTAIN;
         }
         uint asked = 1;
@@ -39,13 +39,13 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
         uint i = 0;
         while ((i < ties) && (status == UNTOUCHED)) {
             const uint j = store_candidate(s, i);
-            if ((found != NO_SITE) || (store_was_tried(s, j) == 0)) {
+            if ((found != NO_SITE) || !store_was_tried(s, j)) {
                 *visited += 1;
                 status = store_cut_by(s, j);
             }
             i += 1;
         }
-        if (((status == UNTOUCHED) && (found != NO_SITE)) && (store_leaves_out(s) == 0)) {
+        if (((status == UNTOUCHED) && (found != NO_SITE)) && !store_leaves_out(s)) {
             // What rounding cannot take back has less power there.
             return UNCERTAIN;
         }
@@ -88,7 +88,7 @@ HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key) {
     if (least == NO_SITE) {
         return NO_SITE;
     }
-    return store_lane_value(s, own, store_first_of(s, store_lanes_with(s, (uint)(nearest == least))));
+    return store_lane_value(s, own, store_first_of(s, store_lanes_with(s, nearest == least)));
 }
 
 // Asks for vertices near the first, nearest first, until so many are asked for; returns how many are.
@@ -102,13 +102,15 @@ HOT uint ask_near_first(Store *s, uint at_once) {
         if (v == NO_SITE) {
             return asked;
         }
-        asked += ask(s, v, asked);
+        if (ask(s, v, asked)) {
+            asked += 1;
+        }
     }
     return asked;
 }
 
-// Makes vertex `v` the asked vertex `i`: 1; or 0 where it is not known well.
-INLINE uint ask(Store *s, uint v, uint i) {
+// Makes vertex `v` the asked vertex `i`, where it is known well: whether it is.
+INLINE bool ask(Store *s, uint v, uint i) {
     V3 place = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real radius = REAL(0.0);
     if (store_fine_position(s, v, &place, &radius) != COMPLETE) {
@@ -169,7 +171,7 @@ HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay) {
                         asks = 0;
                     }
                 }
-                if (store_lanes_with(s, asks) != 0) {
+                if (store_lanes_with(s, asks != 0) != 0) {
                     left = left & ask_site(s, j, asks, left, &found, ties);
                 }
                 i += lanes;
@@ -201,8 +203,8 @@ INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *
     uint a = 0;
     while ((left >> a) != 0) {
         const Asked its = store_asked(s, a);
-        uint is_less = 0;
-        uint is_tied = 0;
+        bool is_less = 0;
+        bool is_tied = 0;
         real power = REAL(0.0);
         if ((asks & (1 << a)) != 0) {
             const V3 way = sub(its.place, d);
@@ -217,8 +219,8 @@ INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *
             }
         }
         if (a > 0) {
-            uint is_off = 0;
-            if (((is_less + is_tied) != 0) && (store_touches(s, its.vertex, j) == 0)) {
+            bool is_off = 0;
+            if ((is_less || is_tied) && !store_touches(s, its.vertex, j)) {
                 is_off = 1;
             }
             if (store_lanes_with(s, is_off) != 0) {
@@ -227,11 +229,11 @@ INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *
         } else {
             if (store_lanes_with(s, is_less) != 0) {
                 uint key = NO_SITE;
-                if (is_less != 0) {
+                if (is_less) {
                     key = store_key_above(s, power);
                 }
                 const uint least = store_least_of_lanes(s, key);
-                const uint from = store_first_of(s, store_lanes_with(s, (uint)(key == least)));
+                const uint from = store_first_of(s, store_lanes_with(s, key == least));
                 const real best = store_lane_real(s, power, from);
                 if ((*found == NO_SITE) || (best < its.limit)) {
                     *found = store_lane_value(s, j, from);
@@ -243,7 +245,7 @@ INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *
             const uint tied = store_lanes_with(s, is_tied);
             if ((*found == NO_SITE) && (tied != 0)) {
                 const uint at = *ties + store_rank_in(s, tied);
-                if ((is_tied != 0) && (at < store_most_ties(s))) {
+                if (is_tied && (at < store_most_ties(s))) {
                     store_set_candidate(s, at, j, 0);
                 }
                 *ties += store_count_of(s, tied);

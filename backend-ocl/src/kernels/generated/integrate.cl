@@ -1,12 +1,12 @@
 // Generated from core/src/cell/integrate.rs by `cargo xtask codegen`; do not edit.
 
-// Whether (1) a cell's volume exceeds what rounding alone can make of nothing.
+// Whether a cell's volume exceeds what rounding alone can make of nothing.
 //
 // For a volume that is positive the bound of one of the pieces that it is made of decides: the bounds of all pieces together are far
 // above what rounding does, and would swallow thin slabs that the sum over all cells misses. What is negative is believed only beyond
 // that sum of bounds, which no rounding exceeds (16 times what it did in ten thousand cells of volume 0): few surfaces go around anything the
 // wrong way, but those that fold over themselves do so in slabs as thin as that.
-HOT uint volume_is_above_bound(CellSums sums) {
+HOT bool volume_is_above_bound(CellSums sums) {
     if ((sums.volume > (SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding))) || (sums.volume < -sums.rounding)) {
         return 1;
     }
@@ -26,7 +26,7 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
         const Triplet t = store_triplet(s, v);
         const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
         Side f = side(s, t.a, center);
-        if (store_is_short(s) != 0) {
+        if (store_is_short(s)) {
             ROLLED
             for (uint edge = 0; edge < 3; edge++) {
                 uint next = t.a;
@@ -188,14 +188,14 @@ INLINE real products(real a, real b, real c, real d, real e, real f) {
 
 // The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
 OUTLINE V3 reference_point(Store *s) {
-    uint inside = 1;
+    bool inside = 1;
     for (uint f = 0; f < store_planes(s); f++) {
         if (store_plane(s, f).d < REAL(0.0)) {
             inside = 0;
         }
     }
     V3 mean = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    if (inside != 0) {
+    if (inside) {
         return mean;
     }
     for (uint v = 0; v < store_vertices(s); v++) {

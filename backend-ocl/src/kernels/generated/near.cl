@@ -1,9 +1,9 @@
 // Generated from core/src/cell/near.rs by `cargo xtask codegen`; do not edit.
 
-// Whether (1) no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
+// Whether no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
 // `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
-OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding) {
-    if (site_is_inside(s) == 0) {
+OUTLINE bool surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding) {
+    if (!site_is_inside(s)) {
         return 0;
     }
     uint k = lo.k;
@@ -12,7 +12,7 @@ OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, in
         while (j <= hi.j) {
             uint i = lo.i;
             while (i <= hi.i) {
-                if (voxel_passes_by(s, (Voxel){ .i = i, .j = j, .k = k }, lo, low, high, winding) == 0) {
+                if (!voxel_passes_by(s, (Voxel){ .i = i, .j = j, .k = k }, lo, low, high, winding)) {
                     return 0;
                 }
                 i += 1;
@@ -24,8 +24,8 @@ OUTLINE uint surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, in
     return 1;
 }
 
-// Whether (1) the site is strictly inside its cell, so that the cell's winding number is the site's.
-OUTLINE uint site_is_inside(Store *s) {
+// Whether the site is strictly inside its cell, so that the cell's winding number is the site's.
+OUTLINE bool site_is_inside(Store *s) {
     for (uint f = 0; f < store_planes(s); f++) {
         const real d = store_plane(s, f).d;
         if (!(d > REAL(0.0))) {
@@ -37,12 +37,12 @@ OUTLINE uint site_is_inside(Store *s) {
 
 // The same for the triangles of one voxel, of which `lo` is the lowest; takes from `winding` what they add between the corner of
 // `lo` and the site.
-HOT uint voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding) {
+HOT bool voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding) {
     const uint end = store_list_end(s, voxel);
     for (uint entry = store_list_begin(s, voxel); entry < end; entry++) {
         const uint t = store_list_entry(s, entry);
-        if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel) != 0) {
-            if (triangle_passes_by(s, t, lo, low, high, winding) == 0) {
+        if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel)) {
+            if (!triangle_passes_by(s, t, lo, low, high, winding)) {
                 return 0;
             }
         }
@@ -50,11 +50,11 @@ HOT uint voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *
     return 1;
 }
 
-// Whether (1) triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
+// Whether triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
 // it stands between that and the site.
 //
 // Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
-HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding) {
+HOT bool triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding) {
     const Triangle triangle = store_triangle(s, t);
     const V3 a = store_domain_point(s, triangle.a);
     const V3 b = store_domain_point(s, triangle.b);
@@ -65,8 +65,8 @@ HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *
     const V3 c_in = sub(c, site);
     const V3 least = least_of(a_in, b_in, c_in);
     const V3 most = most_of(a_in, b_in, c_in);
-    if (are_apart(least, most, low, high) == 0) {
-        if (plane_is_apart(s, a_in, sub(b, a), sub(c, a)) == 0) {
+    if (!are_apart(least, most, low, high)) {
+        if (!plane_is_apart(s, a_in, sub(b, a), sub(c, a))) {
             return 0;
         }
     }
@@ -74,7 +74,7 @@ HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *
     const V3 o = store_corner(s, apex);
     const V3 x = sub(site, o);
     const V3 o_in = sub(o, site);
-    if (are_apart(least, most, o_in, (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }) != 0) {
+    if (are_apart(least, most, o_in, (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) })) {
         return 1;
     }
     const V3 p = sub(a, o);
@@ -100,20 +100,17 @@ HOT uint triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *
     return 1;
 }
 
-// Whether (1) the boxes `[a, b]` and `[c, d]` are apart. (The rounded differences that their corners are tell it as the exact ones
+// Whether the boxes `[a, b]` and `[c, d]` are apart. (The rounded differences that their corners are tell it as the exact ones
 // do: rounding keeps the order.)
-INLINE uint are_apart(V3 a, V3 b, V3 c, V3 d) {
+INLINE bool are_apart(V3 a, V3 b, V3 c, V3 d) {
     if (((b.x < c.x) || (b.y < c.y)) || (b.z < c.z)) {
         return 1;
     }
-    if (((a.x > d.x) || (a.y > d.y)) || (a.z > d.z)) {
-        return 1;
-    }
-    return 0;
+    return ((a.x > d.x) || (a.y > d.y)) || (a.z > d.z);
 }
 
-// Whether (1) all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
-HOT uint plane_is_apart(Store *s, V3 a_in, V3 e, V3 f) {
+// Whether all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
+HOT bool plane_is_apart(Store *s, V3 a_in, V3 e, V3 f) {
     const V3 n = v3_cross(e, f);
     const real of_normal = norm_1(e) * norm_1(f);
     const real length = norm_1(n) + (FEW_ROUNDINGS * of_normal);
@@ -148,7 +145,7 @@ INLINE V3 most_of(V3 a, V3 b, V3 c) {
 }
 
 // A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
-INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
+INLINE bool is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
     uint i = lowest.i;
     uint j = lowest.j;
     uint k = lowest.k;
@@ -161,8 +158,5 @@ INLINE uint is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
     if (lo.k > k) {
         k = lo.k;
     }
-    if (((i == voxel.i) && (j == voxel.j)) && (k == voxel.k)) {
-        return 1;
-    }
-    return 0;
+    return ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k);
 }

@@ -524,8 +524,8 @@ __kernel void parity_expansion_position(PARITY_ARGUMENTS) {
 __kernel void parity_is_tiny(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const Plane plane = take_Plane(&in);
-    const uint result = is_tiny(plane);
-    give_uint(&out, result);
+    const bool result = is_tiny(plane);
+    give_bool(&out, result);
 }
 
 __kernel void parity_is_tiny_number(PARITY_ARGUMENTS) {
@@ -691,8 +691,8 @@ __kernel void parity_is_boundary_edge(PARITY_ARGUMENTS) {
     const uint end = take_uint(&in);
     const uint a = take_uint(&in);
     const uint b = take_uint(&in);
-    const uint result = is_boundary_edge(s, end, a, b);
-    give_uint(&out, result);
+    const bool result = is_boundary_edge(s, end, a, b);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -724,8 +724,8 @@ __kernel void parity_polynomial(PARITY_ARGUMENTS) {
 __kernel void parity_volume_is_above_bound(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const CellSums sums = take_CellSums(&in);
-    const uint result = volume_is_above_bound(sums);
-    give_uint(&out, result);
+    const bool result = volume_is_above_bound(sums);
+    give_bool(&out, result);
 }
 
 __kernel void parity_integrate(PARITY_ARGUMENTS) {
@@ -847,8 +847,8 @@ __kernel void parity_reference_point(PARITY_ARGUMENTS) {
 __kernel void parity_facet_is_above_bound(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const FacetSum sum = take_FacetSum(&in);
-    const uint result = facet_is_above_bound(sum);
-    give_uint(&out, result);
+    const bool result = facet_is_above_bound(sum);
+    give_bool(&out, result);
 }
 
 __kernel void parity_add_triangle(PARITY_ARGUMENTS) {
@@ -953,11 +953,11 @@ __kernel void parity_add_cone(PARITY_ARGUMENTS) {
     const Voxel apex = take_Voxel(&in);
     const V3 center = take_V3(&in);
     const uint flags = take_uint(&in);
-    uint touched = take_uint(&in);
+    bool touched = take_bool(&in);
     CellSums sums = take_CellSums(&in);
     const uint result = add_cone(s, t, apex, center, flags, &touched, &sums);
     give_uint(&out, result);
-    give_uint(&out, touched);
+    give_bool(&out, touched);
     give_CellSums(&out, sums);
     parity_dump(&out, s);
 }
@@ -989,8 +989,8 @@ __kernel void parity_all_in_conflict(PARITY_ARGUMENTS) {
     PARITY_STORE;
     const uint k = take_uint(&in);
     const Plane plane = take_Plane(&in);
-    const uint result = all_in_conflict(s, k, plane);
-    give_uint(&out, result);
+    const bool result = all_in_conflict(s, k, plane);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -1074,8 +1074,8 @@ __kernel void parity_surface_passes_by(PARITY_ARGUMENTS) {
     const Voxel lo = take_Voxel(&in);
     const Voxel hi = take_Voxel(&in);
     int winding = take_int(&in);
-    const uint result = surface_passes_by(s, low, high, lo, hi, &winding);
-    give_uint(&out, result);
+    const bool result = surface_passes_by(s, low, high, lo, hi, &winding);
+    give_bool(&out, result);
     give_int(&out, winding);
     parity_dump(&out, s);
 }
@@ -1083,8 +1083,8 @@ __kernel void parity_surface_passes_by(PARITY_ARGUMENTS) {
 __kernel void parity_site_is_inside(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const uint result = site_is_inside(s);
-    give_uint(&out, result);
+    const bool result = site_is_inside(s);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -1096,8 +1096,8 @@ __kernel void parity_voxel_passes_by(PARITY_ARGUMENTS) {
     const V3 low = take_V3(&in);
     const V3 high = take_V3(&in);
     int winding = take_int(&in);
-    const uint result = voxel_passes_by(s, voxel, lo, low, high, &winding);
-    give_uint(&out, result);
+    const bool result = voxel_passes_by(s, voxel, lo, low, high, &winding);
+    give_bool(&out, result);
     give_int(&out, winding);
     parity_dump(&out, s);
 }
@@ -1110,8 +1110,8 @@ __kernel void parity_triangle_passes_by(PARITY_ARGUMENTS) {
     const V3 low = take_V3(&in);
     const V3 high = take_V3(&in);
     int winding = take_int(&in);
-    const uint result = triangle_passes_by(s, t, apex, low, high, &winding);
-    give_uint(&out, result);
+    const bool result = triangle_passes_by(s, t, apex, low, high, &winding);
+    give_bool(&out, result);
     give_int(&out, winding);
     parity_dump(&out, s);
 }
@@ -1122,8 +1122,8 @@ __kernel void parity_are_apart(PARITY_ARGUMENTS) {
     const V3 b = take_V3(&in);
     const V3 c = take_V3(&in);
     const V3 d = take_V3(&in);
-    const uint result = are_apart(a, b, c, d);
-    give_uint(&out, result);
+    const bool result = are_apart(a, b, c, d);
+    give_bool(&out, result);
 }
 
 __kernel void parity_plane_is_apart(PARITY_ARGUMENTS) {
@@ -1132,8 +1132,8 @@ __kernel void parity_plane_is_apart(PARITY_ARGUMENTS) {
     const V3 a_in = take_V3(&in);
     const V3 e = take_V3(&in);
     const V3 f = take_V3(&in);
-    const uint result = plane_is_apart(s, a_in, e, f);
-    give_uint(&out, result);
+    const bool result = plane_is_apart(s, a_in, e, f);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -1160,8 +1160,8 @@ __kernel void parity_is_first_voxel(PARITY_ARGUMENTS) {
     const Voxel lowest = take_Voxel(&in);
     const Voxel lo = take_Voxel(&in);
     const Voxel voxel = take_Voxel(&in);
-    const uint result = is_first_voxel(lowest, lo, voxel);
-    give_uint(&out, result);
+    const bool result = is_first_voxel(lowest, lo, voxel);
+    give_bool(&out, result);
 }
 
 __kernel void parity_integrate_cell(PARITY_ARGUMENTS) {
@@ -1194,8 +1194,8 @@ __kernel void parity_is_undivided(PARITY_ARGUMENTS) {
     const CellSums sums = take_CellSums(&in);
     const CellSums whole = take_CellSums(&in);
     int winding = take_int(&in);
-    const uint result = is_undivided(sums, whole, &winding);
-    give_uint(&out, result);
+    const bool result = is_undivided(sums, whole, &winding);
+    give_bool(&out, result);
     give_int(&out, winding);
 }
 
@@ -1211,8 +1211,8 @@ __kernel void parity_settle(PARITY_ARGUMENTS) {
 __kernel void parity_lies_outside(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const uint result = lies_outside(s);
-    give_uint(&out, result);
+    const bool result = lies_outside(s);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -1281,11 +1281,11 @@ __kernel void parity_add_cones(PARITY_ARGUMENTS) {
     const Voxel hi = take_Voxel(&in);
     const V3 center = take_V3(&in);
     const uint flags = take_uint(&in);
-    uint touched = take_uint(&in);
+    bool touched = take_bool(&in);
     CellSums sums = take_CellSums(&in);
     const uint result = add_cones(s, lo, hi, center, flags, &touched, &sums);
     give_uint(&out, result);
-    give_uint(&out, touched);
+    give_bool(&out, touched);
     give_CellSums(&out, sums);
     parity_dump(&out, s);
 }
@@ -1320,8 +1320,8 @@ __kernel void parity_part_is_outside(PARITY_ARGUMENTS) {
     PARITY_STORE;
     const V3 direction = take_V3(&in);
     const real height = take_real(&in);
-    const uint result = part_is_outside(s, direction, height);
-    give_uint(&out, result);
+    const bool result = part_is_outside(s, direction, height);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -1347,8 +1347,8 @@ __kernel void parity_widen_part(PARITY_ARGUMENTS) {
     const real radius = take_real(&in);
     V3 low = take_V3(&in);
     V3 high = take_V3(&in);
-    const uint result = widen_part(s, direction, height, radius, &low, &high);
-    give_uint(&out, result);
+    const bool result = widen_part(s, direction, height, radius, &low, &high);
+    give_bool(&out, result);
     give_V3(&out, low);
     give_V3(&out, high);
     parity_dump(&out, s);
@@ -1363,8 +1363,8 @@ __kernel void parity_boxes_are_outside(PARITY_ARGUMENTS) {
     const V3 high = take_V3(&in);
     const uint first = take_uint(&in);
     const uint step = take_uint(&in);
-    const uint result = boxes_are_outside(s, direction, height, low, high, first, step);
-    give_uint(&out, result);
+    const bool result = boxes_are_outside(s, direction, height, low, high, first, step);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -1373,8 +1373,8 @@ __kernel void parity_box_is_outside(PARITY_ARGUMENTS) {
     PARITY_STORE;
     const V3 low = take_V3(&in);
     const V3 high = take_V3(&in);
-    const uint result = box_is_outside(s, low, high);
-    give_uint(&out, result);
+    const bool result = box_is_outside(s, low, high);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 
@@ -1385,8 +1385,8 @@ __kernel void parity_box_misses_part(PARITY_ARGUMENTS) {
     const real height = take_real(&in);
     const V3 middle = take_V3(&in);
     const V3 halves = take_V3(&in);
-    const uint result = box_misses_part(s, direction, height, middle, halves);
-    give_uint(&out, result);
+    const bool result = box_misses_part(s, direction, height, middle, halves);
+    give_bool(&out, result);
     parity_dump(&out, s);
 }
 

@@ -19,7 +19,7 @@ OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *
 
 // The same about a given point.
 OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums) {
-    if (store_has_domain(s) == 0) {
+    if (!store_has_domain(s)) {
         const uint status = integrate_whole(s, REAL(1.0), center, flags, sums);
         if ((status == COMPLETE) && ((flags & FACETS) != 0)) {
             add_box_faces(s, sums);
@@ -38,7 +38,7 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
         return integrate_whole(s, (real)winding, center, flags, sums);
     }
     int inner = winding;
-    if (surface_passes_by(s, low, high, lo, hi, &inner) != 0) {
+    if (surface_passes_by(s, low, high, lo, hi, &inner)) {
         return integrate_whole(s, (real)inner, center, flags, sums);
     }
     if (interior_only != 0) {
@@ -57,12 +57,12 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
             return status;
         }
     }
-    uint touched = 0;
+    bool touched = 0;
     const uint cones = add_cones(s, lo, hi, center, flags, &touched, sums);
     if (cones != COMPLETE) {
         return cones;
     }
-    if (touched == 0) {
+    if (!touched) {
         // No piece ends at its triangle: the surface does not meet the cell, and the winding number within is the nearest
         // integer to the quotient.
         CellSums whole = (CellSums){ 0 };
@@ -70,10 +70,10 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
         if (status != COMPLETE) {
             return status;
         }
-        if (volume_is_above_bound(whole) == 0) {
+        if (!volume_is_above_bound(whole)) {
             return EMPTY;
         }
-        if (is_undivided(*sums, whole, &inner) != 0) {
+        if (is_undivided(*sums, whole, &inner)) {
             *sums = (CellSums){ 0 };
             return integrate_whole(s, (real)inner, center, flags, sums);
         }
@@ -81,10 +81,10 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
     return settle(s, sums);
 }
 
-// Whether (1) the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
+// Whether the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
 // integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
 // can make as much of nothing as the whole cell is, no more is believed than 0 and 1 (it was −1,147,767 for a hair of 1e-15 across).
-HOT uint is_undivided(CellSums sums, CellSums whole, int *winding) {
+HOT bool is_undivided(CellSums sums, CellSums whole, int *winding) {
     const real quotient = sums.volume / whole.volume;
     const real noise = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
     if (!(fabs(quotient) < MOST_WINDINGS)) {
@@ -100,17 +100,14 @@ HOT uint is_undivided(CellSums sums, CellSums whole, int *winding) {
     }
     *winding = inner;
     const real off = fabs(sums.volume - (((real)inner) * whole.volume));
-    if (off <= (sums.rounding + whole.rounding)) {
-        return 1;
-    }
-    return 0;
+    return off <= (sums.rounding + whole.rounding);
 }
 
 // `COMPLETE` where something is left of the cell, else `EMPTY`.
 //
 // A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
 HOT uint settle(Store *s, CellSums *sums) {
-    if (volume_is_above_bound(*sums) == 0) {
+    if (!volume_is_above_bound(*sums)) {
         return EMPTY;
     }
     if (fabs(sums->volume) > sums->rounding) {
@@ -128,9 +125,9 @@ HOT uint settle(Store *s, CellSums *sums) {
     return COMPLETE;
 }
 
-// Whether (1) the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
-OUTLINE uint lies_outside(Store *s) {
-    if (store_has_domain(s) == 0) {
+// Whether the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
+OUTLINE bool lies_outside(Store *s) {
+    if (!store_has_domain(s)) {
         return 0;
     }
     V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
@@ -193,9 +190,9 @@ HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi) {
     *hi = store_voxel_of(s, add(store_site(s), high));
 }
 
-// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes 1
+// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes true
 // where a piece ends at its triangle.
-OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint *touched, CellSums *sums) {
+OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, bool *touched, CellSums *sums) {
     store_save(s);
     uint k = lo.k;
     while (k <= hi.k) {
@@ -207,7 +204,7 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, uint
                 const uint end = store_list_end(s, voxel);
                 for (uint entry = store_list_begin(s, voxel); entry < end; entry++) {
                     const uint t = store_list_entry(s, entry);
-                    if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel) != 0) {
+                    if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel)) {
                         const uint status = add_cone(s, t, lo, center, flags, touched, sums);
                         if (status != COMPLETE) {
                             return status;

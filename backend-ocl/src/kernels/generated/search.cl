@@ -3,7 +3,7 @@
 // From where the cell of a store is searched: the slope and the curvature of the weights of the sites around its own.
 HOT Vantage vantage_of(Store *s) {
     Vantage vantage = (Vantage){ .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .center = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .lambda = REAL(0.5) };
-    if (store_has_weights(s) == 0) {
+    if (!store_has_weights(s)) {
         return vantage;
     }
     // The leaf's block, where the tree has more than one.
@@ -26,7 +26,7 @@ HOT Vantage vantage_of(Store *s) {
 // What `reach_of_bisector` says of site `j`.
 INLINE real reach_of_site(Store *s, Vantage vantage, uint j) {
     const V3 d = store_way_to(s, j);
-    if (store_has_weights(s) == 0) {
+    if (!store_has_weights(s)) {
         return v3_dot(d, d);
     }
     return reach_of_bisector(vantage.slope, d, store_excess_of(s, j));
@@ -54,7 +54,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
     real near = REAL(0.0);
     Wanted wanted = (Wanted){ .above = 0, .below = near_key(s, vantage, &near) };
     float reach = store_square_of_reach(s, vantage.center);
-    uint is_rest = 0;
+    bool is_rest = 0;
     Open open = open_path(s);
     uint looked = 0;
     uint count = 0;
@@ -74,7 +74,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
             }
         } else if (!is_batch && (open.blocks > 0)) {
             real within = reach;
-            if (is_rest == 0) {
+            if (!is_rest) {
                 within = smaller(reach, near);
             }
             const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = ((REAL(0.25) * within) / vantage.lambda) * SAFE, .vertices = 0 };
@@ -89,8 +89,8 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
             if (*visited > MOST_NEAR_SITES) {
                 return UNTOUCHED;
             }
-        } else if (is_rest == 0) {
-            if (store_has_domain(s) != 0) {
+        } else if (!is_rest) {
+            if (store_has_domain(s)) {
                 const uint status = store_cut_outside(s, size_around(s) + sqrt(v3_dot(vantage.center, vantage.center)));
                 if ((status != UNTOUCHED) && (status != CUT)) {
                     return status;
@@ -149,15 +149,13 @@ HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wante
             j = (store_leaf(s, first + (i / WIDTH)) * WIDTH) + (i & (WIDTH - 1));
         }
         uint key = NO_SITE;
-        uint is_wanted = 0;
+        bool is_wanted = 0;
         if ((j < store_sites(s)) && (j != store_own_site(s))) {
             key = store_key_below(s, reach_of_site(s, vantage, j));
-            if ((key >= wanted.above) && (key < wanted.below)) {
-                is_wanted = 1;
-            }
+            is_wanted = (key >= wanted.above) && (key < wanted.below);
         }
         const uint all = store_lanes_with(s, is_wanted);
-        if (is_wanted != 0) {
+        if (is_wanted) {
             store_set_candidate(s, there + store_rank_in(s, all), j, key);
         }
         there += store_count_of(s, all);

@@ -26,13 +26,13 @@ INLINE uint gather_voxels(Store *s, VoxelPlace place, float reach, uint *next) {
         const float z = gap_to_voxel(offset.z, place.z);
         const uint voxel = store_voxel_at(s, offset);
         const bool is_near = ((own < store_offsets(s)) && (voxel != NO_VOXEL)) && ((((x * x) + (y * y)) + (z * z)) < limit);
-        const uint all = store_lanes_with(s, (uint)is_near);
+        const uint all = store_lanes_with(s, is_near);
         const uint rank = found + store_rank_in(s, all);
         if (is_near && (rank < store_lanes(s))) {
             store_set_in_window(s, rank, voxel);
         }
-        const uint out = store_lanes_with(s, (uint)(is_near && (rank >= store_lanes(s))));
-        const uint past = store_lanes_with(s, (uint)((own < store_offsets(s)) && (offset.apart >= limit)));
+        const uint out = store_lanes_with(s, is_near && (rank >= store_lanes(s)));
+        const uint past = store_lanes_with(s, (own < store_offsets(s)) && (offset.apart >= limit));
         if (out != 0) {
             // The first that has no place is the next to be looked at.
             *next += store_first_of(s, out);

@@ -63,7 +63,7 @@ INLINE uint keep_asked(Store *s, bool is_leaf, uint vertices, uint count) {
             }
         }
         const bool is_kept = (asks > 1) || ((asks == 1) && (key <= limit));
-        const uint all = store_lanes_with(s, (uint)is_kept);
+        const uint all = store_lanes_with(s, is_kept);
         store_lanes_wait(s);
         if (is_kept) {
             if (is_leaf) {
@@ -124,7 +124,7 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
     }
     open.blocks -= some;
     const uint turn = store_lane(s) / WIDTH;
-    uint is_there = 0;
+    bool is_there = 0;
     uint block = 0;
     uint of_block = 0;
     if (turn < some) {
@@ -145,27 +145,23 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
     uint k = store_lane(s) & (WIDTH - 1);
     while (k < WIDTH) {
         const uint node = first + k;
-        uint is_wanted = 0;
+        bool is_wanted = 0;
         uint key = 0;
         uint asks = 0;
-        if ((is_there != 0) && (node != own)) {
+        if (is_there && (node != own)) {
             if (question.vertices != 0) {
                 asks = store_asks_of_node(s, level, node, of_block, &key);
-                is_wanted = (uint)(asks != 0);
+                is_wanted = asks != 0;
             } else {
                 const real least = least_of_node(seer_of(s), question.square, question.slope, store_node_box(s, level, node), store_node_weights(s, level, node));
-                is_wanted = (uint)(least < question.limit);
+                is_wanted = least < question.limit;
             }
         }
-        uint is_block = is_wanted;
-        uint is_leaf = 0;
-        if (level == 0) {
-            is_block = 0;
-            is_leaf = is_wanted;
-        }
+        const bool is_block = is_wanted && (level > 0);
+        const bool is_leaf = is_wanted && (level == 0);
         const uint blocks = store_lanes_with(s, is_block);
         const uint leaves = store_lanes_with(s, is_leaf);
-        if (is_block != 0) {
+        if (is_block) {
             const uint at = open.blocks + store_rank_in(s, blocks);
             store_set_open_block(s, at, ((level - 1) << LEVEL_SHIFT) | node, key, asks);
             if (key < best) {
@@ -173,7 +169,7 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
                 best_at = at;
             }
         }
-        if (is_leaf != 0) {
+        if (is_leaf) {
             store_set_leaf(s, open.leaves + store_rank_in(s, leaves), node, key, asks);
         }
         open.blocks += store_count_of(s, blocks);
@@ -185,7 +181,7 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
     if ((question.vertices != 0) && ((open.blocks * WIDTH) > lanes)) {
         const uint least = store_least_of_lanes(s, best);
         if (least != NO_SITE) {
-            const uint at = store_lane_value(s, best_at, store_first_of(s, store_lanes_with(s, (uint)(best == least))));
+            const uint at = store_lane_value(s, best_at, store_first_of(s, store_lanes_with(s, best == least)));
             const uint last = open.blocks - 1;
             const uint nearest = store_open_block(s, at);
             const uint other = store_open_block(s, last);

@@ -27,7 +27,7 @@ HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wante
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited);
 HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key);
 HOT uint ask_near_first(Store *s, uint at_once);
-INLINE uint ask(Store *s, uint v, uint i);
+INLINE bool ask(Store *s, uint v, uint i);
 INLINE Asked asked_at(real largest_excess, uint v, V3 place, real radius);
 HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay);
 INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties);

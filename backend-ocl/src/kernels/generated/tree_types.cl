@@ -79,7 +79,7 @@ typedef struct {
     // What it weighs more than the lightest of all.
     real excess;
     // Whether weights differ.
-    uint has_weights;
+    bool has_weights;
 } Seer;
 
 // core/src/cell/tree.rs

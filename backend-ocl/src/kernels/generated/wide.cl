@@ -10,7 +10,7 @@ OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
     const Plane c = store_plane(s, t.c);
     const Plane e = store_plane(s, k);
     int sign;
-    if (store_keeps_minors(s) != 0) {
+    if (store_keeps_minors(s)) {
         Minors minors = store_minors(s, v);
         if (minors.is_known == 0) {
             minors = minors_of(a, b, c);

@@ -1,8 +1,9 @@
 //! Where a cell lives on the CPU: structure of arrays, so that one plane meets four vertices at a time.
 
 use laguerre_core::cell::{
-    CellStore, FacetSecond, FacetSum, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Minors, Plane, Real, SEEN_CONFLICT,
-    SEEN_KEEP, SEEN_UNCERTAIN, Triangle, Triplet, UNIT_ROUNDOFF, V3, v3,
+    ClipStore, DomainStore, FacetSecond, FacetSum, IntegralStore, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Minors,
+    Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triangle, Triplet, UNIT_ROUNDOFF, V3,
+    v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
@@ -121,72 +122,78 @@ impl<'a> CpuStore<'a> {
     }
 }
 
-impl CellStore for CpuStore<'_> {
+impl Polytope for CpuStore<'_> {
     #[inline(always)]
     fn cap_p(&self) -> u32 {
         self.room.planes
     }
+
     #[inline(always)]
     fn cap_v(&self) -> u32 {
         self.room.vertices
     }
+
     #[inline(always)]
     fn planes(&self) -> u32 {
         self.plane_count as u32
     }
+
     #[inline(always)]
     fn set_planes(&mut self, count: u32) {
         self.plane_count = count as usize;
     }
+
     #[inline(always)]
     fn vertices(&self) -> u32 {
         self.vertices.count as u32
     }
+
     #[inline(always)]
     fn set_vertices(&mut self, count: u32) {
         self.vertices.count = count as usize;
     }
+
     #[inline(always)]
     fn plane(&self, f: u32) -> Plane {
         self.planes[f as usize]
     }
+
     #[inline(always)]
     fn set_plane(&mut self, f: u32, plane: Plane) {
         self.planes[f as usize] = plane;
     }
+
     #[inline(always)]
     fn tag(&self, f: u32) -> u32 {
         self.tags[f as usize]
     }
+
     #[inline(always)]
     fn set_tag(&mut self, f: u32, tag: u32) {
         self.tags[f as usize] = tag;
     }
-    #[inline(always)]
-    fn link(&self, f: u32) -> u32 {
-        self.links[f as usize]
-    }
-    #[inline(always)]
-    fn set_link(&mut self, f: u32, link: u32) {
-        self.links[f as usize] = link;
-    }
+
     #[inline(always)]
     fn triplet(&self, v: u32) -> Triplet {
         self.vertices.triplets[v as usize]
     }
+
     #[inline(always)]
     fn set_triplet(&mut self, v: u32, triplet: Triplet) {
         self.vertices.triplets[v as usize] = triplet;
     }
+
     #[inline(always)]
     fn position(&self, v: u32) -> V3 {
         let v = v as usize;
         v3(self.vertices.x[v], self.vertices.y[v], self.vertices.z[v])
     }
+
     #[inline(always)]
     fn radius(&self, v: u32) -> Real {
         self.vertices.radius[v as usize]
     }
+
     #[inline(always)]
     fn set_position(&mut self, v: u32, position: V3, radius: Real) {
         let v = v as usize;
@@ -197,33 +204,35 @@ impl CellStore for CpuStore<'_> {
         self.settled[v / 64] &= !(1 << (v % 64));
         self.has_minors[v / 64] &= !(1 << (v % 64));
     }
+
+    #[inline(always)]
+    fn site(&self) -> V3 {
+        self.site
+    }
+}
+
+impl ClipStore for CpuStore<'_> {
+    #[inline(always)]
+    fn link(&self, f: u32) -> u32 {
+        self.links[f as usize]
+    }
+
+    #[inline(always)]
+    fn set_link(&mut self, f: u32, link: u32) {
+        self.links[f as usize] = link;
+    }
+
     #[inline(always)]
     fn settled(&self, v: u32) -> bool {
         self.settled[v as usize / 64] >> (v % 64) & 1 != 0
     }
+
     #[inline(always)]
     fn set_settled(&mut self, v: u32, settled: bool) {
         let word = &mut self.settled[v as usize / 64];
         *word = (*word & !(1 << (v % 64))) | u64::from(settled) << (v % 64);
     }
-    #[inline(always)]
-    fn keeps_minors(&self) -> bool {
-        true
-    }
-    #[inline(always)]
-    fn minors(&self, v: u32) -> Minors {
-        let v = v as usize;
-        if self.has_minors[v / 64] >> (v % 64) & 1 == 0 { Minors::default() } else { self.minors[v] }
-    }
-    #[inline(always)]
-    fn keep_minors(&mut self, v: u32, minors: Minors) {
-        let v = v as usize;
-        if v >= self.minors.len() {
-            self.minors.resize(v + 1, Minors::default());
-        }
-        self.minors[v] = minors;
-        self.has_minors[v / 64] |= 1 << (v % 64);
-    }
+
     #[inline(always)]
     fn mark(&self, v: u32) -> u32 {
         let (word, bit) = (v as usize / 64, v % 64);
@@ -235,6 +244,7 @@ impl CellStore for CpuStore<'_> {
             MARK_KEEP
         }
     }
+
     #[inline(always)]
     fn set_mark(&mut self, v: u32, mark: u32) {
         let (word, bit) = (v as usize / 64, v % 64);
@@ -242,55 +252,16 @@ impl CellStore for CpuStore<'_> {
         set(&mut self.conflict[word], mark == MARK_CONFLICT);
         set(&mut self.uncertain[word], mark == MARK_UNCERTAIN);
     }
+
     #[inline(always)]
     fn save(&mut self) {
         self.saved.copy_from(&self.vertices);
     }
+
     #[inline(always)]
     fn restore(&mut self) {
         self.vertices.copy_from(&self.saved);
         self.has_minors.fill(0);
-    }
-    #[inline(always)]
-    fn facet(&self, f: u32) -> FacetSum {
-        self.facets[f as usize]
-    }
-    #[inline(always)]
-    fn set_facet(&mut self, f: u32, sum: FacetSum) {
-        self.facets[f as usize] = sum;
-    }
-    #[inline(always)]
-    fn facet_second(&self, f: u32) -> FacetSecond {
-        self.facet_seconds.get(f as usize).copied().unwrap_or_default()
-    }
-    #[inline(always)]
-    fn set_facet_second(&mut self, f: u32, second: FacetSecond) {
-        if self.facet_seconds.is_empty() {
-            self.facet_seconds = vec![FacetSecond::default(); self.facets.len()];
-        }
-        self.facet_seconds[f as usize] = second;
-    }
-    #[inline(always)]
-    fn integrand(&self) -> Option<&FramedIntegrand> {
-        self.integrand
-    }
-    #[inline(always)]
-    fn domain(&self) -> Option<&DomainGrid> {
-        self.domain
-    }
-    #[inline(always)]
-    fn site(&self) -> V3 {
-        self.site
-    }
-    #[inline(always)]
-    fn triangle(&self, t: u32) -> Triangle {
-        if self.last_triangle.replace(Some(t)) != Some(t) {
-            self.triangles.set(self.triangles.get() + 1);
-        }
-        self.domain.map_or(Triangle::default(), |grid| {
-            let [a, b, c] = grid.triangles()[t as usize];
-            Triangle { a, b, c }
-        })
     }
 
     #[inline(always)]
@@ -376,6 +347,29 @@ impl CellStore for CpuStore<'_> {
         }
         v3(square, radius, 0.0)
     }
+}
+
+impl SignStore for CpuStore<'_> {
+    #[inline(always)]
+    fn keeps_minors(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn minors(&self, v: u32) -> Minors {
+        let v = v as usize;
+        if self.has_minors[v / 64] >> (v % 64) & 1 == 0 { Minors::default() } else { self.minors[v] }
+    }
+
+    #[inline(always)]
+    fn keep_minors(&mut self, v: u32, minors: Minors) {
+        let v = v as usize;
+        if v >= self.minors.len() {
+            self.minors.resize(v + 1, Minors::default());
+        }
+        self.minors[v] = minors;
+        self.has_minors[v / 64] |= 1 << (v % 64);
+    }
 
     #[inline(always)]
     fn note_exact(&mut self) {
@@ -383,6 +377,53 @@ impl CellStore for CpuStore<'_> {
     }
 }
 
+impl IntegralStore for CpuStore<'_> {
+    #[inline(always)]
+    fn facet(&self, f: u32) -> FacetSum {
+        self.facets[f as usize]
+    }
+
+    #[inline(always)]
+    fn set_facet(&mut self, f: u32, sum: FacetSum) {
+        self.facets[f as usize] = sum;
+    }
+
+    #[inline(always)]
+    fn facet_second(&self, f: u32) -> FacetSecond {
+        self.facet_seconds.get(f as usize).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn set_facet_second(&mut self, f: u32, second: FacetSecond) {
+        if self.facet_seconds.is_empty() {
+            self.facet_seconds = vec![FacetSecond::default(); self.facets.len()];
+        }
+        self.facet_seconds[f as usize] = second;
+    }
+
+    #[inline(always)]
+    fn integrand(&self) -> Option<&FramedIntegrand> {
+        self.integrand
+    }
+}
+
+impl DomainStore for CpuStore<'_> {
+    #[inline(always)]
+    fn domain(&self) -> Option<&DomainGrid> {
+        self.domain
+    }
+
+    #[inline(always)]
+    fn triangle(&self, t: u32) -> Triangle {
+        if self.last_triangle.replace(Some(t)) != Some(t) {
+            self.triangles.set(self.triangles.get() + 1);
+        }
+        self.domain.map_or(Triangle::default(), |grid| {
+            let [a, b, c] = grid.triangles()[t as usize];
+            Triangle { a, b, c }
+        })
+    }
+}
 #[cfg(test)]
 mod tests {
     use super::*;

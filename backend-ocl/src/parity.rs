@@ -17,7 +17,7 @@ use opencl3::program::Program;
 
 /// The generated functions of a cell, as a device gets them.
 pub fn functions() -> String {
-    crate::sources::generated("generated/cell.cl")
+    crate::sources::generated("generated/cell_alone.cl")
 }
 
 /// Work-items of a group: a device on the host has the stores of a whole group on one stack.

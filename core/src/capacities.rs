@@ -1,7 +1,7 @@
 //! What cells need: the counts `K`, `P`, `V`, `T` of single cells (paper §6.1), and the capacities that most of them are content
 //! with.
 
-use crate::cell::{self, CellStore, CellSums, PlainStore};
+use crate::cell::{self, CellSums, PlainStore, Polytope};
 use crate::diagram::Prepared;
 use crate::request::Request;
 use crate::search::Search;

@@ -289,9 +289,6 @@ INLINE void store_set_position(Store *s, uint v, V3 position, real radius) {
     s->cell->rough[place] = (float4)(p.x, p.y, p.z, ((convert_float_rtp(radius) + (ROUGH * largest)) + ROUGH_UNDERFLOW) * ROUGH_SAFE);
 }
 
-// For the host's way of asking; here `farthest_of` (`lanes_reach.cl`) does.
-INLINE V3 store_farthest(Store *s) { return (V3){ .x = REAL(0.0), .y = REAL(0.0), .z = REAL(0.0) }; }
-
 INLINE void store_note_exact(Store *s) { s->exact = 1; }
 INLINE int store_tie_sign(Store *s, Triplet t, uint k) {
     return sign_of_tie(store_plane(s, t.a), store_plane(s, t.b), store_plane(s, t.c), store_plane(s, k));
@@ -302,18 +299,8 @@ INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { re
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
 INLINE V3 store_site(Store *s) { return (V3){ .x = s->site.x, .y = s->site.y, .z = s->site.z }; }
 
-// What clipping by one work-item, cones and sums of all facets at once need: not here.
-INLINE uint store_link(Store *s, uint f) { return 0; }
-INLINE void store_set_link(Store *s, uint f, uint link) {}
-INLINE void store_move_plane(Store *s, uint from, uint to) {}
-INLINE void store_move_vertex(Store *s, uint from, uint to) {}
-INLINE uint store_mark(Store *s, uint v) { return MARK_KEEP; }
-INLINE void store_set_mark(Store *s, uint v, uint mark) {}
-INLINE void store_save(Store *s) {}
-INLINE void store_restore(Store *s) {}
-INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ 0 }; }
+// Sums of all facets at once are for one work-item: were they read here, it would be seen.
+INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ .area = NAN }; }
 INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
-INLINE uint store_next_conflict(Store *s, uint from, uint end) { return end; }
-INLINE uint store_mark_conflicts(Store *s, uint k) { return 0; }
 
 #import "sites.cl"

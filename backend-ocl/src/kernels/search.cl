@@ -1,7 +1,7 @@
 // The search for the sites that cut a cell, where one work-item computes it: the tree (`tree_alone.cl`), or WITH_TABLE, where weights do not differ,
 // first the voxels around the cell's own (`table_search.cl`).
 
-#import "generated/cell.cl"
+#import "generated/cell_alone.cl"
 
 OUTLINE bool store_was_tried(Store *s, uint j);
 

@@ -2,7 +2,7 @@
 // below a share of it and it does not come near the domain's surface, `EMPTY` where it is empty with all half-spaces moved outward by
 // what rounding may have moved them. All others are the host's, in double precision.
 
-#import "generated/cell.cl"
+#import "generated/cell_alone.cl"
 
 // Coefficients beyond these are the host's (see `WIDE_SMALLEST`).
 #define LARGEST_NORMAL REAL(524288.0)

@@ -6,8 +6,8 @@ use laguerre_core::cell::bound::{Seer, least_power_of_node, reach_of_bisector};
 use laguerre_core::cell::far::asked_at;
 use laguerre_core::cell::search_store::{NodeBox, NodeSlab, NodeWeights};
 use laguerre_core::cell::{
-    self, CellStore, CellSums, FACETS, MARK_CONFLICT, MARK_KEEP, PlainStore, Plane, Triplet, V3, bisector,
-    farthest_vertex, v3,
+    self, CellSums, ClipStore, FACETS, IntegralStore, MARK_CONFLICT, MARK_KEEP, PlainStore, Plane, Polytope, Triplet,
+    V3, bisector, farthest_vertex, v3,
 };
 use laguerre_core::exact;
 use laguerre_core::summation::Sum;

@@ -1,81 +1,38 @@
 //! Clipping a cell by a half-space (design: paper §2.2, with the boundary of the hole found without a walk).
 
+use super::first::{place_corner, set_box_planes};
 use super::plane::Plane;
 use super::status::{
     COMPLETE, CUT, EMPTY, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, P_FULL, SEEN_CONFLICT, SEEN_UNCERTAIN,
-    SIGN_UNKNOWN, TAG_BOX, UNCERTAIN, UNTOUCHED, V_FULL,
+    SIGN_UNKNOWN, UNCERTAIN, UNTOUCHED, V_FULL,
 };
-use super::store::CellStore;
-use super::vector::{Real, UNIT_ROUNDOFF, V3, norm_max, v3};
-use super::vertex::{ROUNDINGS_OF_EXACT, Triplet, place_vertex};
+use super::store::{ClipStore, SignStore};
+use super::vector::{Real, UNIT_ROUNDOFF, V3};
+use super::vertex::{Triplet, place_vertex};
 use super::wide::sign_of_conflict;
 
 /// Starts the cell as the box with minimum corner `lo` and maximum corner `hi`, in the frame of the site.
 ///
 /// Planes 0 to 5 keep x ≥ lo.x, x ≤ hi.x, y ≥ lo.y, y ≤ hi.y, z ≥ lo.z, z ≤ hi.z.
 #[cfg_attr(opencl, outline)]
-pub fn begin<S: CellStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
+pub fn begin<S: ClipStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
     if (s.cap_p() < 6) || (s.cap_v() < 8) {
         return P_FULL;
     }
     set_box_planes(s, lo, hi);
+    for f in 0..6 {
+        s.set_link(f, 0);
+    }
     for v in 0..8 {
         place_corner(s, v);
     }
     return COMPLETE;
 }
 
-/// The six planes of the box; its corners are still to be placed.
-#[cfg_attr(opencl, outline)]
-pub(super) fn set_box_planes<S: CellStore>(s: &mut S, lo: V3, hi: V3) {
-    set_box_plane(s, 0, v3(1.0, 0.0, 0.0), -lo.x);
-    set_box_plane(s, 1, v3(-1.0, 0.0, 0.0), hi.x);
-    set_box_plane(s, 2, v3(0.0, 1.0, 0.0), -lo.y);
-    set_box_plane(s, 3, v3(0.0, -1.0, 0.0), hi.y);
-    set_box_plane(s, 4, v3(0.0, 0.0, 1.0), -lo.z);
-    set_box_plane(s, 5, v3(0.0, 0.0, -1.0), hi.z);
-    s.set_planes(6);
-    s.set_vertices(8);
-}
-
-/// Places corner `v` of the box: bit 0 of `v` says whether it is on the maximum along x, bit 1 along y, bit 2 along z. The faces
-/// are at right angles, so that nothing is rounded.
-#[inline]
-#[cfg_attr(opencl, hot)]
-pub(super) fn place_corner<S: CellStore>(s: &mut S, v: u32) {
-    let on_x: u32 = v & 1;
-    let on_y: u32 = (v >> 1) & 1;
-    let on_z: u32 = (v >> 2) & 1;
-    // The determinant of the three normals is the product of their signs: an odd number of maxima swaps two planes.
-    if (((on_x + on_y) + on_z) & 1) == 0 {
-        s.set_triplet(v, Triplet { a: on_x, b: 2 + on_y, c: 4 + on_z });
-    } else {
-        s.set_triplet(v, Triplet { a: on_x, b: 4 + on_z, c: 2 + on_y });
-    }
-    let mut position: V3 = v3(-s.plane(0).d, -s.plane(2).d, -s.plane(4).d);
-    if on_x != 0 {
-        position.x = s.plane(1).d;
-    }
-    if on_y != 0 {
-        position.y = s.plane(3).d;
-    }
-    if on_z != 0 {
-        position.z = s.plane(5).d;
-    }
-    s.set_position(v, position, (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(position));
-}
-
-#[cfg_attr(opencl, outline)]
-pub(super) fn set_box_plane<S: CellStore>(s: &mut S, f: u32, n: V3, d: Real) {
-    s.set_plane(f, Plane { n: n, d: d });
-    s.set_tag(f, TAG_BOX);
-    s.set_link(f, 0);
-}
-
 /// Clips the cell by `plane`, keeping the side where `n·x + d ≥ 0`; `tag` says whose plane it is. Returns `CUT`, `UNTOUCHED`,
 /// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again.
 #[cfg_attr(opencl, outline)]
-pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
+pub fn clip<S: ClipStore + SignStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
     if s.planes() == s.cap_p() {
         compact_planes(s);
         if s.planes() == s.cap_p() {
@@ -190,7 +147,7 @@ pub fn clip<S: CellStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
 
 /// Decides every uncertain mark against plane `k` by the exact sign.
 #[cfg_attr(opencl, outline)]
-pub(super) fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
+pub(super) fn settle_marks<S: ClipStore + SignStore>(s: &mut S, k: u32) -> u32 {
     for v in 0..s.vertices() {
         if s.mark(v) == MARK_UNCERTAIN {
             let sign: i32 = sign_of_conflict(s, v, k);
@@ -208,13 +165,13 @@ pub(super) fn settle_marks<S: CellStore>(s: &mut S, k: u32) -> u32 {
 }
 
 #[inline(always)]
-pub(super) fn toggle_link<S: CellStore>(s: &mut S, f: u32, change: u32) {
+pub(super) fn toggle_link<S: ClipStore>(s: &mut S, f: u32, change: u32) {
     let link: u32 = s.link(f) ^ change;
     s.set_link(f, link);
 }
 
 #[cfg_attr(opencl, outline)]
-pub(super) fn clear_links<S: CellStore>(s: &mut S) {
+pub(super) fn clear_links<S: ClipStore>(s: &mut S) {
     for f in 0..s.planes() {
         s.set_link(f, 0);
     }
@@ -222,7 +179,7 @@ pub(super) fn clear_links<S: CellStore>(s: &mut S) {
 
 /// Finds a directed edge a→b of a marked vertex whose reverse belongs to no marked vertex.
 #[cfg_attr(opencl, outline)]
-pub(super) fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut Triplet) {
+pub(super) fn find_boundary_edge<S: ClipStore>(s: &mut S, end: u32, edge: &mut Triplet) {
     let mut v: u32 = s.next_conflict(0, end);
     while v < end {
         let t: Triplet = s.triplet(v);
@@ -247,7 +204,7 @@ pub(super) fn find_boundary_edge<S: CellStore>(s: &mut S, end: u32, edge: &mut T
 
 /// Whether the edge a→b of a marked vertex lies on the boundary of the hole: both planes do, and no marked vertex has b→a.
 #[inline(always)]
-pub(super) fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32) -> bool {
+pub(super) fn is_boundary_edge<S: ClipStore>(s: &mut S, end: u32, a: u32, b: u32) -> bool {
     if (s.link(a) == 0) || (s.link(b) == 0) {
         return false;
     }
@@ -264,7 +221,7 @@ pub(super) fn is_boundary_edge<S: CellStore>(s: &mut S, end: u32, a: u32, b: u32
 
 /// Drops the planes that no vertex lies on and renumbers the others in order.
 #[cfg_attr(opencl, outline)]
-pub fn compact_planes<S: CellStore>(s: &mut S) {
+pub fn compact_planes<S: ClipStore>(s: &mut S) {
     for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         s.set_link(t.a, 1);
@@ -288,4 +245,12 @@ pub fn compact_planes<S: CellStore>(s: &mut S) {
     }
     clear_links(s);
     s.set_planes(kept);
+}
+
+/// An upper bound of the distance from the site to the farthest vertex.
+#[inline(always)]
+pub fn farthest_vertex<S: ClipStore>(s: &S) -> Real {
+    let largest: V3 = s.farthest();
+    // The radius bounds each component; √3 < 2.
+    return (largest.x.sqrt() + (2.0 * largest.y)) * (1.0 + (16.0 * UNIT_ROUNDOFF));
 }

@@ -1,13 +1,8 @@
 //! Truncated cones over triangles, and the prisms behind them (paper §4, with exact signs).
 
-use super::clip::clip;
-use super::facet::{FacetSum, add_boundary, integrate_facet};
-use super::integrate::{CellSums, integrate};
 use super::plane::{Plane, cone_side, triangle_plane, wall_over_edge};
-use super::status::{
-    COMPLETE, CUT, EMPTY, SEEN_CONFLICT, SEEN_KEEP, SIGN_UNKNOWN, TAG_CONE, TAG_TRIANGLE, UNCERTAIN, UNTOUCHED,
-};
-use super::store::{CellStore, Triangle, Voxel};
+use super::status::{COMPLETE, SIGN_UNKNOWN, UNCERTAIN};
+use super::store::{DomainStore, Triangle, Voxel};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, larger, norm_1, scale, sub, v3};
 
 /// A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
@@ -23,119 +18,9 @@ pub(super) struct TruncatedCone {
     pub(super) side_2: Plane,
 }
 
-/// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
-#[cfg_attr(opencl, outline)]
-pub(crate) fn add_cone<S: CellStore>(
-    s: &mut S,
-    t: u32,
-    apex: Voxel,
-    center: V3,
-    flags: u32,
-    touched: &mut bool,
-    sums: &mut CellSums,
-) -> u32 {
-    let mut cone: TruncatedCone = no_cone();
-    if make_cone(s, t, apex, &mut cone) != COMPLETE {
-        return UNCERTAIN;
-    }
-    if cone.sign == 0.0 {
-        // The cone is flat, but the surface may still divide the cell.
-        *touched = true;
-        return COMPLETE;
-    }
-    // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
-    let base: u32 = s.planes();
-    if (all_in_conflict(s, base, cone.end))
-        || (all_in_conflict(s, base, cone.side_0))
-        || (all_in_conflict(s, base, cone.side_1))
-        || (all_in_conflict(s, base, cone.side_2))
-    {
-        return COMPLETE;
-    }
-    let mut status: u32 = clip_by_sides(s, cone);
-    if status == COMPLETE {
-        status = clip(s, cone.end, TAG_TRIANGLE);
-        if status == CUT {
-            *touched = true;
-        }
-        if (status == CUT) || (status == UNTOUCHED) {
-            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
-        }
-    }
-    s.restore();
-    s.set_planes(base);
-    if status == EMPTY {
-        return COMPLETE;
-    }
-    return status;
-}
-
-/// Clips by the three sides; `COMPLETE` where something is left.
-#[cfg_attr(opencl, outline)]
-pub(super) fn clip_by_sides<S: CellStore>(s: &mut S, cone: TruncatedCone) -> u32 {
-    let mut status: u32 = clip(s, cone.side_0, TAG_CONE);
-    if (status == CUT) || (status == UNTOUCHED) {
-        status = clip(s, cone.side_1, TAG_CONE);
-    }
-    if (status == CUT) || (status == UNTOUCHED) {
-        status = clip(s, cone.side_2, TAG_CONE);
-    }
-    if (status == CUT) || (status == UNTOUCHED) {
-        return COMPLETE;
-    }
-    return status;
-}
-
-/// Adds the part of triangle `t` within the cell to the boundary's sums: the facet on the triangle's plane of the cell's intersection
-/// with the prism behind it. (The cone would do, but its sides can be nearly parallel to the triangle.)
-#[cfg_attr(opencl, outline)]
-pub(crate) fn add_surface<S: CellStore>(s: &mut S, t: u32, apex: Voxel, center: V3, sums: &mut CellSums) -> u32 {
-    let mut prism: TruncatedCone = no_cone();
-    if make_prism(s, t, apex, &mut prism) != COMPLETE {
-        return UNCERTAIN;
-    }
-    let base: u32 = s.planes();
-    s.set_plane(base, prism.end);
-    let seen: u32 = s.mark_conflicts(base);
-    if (seen == SEEN_CONFLICT) || (seen == SEEN_KEEP) {
-        return COMPLETE;
-    }
-    if (all_in_conflict(s, base, prism.side_0))
-        || (all_in_conflict(s, base, prism.side_1))
-        || (all_in_conflict(s, base, prism.side_2))
-    {
-        return COMPLETE;
-    }
-    let mut status: u32 = clip_by_sides(s, prism);
-    let end_index: u32 = s.planes();
-    if status == COMPLETE {
-        status = clip(s, prism.end, TAG_TRIANGLE);
-    }
-    if status == CUT {
-        let mut facet: FacetSum = FacetSum::default();
-        status = integrate_facet(s, end_index, center, &mut facet);
-        if status == COMPLETE {
-            add_boundary(facet, prism.end, -prism.sign, sums);
-        }
-    }
-    s.restore();
-    s.set_planes(base);
-    if (status == EMPTY) || (status == UNTOUCHED) {
-        return COMPLETE;
-    }
-    return status;
-}
-
-/// Whether every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
-#[inline(always)]
-pub(super) fn all_in_conflict<S: CellStore>(s: &mut S, k: u32, plane: Plane) -> bool {
-    s.set_plane(k, plane);
-    return s.mark_conflicts(k) == SEEN_CONFLICT;
-}
-
 /// The truncated cone over triangle `t` from corner `apex`, in the frame of the site.
 #[cfg_attr(opencl, outline)]
-pub(super) fn make_cone<S: CellStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedCone) -> u32 {
+pub(super) fn make_cone<S: DomainStore>(s: &mut S, t: u32, apex: Voxel, cone: &mut TruncatedCone) -> u32 {
     let triangle: Triangle = s.triangle(t);
     let a: V3 = s.domain_point(triangle.a);
     let b: V3 = s.domain_point(triangle.b);
@@ -178,7 +63,7 @@ pub(super) fn no_cone() -> TruncatedCone {
 /// The prism over triangle `t`, in the frame of the site, on the side that the cone from `apex` keeps: where the surface touches
 /// the cell, both then decide alike.
 #[cfg_attr(opencl, outline)]
-pub(super) fn make_prism<S: CellStore>(s: &mut S, t: u32, apex: Voxel, prism: &mut TruncatedCone) -> u32 {
+pub(super) fn make_prism<S: DomainStore>(s: &mut S, t: u32, apex: Voxel, prism: &mut TruncatedCone) -> u32 {
     let triangle: Triangle = s.triangle(t);
     let a: V3 = s.domain_point(triangle.a);
     let b: V3 = s.domain_point(triangle.b);
@@ -219,7 +104,7 @@ const CONE_SIGN_ERROR: Real = (7.0 + (56.0 * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF;
 
 /// The exact sign of `det(a − o, b − o, c − o)`, given the rounded differences.
 #[cfg_attr(opencl, outline)]
-pub(super) fn cone_sign<S: CellStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: V3, c: V3) -> i32 {
+pub(super) fn cone_sign<S: DomainStore>(s: &mut S, t: u32, apex: Voxel, a: V3, b: V3, c: V3) -> i32 {
     let sign: i32 = filtered_sign(a, b, c);
     if sign == SIGN_UNKNOWN {
         return s.exact_cone_sign(t, apex);

@@ -5,7 +5,7 @@ use super::integrate::{
 };
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
-use super::store::CellStore;
+use super::store::{IntegralStore, SignStore};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, scale, sub, v3};
 use super::vertex::Triplet;
 
@@ -81,7 +81,7 @@ pub(super) fn area_of_triangle(f: Side, to_foot: V3, to_vertex: V3, sign: Real) 
 
 /// The sums of the facet of plane `index` alone.
 #[cfg_attr(opencl, outline)]
-pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
+pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
     *sum = FacetSum::default();
     let f: Side = side(s, index, center);
     for v in 0..s.vertices() {
@@ -114,7 +114,7 @@ pub(crate) fn integrate_facet<S: CellStore>(s: &mut S, index: u32, center: V3, s
 
 /// Sets the facets' sums to zero.
 #[cfg_attr(opencl, outline)]
-pub(crate) fn reset_facets<S: CellStore>(s: &mut S, flags: u32) {
+pub(crate) fn reset_facets<S: IntegralStore>(s: &mut S, flags: u32) {
     for f in 0..s.planes() {
         s.set_facet(f, FacetSum::default());
         if (flags & FACET_SECOND_MOMENTS) != 0 {
@@ -142,7 +142,7 @@ pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mu
 /// for that.
 #[cold]
 #[cfg_attr(opencl, outline)]
-pub(super) fn add_facet_seconds<S: CellStore>(s: &mut S, weight: Real, center: V3) -> u32 {
+pub(super) fn add_facet_seconds<S: IntegralStore + SignStore>(s: &mut S, weight: Real, center: V3) -> u32 {
     for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         let position: V3 = sub(s.position(v), center);
@@ -164,7 +164,7 @@ pub(super) fn add_facet_seconds<S: CellStore>(s: &mut S, weight: Real, center: V
 
 /// Adds the two triangles of one vertex and its edge (f, g).
 #[cfg_attr(opencl, outline)]
-pub(super) fn add_edge_second<S: CellStore>(
+pub(super) fn add_edge_second<S: IntegralStore + SignStore>(
     s: &mut S,
     f: Side,
     g: Side,
@@ -185,7 +185,7 @@ pub(super) fn add_edge_second<S: CellStore>(
 /// Adds the triangle (H, I, v) to the second moments of the facet of plane `f`: `area·(HHᵀ + IIᵀ + vvᵀ + ssᵀ)/12`, `s = H + I + v`,
 /// about the point that all are relative to.
 #[cfg_attr(opencl, outline)]
-pub(super) fn add_triangle_second<S: CellStore>(s: &mut S, f: Side, foot: V3, position: V3, sign: Real) {
+pub(super) fn add_triangle_second<S: IntegralStore>(s: &mut S, f: Side, foot: V3, position: V3, sign: Real) {
     let share: Real = area_of_triangle(f, sub(foot, f.foot), sub(position, f.foot), sign) / 12.0;
     let sum: V3 = add(add(f.foot, foot), position);
     let mut second: FacetSecond = s.facet_second(f.index);
@@ -196,7 +196,7 @@ pub(super) fn add_triangle_second<S: CellStore>(s: &mut S, f: Side, foot: V3, po
 
 /// Moves the facets' second moments from `center` to the facets' own barycenters: `∫ (x − b)(x − b)ᵀ = ∫ xxᵀ − mmᵀ/A`, `m = ∫ x`.
 #[cfg_attr(opencl, outline)]
-pub(super) fn center_facets<S: CellStore>(s: &mut S, center: V3) {
+pub(super) fn center_facets<S: IntegralStore>(s: &mut S, center: V3) {
     for f in 0..s.planes() {
         let sum: FacetSum = s.facet(f);
         if facet_is_above_bound(sum) {

@@ -4,7 +4,7 @@ use super::facet::{FacetSum, add_facet_seconds, add_triangle};
 use super::plane::Plane;
 use super::quadrature::integrate_function;
 use super::status::{COMPLETE, UNCERTAIN};
-use super::store::CellStore;
+use super::store::{IntegralStore, Polytope, SignStore};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, scale, smaller, sub, v3};
 use super::vertex::{Triplet, residual_about};
 
@@ -119,7 +119,7 @@ pub(super) struct Side {
 /// `reach` is the distance to the farthest point that a plane was made from, where that is not a site beyond the plane.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(crate) fn integrate<S: CellStore>(
+pub(crate) fn integrate<S: IntegralStore + SignStore>(
     s: &mut S,
     weight: Real,
     center: V3,
@@ -200,7 +200,7 @@ pub(crate) fn integrate<S: CellStore>(
 
 /// Plane `f` as seen from `center`.
 #[inline(always)]
-pub(super) fn side<S: CellStore>(s: &S, f: u32, center: V3) -> Side {
+pub(super) fn side<S: Polytope>(s: &S, f: u32, center: V3) -> Side {
     let plane: Plane = s.plane(f);
     let square: Real = dot(plane.n, plane.n);
     let d: Real = plane.d + dot(plane.n, center);
@@ -220,7 +220,7 @@ pub(super) struct Corner {
 
 /// Adds the two tetrahedra of one vertex and its edge (f, g).
 #[inline(always)]
-pub(super) fn add_edge<S: CellStore>(
+pub(super) fn add_edge<S: IntegralStore + SignStore>(
     s: &mut S,
     f: Side,
     g: Side,
@@ -257,7 +257,7 @@ pub(super) fn add_edge<S: CellStore>(
 /// `x` is off by 3u over the sine of the angle between the planes, and the foot by as much of its length, however far away the planes are:
 /// what two nearly parallel planes have in common cancels. Each step of refinement multiplies that by itself, until roundings are left.
 #[inline(always)]
-pub(super) fn foot_on_edge<S: CellStore>(
+pub(super) fn foot_on_edge<S: SignStore>(
     s: &mut S,
     f: Side,
     g: Side,
@@ -345,7 +345,7 @@ pub(super) fn products(a: Real, b: Real, c: Real, d: Real, e: Real, f: Real) -> 
 
 /// The point that the tetrahedra of the present polytope share: the site where it is inside, else the mean of the vertices.
 #[cfg_attr(opencl, outline)]
-pub(crate) fn reference_point<S: CellStore>(s: &S) -> V3 {
+pub(crate) fn reference_point<S: Polytope>(s: &S) -> V3 {
     let mut inside: bool = true;
     for f in 0..s.planes() {
         if s.plane(f).d < 0.0 {

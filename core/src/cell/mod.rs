@@ -12,7 +12,8 @@
 //! fully parenthesised, with `sqrt`, `abs` and `max` alone and no fused operation; integers wrap in `wrapping_sub` alone; functions return a status
 //! or a plain value. `#[cfg_attr(opencl, …)]` says what is other on devices: `single(…)` is a constant's value in single precision, `returns("…")`
 //! what a function does, `rolled` a loop that is not unrolled; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
-//! work-item has a cell of its own). Only what is behind `store.rs` (the trait; `plain.rs` is the store that tests use) is written by hand for each backend.
+//! work-item has a cell of its own). Only what is behind `store.rs` (traits; `plain.rs` is the store that tests use) is written by hand for each backend; the bounds of a
+//! function say what it asks of a store, and who asks for a `ClipStore` is for one work-item (`clip`, `restrict`, `cap`): lanes that share a cell have a text of their own.
 
 // The dialect says what C would say.
 #![allow(
@@ -32,11 +33,13 @@ mod cone;
 mod expansion;
 mod facet;
 pub mod far;
+mod first;
 mod integrate;
 mod near;
 pub mod node;
 #[cfg(feature = "test-util")]
 pub mod parity;
+mod part;
 mod plain;
 mod plane;
 mod quadratic;
@@ -44,6 +47,7 @@ mod quadrature;
 mod restrict;
 pub mod search;
 pub mod search_store;
+mod settle;
 mod status;
 mod store;
 pub mod table;
@@ -53,7 +57,7 @@ mod vertex;
 mod wide;
 
 pub use cap::{MOST_CAPS, cap_outside};
-pub use clip::{begin, clip, compact_planes};
+pub use clip::{begin, clip, compact_planes, farthest_vertex};
 pub use facet::{FacetSecond, FacetSum, facet_is_above_bound};
 pub use integrate::{
     CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
@@ -61,11 +65,12 @@ pub use integrate::{
 pub use plain::PlainStore;
 pub use plane::{Plane, bisector};
 pub use quadrature::Node;
-pub use restrict::{integrate_cell, lies_outside};
+pub use restrict::integrate_cell;
+pub use settle::lies_outside;
 pub use status::*;
-pub use store::{CellStore, Triangle, Voxel};
+pub use store::{CellStore, ClipStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle, Voxel};
 pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
-pub use vertex::{Triplet, farthest_vertex, find_vertex_once};
+pub use vertex::{Triplet, find_vertex_once};
 pub use wide::Minors;
 
 /// The flags of [`integrate_cell`] that answer a request.

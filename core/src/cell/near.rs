@@ -1,14 +1,14 @@
-//! Cells near the surface that it passes by: told without cutting anything.
+//! Cells near the surface: their box and its voxels, and whether the surface passes them by, told without cutting anything.
 
 use super::cone::filtered_sign;
 use super::status::SIGN_UNKNOWN;
-use super::store::{CellStore, Triangle, Voxel};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, larger, norm_1, smaller, sub};
+use super::store::{DomainStore, Polytope, Triangle, Voxel};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, norm_max, smaller, sub, v3};
 
 /// Whether no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
 /// `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
 #[cfg_attr(opencl, outline)]
-pub(super) fn surface_passes_by<S: CellStore>(
+pub(super) fn surface_passes_by<S: DomainStore>(
     s: &mut S,
     low: V3,
     high: V3,
@@ -39,7 +39,7 @@ pub(super) fn surface_passes_by<S: CellStore>(
 
 /// Whether the site is strictly inside its cell, so that the cell's winding number is the site's.
 #[cfg_attr(opencl, outline)]
-pub(super) fn site_is_inside<S: CellStore>(s: &S) -> bool {
+pub(super) fn site_is_inside<S: Polytope>(s: &S) -> bool {
     for f in 0..s.planes() {
         let d: Real = s.plane(f).d;
         if !(d > 0.0) {
@@ -53,7 +53,7 @@ pub(super) fn site_is_inside<S: CellStore>(s: &S) -> bool {
 /// `lo` and the site.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn voxel_passes_by<S: CellStore>(
+pub(super) fn voxel_passes_by<S: DomainStore>(
     s: &mut S,
     voxel: Voxel,
     lo: Voxel,
@@ -79,7 +79,7 @@ pub(super) fn voxel_passes_by<S: CellStore>(
 /// Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn triangle_passes_by<S: CellStore>(
+pub(super) fn triangle_passes_by<S: DomainStore>(
     s: &mut S,
     t: u32,
     apex: Voxel,
@@ -148,7 +148,7 @@ const FEW_ROUNDINGS: Real = 16.0 * UNIT_ROUNDOFF;
 /// Whether all vertices are certainly on one side of the plane through `a_in` along `e` and `f`.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn plane_is_apart<S: CellStore>(s: &S, a_in: V3, e: V3, f: V3) -> bool {
+pub(super) fn plane_is_apart<S: Polytope>(s: &S, a_in: V3, e: V3, f: V3) -> bool {
     let n: V3 = cross(e, f);
     let of_normal: Real = norm_1(e) * norm_1(f);
     let length: Real = norm_1(n) + (FEW_ROUNDINGS * of_normal);
@@ -205,4 +205,41 @@ pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> bool {
         k = lo.k;
     }
     return ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k);
+}
+
+/// The bounding box of the cell, rounded outward.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub(super) fn outer_box_of_cell<S: Polytope>(s: &S, low: &mut V3, high: &mut V3) {
+    let radius: Real = box_of_cell(s, low, high);
+    // The vertices' error, and the rounding of moving them into the diagram's frame.
+    let margin: Real =
+        radius + ((4.0 * UNIT_ROUNDOFF) * (norm_max(s.site()) + larger(norm_max(*low), norm_max(*high))));
+    let outward: V3 = v3(margin, margin, margin);
+    *low = sub(*low, outward);
+    *high = add(*high, outward);
+}
+
+/// The bounding box of the vertices; returns their largest error radius.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub(super) fn box_of_cell<S: Polytope>(s: &S, low: &mut V3, high: &mut V3) -> Real {
+    *low = s.position(0);
+    *high = *low;
+    let mut radius: Real = s.radius(0);
+    for v in 1..s.vertices() {
+        let p: V3 = s.position(v);
+        *low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
+        *high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
+        radius = larger(radius, s.radius(v));
+    }
+    return radius;
+}
+
+/// The voxels that a box in the frame of the site meets.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub(super) fn voxels_of_box<S: DomainStore>(s: &S, low: V3, high: V3, lo: &mut Voxel, hi: &mut Voxel) {
+    *lo = s.voxel_of(add(s.site(), low));
+    *hi = s.voxel_of(add(s.site(), high));
 }

@@ -54,8 +54,8 @@ mod table;
 
 use super::vertex::place_vertex;
 use super::{
-    COMPLETE, CellStore, FACET_SECOND_MOMENTS, FACETS, FacetSecond, FacetSum, INTEGRAL, PlainStore, Plane, Real,
-    SECOND_MOMENTS, Triplet, V3, begin, bisector, clip, v3,
+    COMPLETE, ClipStore, FACET_SECOND_MOMENTS, FACETS, FacetSecond, FacetSum, INTEGRAL, IntegralStore, PlainStore,
+    Plane, Polytope, Real, SECOND_MOMENTS, Triplet, V3, begin, bisector, clip, v3,
 };
 use crate::domain::Domain;
 use crate::domain_grid::DomainGrid;

@@ -2,7 +2,7 @@
 
 use super::facet::{FacetSecond, FacetSum};
 use super::plane::Plane;
-use super::store::{CellStore, Triangle};
+use super::store::{ClipStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle};
 use super::vector::{Real, V3};
 use super::vertex::Triplet;
 use crate::domain_grid::DomainGrid;
@@ -95,7 +95,7 @@ impl<'a> PlainStore<'a> {
     }
 }
 
-impl CellStore for PlainStore<'_> {
+impl Polytope for PlainStore<'_> {
     fn cap_p(&self) -> u32 {
         self.room.map_or(u32::MAX >> 4, |room| room.0)
     }
@@ -131,12 +131,6 @@ impl CellStore for PlainStore<'_> {
     fn set_tag(&mut self, f: u32, tag: u32) {
         self.plane_slot(f).1 = tag;
     }
-    fn link(&self, f: u32) -> u32 {
-        self.planes[f as usize].2
-    }
-    fn set_link(&mut self, f: u32, link: u32) {
-        self.plane_slot(f).2 = link;
-    }
     fn triplet(&self, v: u32) -> Triplet {
         self.vertices[v as usize].triplet
     }
@@ -154,6 +148,18 @@ impl CellStore for PlainStore<'_> {
         slot.position = position;
         slot.radius = radius;
         slot.settled = false;
+    }
+    fn site(&self) -> V3 {
+        self.site
+    }
+}
+
+impl ClipStore for PlainStore<'_> {
+    fn link(&self, f: u32) -> u32 {
+        self.planes[f as usize].2
+    }
+    fn set_link(&mut self, f: u32, link: u32) {
+        self.plane_slot(f).2 = link;
     }
     fn settled(&self, v: u32) -> bool {
         self.vertices[v as usize].settled
@@ -175,6 +181,11 @@ impl CellStore for PlainStore<'_> {
         self.vertices.clone_from(&self.saved);
         self.vertex_count = self.saved.len();
     }
+}
+
+impl SignStore for PlainStore<'_> {}
+
+impl IntegralStore for PlainStore<'_> {
     fn facet(&self, f: u32) -> FacetSum {
         self.planes[f as usize].3
     }
@@ -194,11 +205,11 @@ impl CellStore for PlainStore<'_> {
     fn integrand(&self) -> Option<&FramedIntegrand> {
         self.integrand
     }
+}
+
+impl DomainStore for PlainStore<'_> {
     fn domain(&self) -> Option<&DomainGrid> {
         self.domain
-    }
-    fn site(&self) -> V3 {
-        self.site
     }
     fn triangle(&self, t: u32) -> Triangle {
         if self.last_triangle.replace(Some(t)) != Some(t) {

@@ -4,7 +4,7 @@
 //! even defined: each facet is divided into a fan of triangles about its first vertex, and each triangle makes a tetrahedron with the
 //! reference point. Where that is in the cell, all nodes are, and no volume is negative; there are a third as many tetrahedra.
 
-use super::store::CellStore;
+use super::store::{IntegralStore, Polytope};
 use super::vector::{Real, V3, add, cross, dot, scale, sub};
 use super::vertex::Triplet;
 use super::wide::{Wide, sum_exact};
@@ -23,7 +23,7 @@ pub struct Node {
 // Few ask for it: not to be inlined into what all do.
 #[cold]
 #[cfg_attr(opencl, outline)]
-pub(crate) fn integrate_function<S: CellStore>(s: &S, center: V3) -> Real {
+pub(crate) fn integrate_function<S: IntegralStore>(s: &S, center: V3) -> Real {
     let mut sum: Wide = Wide { hi: 0.0, lo: 0.0 };
     for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
@@ -37,7 +37,7 @@ pub(crate) fn integrate_function<S: CellStore>(s: &S, center: V3) -> Real {
 
 /// Adds the tetrahedra over the triangles that the edge (f, g) of vertex `v` has in its two facets; each edge at its later vertex.
 #[cfg_attr(opencl, outline)]
-fn add_fans_at_edge<S: CellStore>(s: &S, v: u32, f: u32, g: u32, center: V3, sum: &mut Wide) {
+fn add_fans_at_edge<S: IntegralStore>(s: &S, v: u32, f: u32, g: u32, center: V3, sum: &mut Wide) {
     let w: u32 = first_vertex_on(s, f, g, v);
     if w == v {
         return;
@@ -59,7 +59,7 @@ fn add_fans_at_edge<S: CellStore>(s: &S, v: u32, f: u32, g: u32, center: V3, sum
 
 /// The first vertex below `end` that lies on both planes; `end` if there is none.
 #[cfg_attr(opencl, outline)]
-fn first_vertex_on<S: CellStore>(s: &S, f: u32, g: u32, end: u32) -> u32 {
+fn first_vertex_on<S: Polytope>(s: &S, f: u32, g: u32, end: u32) -> u32 {
     for v in 0..end {
         let t: Triplet = s.triplet(v);
         if (((t.a == f) || (t.b == f)) || (t.c == f)) && (((t.a == g) || (t.b == g)) || (t.c == g)) {
@@ -71,7 +71,7 @@ fn first_vertex_on<S: CellStore>(s: &S, f: u32, g: u32, end: u32) -> u32 {
 
 /// Adds the integral over the tetrahedron (center, a, b, c) of sixfold signed volume `volume`.
 #[cfg_attr(opencl, outline)]
-fn add_quadrature<S: CellStore>(s: &S, volume: Real, a: V3, b: V3, c: V3, center: V3, sum: &mut Wide) {
+fn add_quadrature<S: IntegralStore>(s: &S, volume: Real, a: V3, b: V3, c: V3, center: V3, sum: &mut Wide) {
     if volume == 0.0 {
         return;
     }
@@ -94,7 +94,7 @@ fn add_compensated(x: Real, sum: &mut Wide) {
 
 /// The store's polynomial at `x`, in the frame of the site: by Horner's scheme, in the order of `FramedIntegrand::coefficients`.
 #[cfg_attr(opencl, outline)]
-pub(crate) fn polynomial<S: CellStore>(s: &S, x: V3) -> Real {
+pub(crate) fn polynomial<S: IntegralStore>(s: &S, x: V3) -> Real {
     let degree: u32 = s.degree();
     let y: V3 = add(sub(s.site(), s.origin()), x);
     let mut in_x: Real = 0.0;

@@ -1,17 +1,20 @@
 //! Restriction of a cell to the domain by winding numbers and signed truncated cones (paper §4, with no merge).
 
-use super::cap::box_is_outside;
-use super::clip::compact_planes;
-use super::cone::{add_cone, add_surface};
-use super::facet::{add_boundary, center_facets, reset_facets};
+use super::clip::{clip, compact_planes};
+use super::cone::{TruncatedCone, make_cone, make_prism, no_cone};
+use super::facet::{FacetSum, add_boundary, center_facets, integrate_facet, reset_facets};
 use super::integrate::{
-    CellSums, FACET_SECOND_MOMENTS, FACETS, SHARE_OF_NOTHING, VOLUME_ONLY, integrate, reference_point,
-    volume_is_above_bound,
+    CellSums, FACET_SECOND_MOMENTS, FACETS, VOLUME_ONLY, integrate, reference_point, volume_is_above_bound,
 };
-use super::near::{is_first_voxel, surface_passes_by};
-use super::status::{BOUNDARY, COMPLETE, EMPTY, P_FULL, TAG_BOX};
-use super::store::{CellStore, Voxel};
-use super::vector::{Real, UNIT_ROUNDOFF, V3, add, larger, norm_max, scale, smaller, sub, v3};
+use super::near::{is_first_voxel, outer_box_of_cell, surface_passes_by, voxels_of_box};
+use super::plane::Plane;
+use super::settle::{is_undivided, settle};
+use super::status::{
+    BOUNDARY, COMPLETE, CUT, EMPTY, P_FULL, SEEN_CONFLICT, SEEN_KEEP, TAG_BOX, TAG_CONE, TAG_TRIANGLE, UNCERTAIN,
+    UNTOUCHED,
+};
+use super::store::{CellStore, ClipStore, DomainStore, IntegralStore, SignStore, Voxel};
+use super::vector::{Real, V3, v3};
 
 /// The integrals of the finished cell over the container: the domain where there is one, weighted by its winding number,
 /// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`
@@ -102,72 +105,9 @@ pub(super) fn integrate_restricted<S: CellStore>(
     return settle(s, sums);
 }
 
-/// No quotient of volumes beyond this is a winding number.
-const MOST_WINDINGS: Real = 1e9;
-
-/// Whether the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
-/// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
-/// can make as much of nothing as the whole cell is, no more is believed than 0 and 1 (it was −1,147,767 for a hair of 1e-15 across).
-#[inline]
-#[cfg_attr(opencl, hot)]
-pub(super) fn is_undivided(sums: CellSums, whole: CellSums, winding: &mut i32) -> bool {
-    let quotient: Real = sums.volume / whole.volume;
-    let noise: Real = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
-    if !(quotient.abs() < MOST_WINDINGS) {
-        return false;
-    }
-    let is_usual: bool = (quotient > -0.5) && (quotient < 1.5);
-    if !(noise < whole.volume) && !is_usual {
-        return false;
-    }
-    let mut inner: i32 = (quotient.abs() + 0.5) as i32;
-    if quotient < 0.0 {
-        inner = -inner;
-    }
-    *winding = inner;
-    let off: Real = (sums.volume - ((inner as Real) * whole.volume)).abs();
-    return off <= (sums.rounding + whole.rounding);
-}
-
-/// `COMPLETE` where something is left of the cell, else `EMPTY`.
-///
-/// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
-#[inline]
-#[cfg_attr(opencl, hot)]
-pub(super) fn settle<S: CellStore>(s: &S, sums: &CellSums) -> u32 {
-    if !volume_is_above_bound(*sums) {
-        return EMPTY;
-    }
-    if sums.volume.abs() > sums.rounding {
-        return COMPLETE;
-    }
-    let mut low: V3 = v3(0.0, 0.0, 0.0);
-    let mut high: V3 = v3(0.0, 0.0, 0.0);
-    let radius: Real = box_of_cell(s, &mut low, &mut high);
-    let extent: Real = norm_max(sub(high, low)) + radius;
-    let middle: V3 = scale(0.5, add(low, high));
-    let barycenter: V3 = scale(1.0 / sums.volume, sums.first);
-    if norm_max(sub(barycenter, middle)) > extent {
-        return EMPTY;
-    }
-    return COMPLETE;
-}
-
-/// Whether the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
-#[cfg_attr(opencl, outline)]
-pub fn lies_outside<S: CellStore>(s: &S) -> bool {
-    if !s.has_domain() {
-        return false;
-    }
-    let mut low: V3 = v3(0.0, 0.0, 0.0);
-    let mut high: V3 = v3(0.0, 0.0, 0.0);
-    outer_box_of_cell(s, &mut low, &mut high);
-    return box_is_outside(s, low, high);
-}
-
 /// The integrals of the whole cell, times `weight`.
 #[cfg_attr(opencl, outline)]
-pub(super) fn integrate_whole<S: CellStore>(
+pub(super) fn integrate_whole<S: IntegralStore + SignStore>(
     s: &mut S,
     weight: Real,
     center: V3,
@@ -189,49 +129,12 @@ pub(super) fn integrate_whole<S: CellStore>(
 
 /// The faces of the initial box are the boundary where there is no domain.
 #[cfg_attr(opencl, outline)]
-pub(super) fn add_box_faces<S: CellStore>(s: &S, sums: &mut CellSums) {
+pub(super) fn add_box_faces<S: IntegralStore>(s: &S, sums: &mut CellSums) {
     for f in 0..s.planes() {
         if s.tag(f) == TAG_BOX {
             add_boundary(s.facet(f), s.plane(f), 1.0, sums);
         }
     }
-}
-
-/// The bounding box of the vertices; returns their largest error radius.
-#[inline]
-#[cfg_attr(opencl, hot)]
-pub(super) fn box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) -> Real {
-    *low = s.position(0);
-    *high = *low;
-    let mut radius: Real = s.radius(0);
-    for v in 1..s.vertices() {
-        let p: V3 = s.position(v);
-        *low = v3(smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z));
-        *high = v3(larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z));
-        radius = larger(radius, s.radius(v));
-    }
-    return radius;
-}
-
-/// The bounding box of the cell, rounded outward.
-#[inline]
-#[cfg_attr(opencl, hot)]
-pub(super) fn outer_box_of_cell<S: CellStore>(s: &S, low: &mut V3, high: &mut V3) {
-    let radius: Real = box_of_cell(s, low, high);
-    // The vertices' error, and the rounding of moving them into the diagram's frame.
-    let margin: Real =
-        radius + ((4.0 * UNIT_ROUNDOFF) * (norm_max(s.site()) + larger(norm_max(*low), norm_max(*high))));
-    let outward: V3 = v3(margin, margin, margin);
-    *low = sub(*low, outward);
-    *high = add(*high, outward);
-}
-
-/// The voxels that a box in the frame of the site meets.
-#[inline]
-#[cfg_attr(opencl, hot)]
-pub(super) fn voxels_of_box<S: CellStore>(s: &S, low: V3, high: V3, lo: &mut Voxel, hi: &mut Voxel) {
-    *lo = s.voxel_of(add(s.site(), low));
-    *hi = s.voxel_of(add(s.site(), high));
 }
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes true
@@ -277,4 +180,120 @@ pub(super) fn add_cones<S: CellStore>(
         k += 1;
     }
     return COMPLETE;
+}
+
+/// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
+#[cfg_attr(opencl, outline)]
+pub(crate) fn add_cone<S: CellStore>(
+    s: &mut S,
+    t: u32,
+    apex: Voxel,
+    center: V3,
+    flags: u32,
+    touched: &mut bool,
+    sums: &mut CellSums,
+) -> u32 {
+    let mut cone: TruncatedCone = no_cone();
+    if make_cone(s, t, apex, &mut cone) != COMPLETE {
+        return UNCERTAIN;
+    }
+    if cone.sign == 0.0 {
+        // The cone is flat, but the surface may still divide the cell.
+        *touched = true;
+        return COMPLETE;
+    }
+    // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
+    let base: u32 = s.planes();
+    if (all_in_conflict(s, base, cone.end))
+        || (all_in_conflict(s, base, cone.side_0))
+        || (all_in_conflict(s, base, cone.side_1))
+        || (all_in_conflict(s, base, cone.side_2))
+    {
+        return COMPLETE;
+    }
+    let mut status: u32 = clip_by_sides(s, cone);
+    if status == COMPLETE {
+        status = clip(s, cone.end, TAG_TRIANGLE);
+        if status == CUT {
+            *touched = true;
+        }
+        if (status == CUT) || (status == UNTOUCHED) {
+            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
+        }
+    }
+    s.restore();
+    s.set_planes(base);
+    if status == EMPTY {
+        return COMPLETE;
+    }
+    return status;
+}
+
+/// Clips by the three sides; `COMPLETE` where something is left.
+#[cfg_attr(opencl, outline)]
+pub(super) fn clip_by_sides<S: ClipStore + SignStore>(s: &mut S, cone: TruncatedCone) -> u32 {
+    let mut status: u32 = clip(s, cone.side_0, TAG_CONE);
+    if (status == CUT) || (status == UNTOUCHED) {
+        status = clip(s, cone.side_1, TAG_CONE);
+    }
+    if (status == CUT) || (status == UNTOUCHED) {
+        status = clip(s, cone.side_2, TAG_CONE);
+    }
+    if (status == CUT) || (status == UNTOUCHED) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+/// Adds the part of triangle `t` within the cell to the boundary's sums: the facet on the triangle's plane of the cell's intersection
+/// with the prism behind it. (The cone would do, but its sides can be nearly parallel to the triangle.)
+#[cfg_attr(opencl, outline)]
+pub(crate) fn add_surface<S: ClipStore + DomainStore + SignStore>(
+    s: &mut S,
+    t: u32,
+    apex: Voxel,
+    center: V3,
+    sums: &mut CellSums,
+) -> u32 {
+    let mut prism: TruncatedCone = no_cone();
+    if make_prism(s, t, apex, &mut prism) != COMPLETE {
+        return UNCERTAIN;
+    }
+    let base: u32 = s.planes();
+    s.set_plane(base, prism.end);
+    let seen: u32 = s.mark_conflicts(base);
+    if (seen == SEEN_CONFLICT) || (seen == SEEN_KEEP) {
+        return COMPLETE;
+    }
+    if (all_in_conflict(s, base, prism.side_0))
+        || (all_in_conflict(s, base, prism.side_1))
+        || (all_in_conflict(s, base, prism.side_2))
+    {
+        return COMPLETE;
+    }
+    let mut status: u32 = clip_by_sides(s, prism);
+    let end_index: u32 = s.planes();
+    if status == COMPLETE {
+        status = clip(s, prism.end, TAG_TRIANGLE);
+    }
+    if status == CUT {
+        let mut facet: FacetSum = FacetSum::default();
+        status = integrate_facet(s, end_index, center, &mut facet);
+        if status == COMPLETE {
+            add_boundary(facet, prism.end, -prism.sign, sums);
+        }
+    }
+    s.restore();
+    s.set_planes(base);
+    if (status == EMPTY) || (status == UNTOUCHED) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+/// Whether every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
+#[inline(always)]
+pub(super) fn all_in_conflict<S: ClipStore>(s: &mut S, k: u32, plane: Plane) -> bool {
+    s.set_plane(k, plane);
+    return s.mark_conflicts(k) == SEEN_CONFLICT;
 }

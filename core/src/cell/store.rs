@@ -37,11 +37,11 @@ pub struct Voxel {
     pub k: u32,
 }
 
-/// Storage of one cell under construction, and the view of the domain that its integration needs.
+/// The cell under construction, as a convex polytope: half-spaces, and vertices that each lie on three of them.
 ///
 /// Indices are below the counts that the store itself reports; writes at the count append. All positions and planes
 /// are in the frame of the cell's site (the site at 0); the domain is in the diagram's frame.
-pub trait CellStore {
+pub trait Polytope {
     /// Room for half-spaces.
     fn cap_p(&self) -> u32;
     /// Room for vertices.
@@ -54,7 +54,6 @@ pub trait CellStore {
     fn vertices(&self) -> u32;
     /// Sets the number of vertices.
     fn set_vertices(&mut self, count: u32);
-
     /// Half-space `f`.
     fn plane(&self, f: u32) -> Plane;
     /// Sets half-space `f`.
@@ -63,17 +62,6 @@ pub trait CellStore {
     fn tag(&self, f: u32) -> u32;
     /// Sets what half-space `f` belongs to.
     fn set_tag(&mut self, f: u32, tag: u32);
-    /// Makes half-space `to` what `from` is.
-    #[inline(always)]
-    fn move_plane(&mut self, from: u32, to: u32) {
-        self.set_plane(to, self.plane(from));
-        self.set_tag(to, self.tag(from));
-    }
-    /// Scratch number of half-space `f`, zero between calls of `clip`.
-    fn link(&self, f: u32) -> u32;
-    /// Sets the scratch number of half-space `f`.
-    fn set_link(&mut self, f: u32, link: u32);
-
     /// The three half-spaces of vertex `v`.
     fn triplet(&self, v: u32) -> Triplet;
     /// Sets the three half-spaces of vertex `v`.
@@ -84,6 +72,23 @@ pub trait CellStore {
     fn radius(&self, v: u32) -> Real;
     /// Sets position and error radius of vertex `v`.
     fn set_position(&mut self, v: u32, position: V3, radius: Real);
+    /// The cell's site, in the diagram's frame.
+    fn site(&self) -> V3;
+}
+
+/// What clipping by one work-item needs beside the polytope. (Lanes that share a cell clip in a way of their own: `lanes_clip.cl`.)
+pub trait ClipStore: Polytope {
+    /// Makes half-space `to` what `from` is.
+    #[inline(always)]
+    fn move_plane(&mut self, from: u32, to: u32) {
+        self.set_plane(to, self.plane(from));
+        self.set_tag(to, self.tag(from));
+    }
+
+    /// Scratch number of half-space `f`, zero between calls of `clip`.
+    fn link(&self, f: u32) -> u32;
+    /// Sets the scratch number of half-space `f`.
+    fn set_link(&mut self, f: u32, link: u32);
     /// Makes vertex `to` what `from` is.
     #[inline(always)]
     fn move_vertex(&mut self, from: u32, to: u32) {
@@ -91,6 +96,7 @@ pub trait CellStore {
         self.set_position(to, self.position(from), self.radius(from));
         self.set_settled(to, self.settled(from));
     }
+
     /// Whether it is known that no site cuts vertex `v` off. For searches on the host: `set_position` makes it `false`.
     fn settled(&self, v: u32) -> bool;
     /// Sets whether that is known.
@@ -99,32 +105,10 @@ pub trait CellStore {
     fn mark(&self, v: u32) -> u32;
     /// Sets the mark of vertex `v`.
     fn set_mark(&mut self, v: u32, mark: u32);
-
     /// Keeps a copy of the vertices, for `restore`.
     fn save(&mut self);
     /// Puts the vertices back as they were at `save`.
     fn restore(&mut self);
-
-    /// The sums of half-space `f`'s facet.
-    fn facet(&self, f: u32) -> FacetSum;
-    /// Sets the sums of half-space `f`'s facet.
-    fn set_facet(&mut self, f: u32, sum: FacetSum);
-    /// The second moments of half-space `f`'s facet. Asked for only with the flag `FACET_SECOND_MOMENTS`.
-    fn facet_second(&self, f: u32) -> FacetSecond;
-    /// Sets the second moments of half-space `f`'s facet.
-    fn set_facet_second(&mut self, f: u32, second: FacetSecond);
-
-    /// The function to be integrated, where there is one.
-    #[inline(always)]
-    fn integrand(&self) -> Option<&FramedIntegrand> {
-        None
-    }
-
-    /// The domain's grid, where there is one.
-    fn domain(&self) -> Option<&DomainGrid>;
-    /// The cell's site, in the diagram's frame.
-    fn site(&self) -> V3;
-
     /// First marked vertex in conflict at or after `from` and below `end`; `end` if there is none.
     #[inline(always)]
     fn next_conflict(&self, from: u32, end: u32) -> u32 {
@@ -179,26 +163,24 @@ pub trait CellStore {
         }
         V3 { x: square, y: radius, z: 0.0 }
     }
+}
 
+/// Signs and positions in more digits than two doubles have.
+pub trait SignStore: Polytope {
     /// Notes that the cell needed exact arithmetic.
     #[inline(always)]
     fn note_exact(&mut self) {}
-
-    /// Whether the edges of a vertex are gone through in a loop by the integrals: on a GPU three times the text is more than its nearest cache of
-    /// instructions holds.
-    #[inline(always)]
-    fn is_short(&self) -> bool {
-        true
-    }
 
     /// Whether the minors of a vertex's planes are kept, which decide the sign of each further plane at a sixth of the cost.
     fn keeps_minors(&self) -> bool {
         false
     }
+
     /// Those of vertex `v`, if they were kept since its position was set.
     fn minors(&self, _v: u32) -> Minors {
         Minors::default()
     }
+
     /// Keeps them.
     fn keep_minors(&mut self, _v: u32, _minors: Minors) {}
 
@@ -222,11 +204,22 @@ pub trait CellStore {
     fn exact_foot(&mut self, f: u32, g: u32, center: V3, foot: &mut V3) -> u32 {
         exact::foot(self.plane(f), self.plane(g), center, foot)
     }
+}
 
-    /// The exact sign of `det(a − o, b − o, c − o)` for triangle `t` and voxel corner `o`.
-    fn exact_cone_sign(&mut self, t: u32, corner: Voxel) -> i32 {
-        let (a, b, c) = (self.triangle_point(t, 0), self.triangle_point(t, 1), self.triangle_point(t, 2));
-        exact::sign_of_cone(a, b, c, self.corner(corner))
+/// What is integrated, and the sums of facets.
+pub trait IntegralStore: Polytope {
+    /// The sums of half-space `f`'s facet.
+    fn facet(&self, f: u32) -> FacetSum;
+    /// Sets the sums of half-space `f`'s facet.
+    fn set_facet(&mut self, f: u32, sum: FacetSum);
+    /// The second moments of half-space `f`'s facet. Asked for only with the flag `FACET_SECOND_MOMENTS`.
+    fn facet_second(&self, f: u32) -> FacetSecond;
+    /// Sets the second moments of half-space `f`'s facet.
+    fn set_facet_second(&mut self, f: u32, second: FacetSecond);
+    /// The function to be integrated, where there is one.
+    #[inline(always)]
+    fn integrand(&self) -> Option<&FramedIntegrand> {
+        None
     }
 
     /// Number of nodes of the quadrature rule; 0 where no function is to be integrated.
@@ -275,6 +268,18 @@ pub trait CellStore {
         self.integrand().map_or(0.0, |integrand| integrand.coefficients()[i as usize])
     }
 
+    /// Whether the edges of a vertex are gone through in a loop by the integrals: on a GPU three times the text is more than its nearest cache of
+    /// instructions holds.
+    #[inline(always)]
+    fn is_short(&self) -> bool {
+        true
+    }
+}
+
+/// The domain that the cell is restricted to, where there is one.
+pub trait DomainStore: Polytope {
+    /// The domain's grid, where there is one.
+    fn domain(&self) -> Option<&DomainGrid>;
     /// Whether the cell is restricted to a domain (1) or to its initial box alone (0).
     #[inline(always)]
     fn has_domain(&self) -> bool {
@@ -352,4 +357,15 @@ pub trait CellStore {
         let triangle = self.triangle(t);
         self.domain_point([triangle.a, triangle.b, triangle.c][corner as usize])
     }
+
+    /// The exact sign of `det(a − o, b − o, c − o)` for triangle `t` and voxel corner `o`.
+    fn exact_cone_sign(&mut self, t: u32, corner: Voxel) -> i32 {
+        let (a, b, c) = (self.triangle_point(t, 0), self.triangle_point(t, 1), self.triangle_point(t, 2));
+        exact::sign_of_cone(a, b, c, self.corner(corner))
+    }
 }
+
+/// All that the cell of one work-item needs.
+pub trait CellStore: ClipStore + SignStore + IntegralStore + DomainStore {}
+
+impl<S: ClipStore + SignStore + IntegralStore + DomainStore> CellStore for S {}

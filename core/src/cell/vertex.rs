@@ -3,7 +3,7 @@
 use super::expansion::expansion_position;
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
-use super::store::CellStore;
+use super::store::{Polytope, SignStore};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, norm_1, norm_max, scale, sub, v3};
 use super::wide::{Wide, product_exact, wide_add, wide_position};
 
@@ -44,7 +44,7 @@ pub(super) const ROUNDINGS_OF_EXACT: Real = 8.0;
 /// Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
+pub(crate) fn place_vertex<S: SignStore>(s: &mut S, v: u32) -> u32 {
     let mut position: V3 = v3(0.0, 0.0, 0.0);
     let mut radius: Real = 0.0;
     let status: u32 = find_vertex(s, s.triplet(v), &mut position, &mut radius);
@@ -60,7 +60,7 @@ pub(crate) fn place_vertex<S: CellStore>(s: &mut S, v: u32) -> u32 {
 /// (The rare ways out read the planes again: what is handed to a function that is not inlined cannot stay in a GPU's registers before it.)
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
+pub(crate) fn find_vertex<S: SignStore>(s: &mut S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
     let by: Cramer = cramer(s, t);
     if !(by.det > (NEARLY_DEPENDENT * by.size)) {
         let mut exact: V3 = v3(0.0, 0.0, 0.0);
@@ -100,7 +100,7 @@ pub(crate) fn find_vertex<S: CellStore>(s: &mut S, t: Triplet, position: &mut V3
 /// anyway. `UNCERTAIN` where the normals are nearly dependent.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub fn find_vertex_once<S: CellStore>(s: &S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
+pub fn find_vertex_once<S: Polytope>(s: &S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
     let by: Cramer = cramer(s, t);
     if !(by.det > (NEARLY_DEPENDENT * by.size)) {
         return UNCERTAIN;
@@ -131,7 +131,7 @@ pub(super) struct Cramer {
 }
 
 #[inline(always)]
-pub(super) fn cramer<S: CellStore>(s: &S, t: Triplet) -> Cramer {
+pub(super) fn cramer<S: Polytope>(s: &S, t: Triplet) -> Cramer {
     let pa: Plane = s.plane(t.a);
     let pb: Plane = s.plane(t.b);
     let pc: Plane = s.plane(t.c);
@@ -180,12 +180,4 @@ pub(super) fn residual_about(plane: Plane, c: V3, x: V3) -> Real {
 #[inline(always)]
 pub(super) fn combine(ra: Real, rb: Real, rc: Real, bc: V3, ca: V3, ab: V3) -> V3 {
     return add(add(scale(ra, bc), scale(rb, ca)), scale(rc, ab));
-}
-
-/// An upper bound of the distance from the site to the farthest vertex.
-#[inline(always)]
-pub fn farthest_vertex<S: CellStore>(s: &S) -> Real {
-    let largest: V3 = s.farthest();
-    // The radius bounds each component; √3 < 2.
-    return (largest.x.sqrt() + (2.0 * largest.y)) * (1.0 + (16.0 * UNIT_ROUNDOFF));
 }

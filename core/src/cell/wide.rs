@@ -4,7 +4,7 @@
 use super::expansion::expansion_sign;
 use super::plane::Plane;
 use super::status::{COMPLETE, SIGN_UNKNOWN, UNCERTAIN};
-use super::store::CellStore;
+use super::store::SignStore;
 use super::vector::{Real, UNIT_ROUNDOFF, V3, norm_1, norm_max, v3};
 use super::vertex::{ROUNDINGS_OF_EXACT, Triplet};
 
@@ -46,7 +46,7 @@ const DEPENDENT: Real = 1.1368683772161603e-13;
 /// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Four stages: double-double,
 /// integers that wrap, expansions, and the store's own.
 #[cfg_attr(opencl, outline)]
-pub(crate) fn sign_of_conflict<S: CellStore>(s: &mut S, v: u32, k: u32) -> i32 {
+pub(crate) fn sign_of_conflict<S: SignStore>(s: &mut S, v: u32, k: u32) -> i32 {
     let t: Triplet = s.triplet(v);
     let a: Plane = s.plane(t.a);
     let b: Plane = s.plane(t.b);

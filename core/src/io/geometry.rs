@@ -1,7 +1,7 @@
 //! The geometry of convex cells, made again from their neighbours: what pictures need, and integrals do not.
 
 use super::CellMesh;
-use crate::cell::{self, CellStore, PlainStore, bisector, v3};
+use crate::cell::{self, PlainStore, Polytope, bisector, v3};
 use crate::{CellStatus, Error, ErrorKind, Output, PowerDiagram, Result};
 
 /// The power cells of the sites that `wanted` chooses (by the caller's index), within the box of a diagram that is restricted to
@@ -58,7 +58,7 @@ pub fn cell_meshes(diagram: &PowerDiagram, output: &Output, wanted: impl Fn(usiz
 }
 
 /// The faces of a cell as cycles of vertices, counterclockwise from outside.
-fn faces(store: &impl CellStore) -> Vec<Vec<u32>> {
+fn faces(store: &impl Polytope) -> Vec<Vec<u32>> {
     // Of each plane, its vertices as (the plane before, the plane after, vertex): vertex (f, g, h) ends the edge (f, g) and
     // begins the edge (f, h), walking clockwise around f, as the triplet stands.
     let mut around: Vec<Vec<(u32, u32, u32)>> = vec![Vec::new(); store.planes() as usize];

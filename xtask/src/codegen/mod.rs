@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The files of the algorithm, each after what it uses by value.
+/// The files of a cell, whoever computes it, each after what it uses by value.
 const FILES: [&str; 15] = [
     "vector",
     "status",
@@ -22,15 +22,18 @@ const FILES: [&str; 15] = [
     "store",
     "wide",
     "expansion",
-    "clip",
+    "first",
     "quadrature",
     "integrate",
     "facet",
-    "cone",
     "near",
-    "restrict",
-    "cap",
+    "cone",
+    "settle",
+    "part",
 ];
+
+/// The files of what goes over all of a cell's vertices one after the other: of a cell by one work-item.
+const ALONE_FILES: [&str; 3] = ["clip", "restrict", "cap"];
 
 /// The files of the search for the sites that cut a cell.
 const SEARCH_FILES: [&str; 6] = ["search_store", "quadratic", "bound", "tree", "search", "far"];
@@ -48,6 +51,7 @@ const NODE_FILES: [&str; 3] = ["vector", "quadratic", "node"];
 /// prototypes and imports; and what holds the functions of a device against the host's, on both.
 const TYPES: &str = "cell_types.cl";
 const FUNCTIONS: &str = "cell.cl";
+const ALONE: &str = "cell_alone.cl";
 const SEARCH_TYPES: &str = "tree_types.cl";
 const NODES: &str = "nodes.cl";
 const SEARCH: &str = "tree_search.cl";
@@ -134,12 +138,14 @@ fn generate(root: &Path) -> Result<BTreeMap<String, String>, String> {
         translate(units)
     };
     let cell = group_of(&FILES)?;
+    let alone = group_of(&ALONE_FILES)?;
     let search = group_of(&SEARCH_FILES)?;
     let candidates = group_of(&CANDIDATE_FILES)?;
     let table = group_of(&TABLE_FILES)?;
     let nodes = group_of(&NODE_FILES)?;
     let of_node = group_of(&["node"])?;
-    let parity::Parity { kernels, table: parity_table } = parity::parity(&cell.units)?;
+    let parity::Parity { kernels, table: parity_table } =
+        parity::parity(&cell.units.iter().chain(&alone.units).collect::<Vec<_>>())?;
     let search_types = [&search, &candidates, &table, &of_node].map(|group| group.types.as_str()).concat();
 
     let mut files =
@@ -147,11 +153,12 @@ fn generate(root: &Path) -> Result<BTreeMap<String, String>, String> {
     let mut put = |name: &str, from: &str, imports: &[&str], text: &str| {
         files.insert(format!("{GENERATED}/{name}"), format!("{}{text}", header(from, imports)));
     };
-    put(TYPES, "core/src/cell/", &["<prelude>"], &cell.types);
+    put(TYPES, "core/src/cell/", &["<prelude>"], &[cell.types.as_str(), &alone.types].concat());
     put(SEARCH_TYPES, "core/src/cell/", &["\"generated/cell_types.cl\""], &search_types);
     put(PARITY, "core/src/cell/", &["\"parity_state.cl\""], &kernels);
-    let groups: [(_, &[&str], _); 5] = [
+    let groups: [(_, &[&str], _); 6] = [
         (FUNCTIONS, &["<store>", "\"world.cl\"", "\"further.cl\""], &cell),
+        (ALONE, &["\"generated/cell.cl\""], &alone),
         (CANDIDATES, &["\"generated/cell.cl\"", "\"generated/tree_types.cl\""], &candidates),
         (SEARCH, &["\"tree_store.cl\"", "\"generated/candidate_search.cl\""], &search),
         (TABLE, &["\"generated/candidate_search.cl\""], &table),

@@ -16,7 +16,7 @@ pub(crate) struct Parity {
 }
 
 /// Kernels and table of all functions that can be called from outside of their module.
-pub(crate) fn parity(units: &[Unit]) -> Result<Parity, String> {
+pub(crate) fn parity(units: &[&Unit]) -> Result<Parity, String> {
     let mut structs = BTreeMap::new();
     for unit in units {
         for item in &unit.items {
@@ -70,7 +70,7 @@ fn is_visible(visibility: &Visibility) -> bool {
 }
 
 /// The module that declares a struct.
-fn module_of<'a>(units: &'a [Unit], name: &str) -> Option<&'a str> {
+fn module_of<'a>(units: &[&'a Unit], name: &str) -> Option<&'a str> {
     let unit = units.iter().find(|unit| unit.items.iter().any(|i| matches!(i, Item::Struct(i) if i.ident == name)))?;
     Some(unit.name.rsplit('/').next()?.trim_end_matches(".rs"))
 }
@@ -104,7 +104,7 @@ impl Words<'_> {
     }
 
     /// How each struct is taken and given in OpenCL C.
-    fn text(&self, units: &[Unit]) -> Result<String, String> {
+    fn text(&self, units: &[&Unit]) -> Result<String, String> {
         let Some(unit) = units.first() else { return Ok(String::new()) };
         let mut text = String::new();
         for name in &self.order {

@@ -168,7 +168,7 @@ fn a_function_that_can_be_called_gets_a_kernel_and_its_twin() {
     let text = "pub struct Sum { pub terms: [Real; 2], pub count: u32 }\npub struct Hidden { x: Real }\n
                 pub(super) fn f<S: CellStore>(s: &mut S, tag: u32, sum: &mut Sum) -> u32 { return 0; }\n
                 pub fn g(x: Hidden) {}\nfn h() {}";
-    let made = parity(&[Unit::parse("core/src/cell/text.rs", text).unwrap()]).unwrap();
+    let made = parity(&[&Unit::parse("core/src/cell/text.rs", text).unwrap()]).unwrap();
     for line in [
         "for (uint i = 0; i < 2u; i++) value.terms[i] = take_real(in);",
         "__kernel void parity_f(PARITY_ARGUMENTS) {",

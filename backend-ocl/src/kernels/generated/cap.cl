@@ -32,14 +32,6 @@ OUTLINE uint cap_outside(Store *s, real radius) {
     return end;
 }
 
-// The distance that is tried next: in small steps up to the radius, then in large ones.
-HOT real next_distance(real distance, real radius) {
-    if (distance < radius) {
-        return REAL(1.2) * distance;
-    }
-    return REAL(1.75) * distance;
-}
-
 // The position of the vertex that is farthest from the site.
 OUTLINE V3 farthest_position(Store *s) {
     V3 far = store_position(s, 0);
@@ -66,97 +58,4 @@ OUTLINE bool part_is_outside(Store *s, V3 direction, real height) {
         return 0;
     }
     return boxes_are_outside(s, direction, height, low, high, 0, 1);
-}
-
-// Widens `[low, high]`, if vertex `v` has `direction·x ≥ height`, by that vertex, and by where the ways to it from all vertices that have not
-// come to have: what of the cell has lies between such. (All by less than `height`, by a margin.)
-HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *high) {
-    const real below = height - (CAP_MARGIN * height);
-    const V3 p = store_position(s, v);
-    const real p_height = v3_dot(direction, p);
-    if (p_height < below) {
-        return;
-    }
-    *low = v3(smaller(low->x, p.x), smaller(low->y, p.y), smaller(low->z, p.z));
-    *high = v3(larger(high->x, p.x), larger(high->y, p.y), larger(high->z, p.z));
-    for (uint u = 0; u < store_vertices(s); u++) {
-        const V3 q = store_position(s, u);
-        const real q_height = v3_dot(direction, q);
-        if (q_height < below) {
-            const V3 between = add(q, scale((below - q_height) / (p_height - q_height), sub(p, q)));
-            *low = v3(smaller(low->x, between.x), smaller(low->y, between.y), smaller(low->z, between.z));
-            *high = v3(larger(high->x, between.x), larger(high->y, between.y), larger(high->z, between.z));
-        }
-    }
-}
-
-// Widens `[low, high]` by all roundings, `radius` the vertices' largest error: whether they are not too large to tell. No vertex is farther than
-// `direction`.
-OUTLINE bool widen_part(Store *s, V3 direction, real height, real radius, V3 *low, V3 *high) {
-    // The vertices' error, the roundings of heights and places, and of moving them into the diagram's frame.
-    const real rounding = radius + ((REAL(16.0) * UNIT_ROUNDOFF) * (norm_max(store_site(s)) + norm_1(direction)));
-    if (!((norm_1(direction) * rounding) < (REAL(0.25) * (CAP_MARGIN * height)))) {
-        return 0;
-    }
-    const V3 outward = v3(rounding, rounding, rounding);
-    *low = sub(*low, outward);
-    *high = add(*high, outward);
-    return 1;
-}
-
-// Whether all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
-// the domain, each of `ALL_PARTS` parts of it that the cell has something of, of which only every `step`th from `first` on is looked at.
-OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step) {
-    if (box_is_outside(s, low, high)) {
-        return 1;
-    }
-    if ((step == 0) || (step > ALL_PARTS)) {
-        return 0;
-    }
-    const V3 size = scale(REAL(0.125), sub(high, low));
-    // Wider than a part by what its corners are rounded by.
-    const V3 halves = scale(REAL(0.5) + CAP_MARGIN, size);
-    uint n = first;
-    while (n < ALL_PARTS) {
-        const real along_x = ((real)(n & 7)) + REAL(0.5);
-        const real along_y = ((real)((n >> 3) & 7)) + REAL(0.5);
-        const real along_z = ((real)(n >> 6)) + REAL(0.5);
-        const V3 middle = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
-        if (!box_is_outside(s, sub(middle, halves), add(middle, halves))) {
-            if (!box_misses_part(s, direction, height, middle, halves)) {
-                return 0;
-            }
-        }
-        n += step;
-    }
-    return 1;
-}
-
-// Whether the domain's winding number is 0 all over the box `[low, high]`.
-HOT bool box_is_outside(Store *s, V3 low, V3 high) {
-    Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    Voxel hi = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    voxels_of_box(s, low, high, &lo, &hi);
-    return (store_surface_voxels(s, lo, hi) == 0) && (store_winding(s, lo) == 0);
-}
-
-// Whether a box about `middle` certainly has nothing of the cell with `direction·x ≥ height`.
-HOT bool box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves) {
-    if ((v3_dot(direction, middle) + reach_along(direction, halves)) < (height - (CAP_MARGIN * height))) {
-        return 1;
-    }
-    for (uint f = 0; f < store_planes(s); f++) {
-        const Plane plane = store_plane(s, f);
-        const real largest = (v3_dot(plane.n, middle) + plane.d) + reach_along(plane.n, halves);
-        const real rounding = (REAL(16.0) * UNIT_ROUNDOFF) * ((norm_1(plane.n) * (norm_max(middle) + norm_max(halves))) + fabs(plane.d));
-        if (largest < -rounding) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-// The largest `n·x` of a box about 0.
-INLINE real reach_along(V3 n, V3 halves) {
-    return ((fabs(n.x) * halves.x) + (fabs(n.y) * halves.y)) + (fabs(n.z) * halves.z);
 }

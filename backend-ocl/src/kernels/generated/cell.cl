@@ -26,7 +26,6 @@ INLINE V3 solve(Cramer by, real inverse);
 OUTLINE real residual(Plane plane, V3 x);
 OUTLINE real residual_about(Plane plane, V3 c, V3 x);
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab);
-INLINE real farthest_vertex(Store *s);
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k);
 OUTLINE Minors minors_of(Plane a, Plane b, Plane c);
 OUTLINE int sign_by_minors(Minors minors, Plane e);
@@ -56,17 +55,9 @@ OUTLINE void add_number(Expansion *sum, real x);
 OUTLINE Wide value_of(Expansion *sum);
 OUTLINE Wide determinant(V3 a, V3 b, V3 c);
 OUTLINE void add_triple(Expansion *sum, real x, real y, real z);
-OUTLINE uint begin(Store *s, V3 lo, V3 hi);
 OUTLINE void set_box_planes(Store *s, V3 lo, V3 hi);
-HOT void place_corner(Store *s, uint v);
 OUTLINE void set_box_plane(Store *s, uint f, V3 n, real d);
-OUTLINE uint clip(Store *s, Plane plane, uint tag);
-OUTLINE uint settle_marks(Store *s, uint k);
-INLINE void toggle_link(Store *s, uint f, uint change);
-OUTLINE void clear_links(Store *s);
-OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge);
-INLINE bool is_boundary_edge(Store *s, uint end, uint a, uint b);
-OUTLINE void compact_planes(Store *s);
+HOT void place_corner(Store *s, uint v);
 OUTLINE real integrate_function(Store *s, V3 center);
 OUTLINE void add_fans_at_edge(Store *s, uint v, uint f, uint g, V3 center, Wide *sum);
 OUTLINE uint first_vertex_on(Store *s, uint f, uint g, uint end);
@@ -94,17 +85,6 @@ OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center);
 OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight, V3 center);
 OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real sign);
 OUTLINE void center_facets(Store *s, V3 center);
-OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, bool *touched, CellSums *sums);
-OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone);
-OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums);
-INLINE bool all_in_conflict(Store *s, uint k, Plane plane);
-OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone);
-OUTLINE TruncatedCone no_cone();
-OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism);
-INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign);
-OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c);
-HOT int filtered_sign(V3 a, V3 b, V3 c);
-INLINE V3 magnitudes(V3 a);
 OUTLINE bool surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding);
 OUTLINE bool site_is_inside(Store *s);
 HOT bool voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding);
@@ -114,38 +94,37 @@ HOT bool plane_is_apart(Store *s, V3 a_in, V3 e, V3 f);
 INLINE V3 least_of(V3 a, V3 b, V3 c);
 INLINE V3 most_of(V3 a, V3 b, V3 c);
 INLINE bool is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel);
-OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums);
-OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums);
-HOT bool is_undivided(CellSums sums, CellSums whole, int *winding);
-HOT uint settle(Store *s, CellSums *sums);
-OUTLINE bool lies_outside(Store *s);
-OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
-OUTLINE void add_box_faces(Store *s, CellSums *sums);
-HOT real box_of_cell(Store *s, V3 *low, V3 *high);
 HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high);
+HOT real box_of_cell(Store *s, V3 *low, V3 *high);
 HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi);
-OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, bool *touched, CellSums *sums);
-OUTLINE uint cap_outside(Store *s, real radius);
-HOT real next_distance(real distance, real radius);
-OUTLINE V3 farthest_position(Store *s);
-OUTLINE bool part_is_outside(Store *s, V3 direction, real height);
+OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone);
+OUTLINE TruncatedCone no_cone();
+OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism);
+INLINE Plane side_over_edge(uint i, uint j, V3 p, V3 q, V3 o, V3 o_in, real sign);
+OUTLINE int cone_sign(Store *s, uint t, Voxel apex, V3 a, V3 b, V3 c);
+HOT int filtered_sign(V3 a, V3 b, V3 c);
+INLINE V3 magnitudes(V3 a);
+HOT uint settle(Store *s, CellSums *sums);
+HOT bool is_undivided(CellSums sums, CellSums whole, int *winding);
+OUTLINE bool lies_outside(Store *s);
 HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *high);
 OUTLINE bool widen_part(Store *s, V3 direction, real height, real radius, V3 *low, V3 *high);
 OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step);
 HOT bool box_is_outside(Store *s, V3 low, V3 high);
 HOT bool box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves);
 INLINE real reach_along(V3 n, V3 halves);
+HOT real next_distance(real distance, real radius);
 
 #import "generated/vector.cl"
 #import "generated/plane.cl"
 #import "generated/vertex.cl"
 #import "generated/wide.cl"
 #import "generated/expansion.cl"
-#import "generated/clip.cl"
+#import "generated/first.cl"
 #import "generated/quadrature.cl"
 #import "generated/integrate.cl"
 #import "generated/facet.cl"
-#import "generated/cone.cl"
 #import "generated/near.cl"
-#import "generated/restrict.cl"
-#import "generated/cap.cl"
+#import "generated/cone.cl"
+#import "generated/settle.cl"
+#import "generated/part.cl"

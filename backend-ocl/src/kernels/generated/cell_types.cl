@@ -253,7 +253,7 @@ typedef struct {
 #define EXPANSION_SMALLEST ((real)(REAL(1e-60)))
 #endif
 
-// core/src/cell/clip.rs
+// core/src/cell/first.rs
 
 // core/src/cell/quadrature.rs
 
@@ -412,6 +412,11 @@ typedef struct {
 // that was dropped; with 2 bounds there are 2, with 4 there are 6, with 16 there are 34.
 #define BOUNDS_OF_NEGATIVE ((real)(REAL(1.0)))
 
+// core/src/cell/near.rs
+
+// Roundings of a product of three differences, or of one component that is twice rounded.
+#define FEW_ROUNDINGS ((real)(REAL(16.0) * UNIT_ROUNDOFF))
+
 // core/src/cell/cone.rs
 
 // A truncated cone: three sides through the apex, and the triangle's plane, keeping what lies behind it.
@@ -429,26 +434,27 @@ typedef struct {
 // The filter's bound for the determinant of three rounded differences: (7 + 56u)u times its permanent (Shewchuk 1997).
 #define CONE_SIGN_ERROR ((real)((REAL(7.0) + (REAL(56.0) * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF))
 
-// core/src/cell/near.rs
-
-// Roundings of a product of three differences, or of one component that is twice rounded.
-#define FEW_ROUNDINGS ((real)(REAL(16.0) * UNIT_ROUNDOFF))
-
-// core/src/cell/restrict.rs
+// core/src/cell/settle.rs
 
 // No quotient of volumes beyond this is a winding number.
 #define MOST_WINDINGS ((real)(REAL(1e9)))
 
-// core/src/cell/cap.rs
-
-// Caps of a cell at most.
-#define MOST_CAPS ((uint)(16))
+// core/src/cell/part.rs
 
 // Part of the distance of a cap by which what it cuts off is taken for larger, for all roundings.
 #define CAP_MARGIN ((real)(REAL(0.015625)))
 
 // Parts of what a cap cuts off, eight along each axis, that are looked at where its bounding box does not tell.
 #define ALL_PARTS ((uint)(512))
+
+// core/src/cell/clip.rs
+
+// core/src/cell/restrict.rs
+
+// core/src/cell/cap.rs
+
+// Caps of a cell at most.
+#define MOST_CAPS ((uint)(16))
 
 // The first distance of a cap that is tried, in units of the radius to be reached: its facet has vertices that are farther.
 #define FIRST_DISTANCE ((real)(REAL(0.85)))

@@ -160,3 +160,33 @@ INLINE bool is_first_voxel(Voxel lowest, Voxel lo, Voxel voxel) {
     }
     return ((i == voxel.i) && (j == voxel.j)) && (k == voxel.k);
 }
+
+// The bounding box of the cell, rounded outward.
+HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high) {
+    const real radius = box_of_cell(s, low, high);
+    // The vertices' error, and the rounding of moving them into the diagram's frame.
+    const real margin = radius + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(store_site(s)) + larger(norm_max(*low), norm_max(*high))));
+    const V3 outward = v3(margin, margin, margin);
+    *low = sub(*low, outward);
+    *high = add(*high, outward);
+}
+
+// The bounding box of the vertices; returns their largest error radius.
+HOT real box_of_cell(Store *s, V3 *low, V3 *high) {
+    *low = store_position(s, 0);
+    *high = *low;
+    real radius = store_radius(s, 0);
+    for (uint v = 1; v < store_vertices(s); v++) {
+        const V3 p = store_position(s, v);
+        *low = v3(smaller(low->x, p.x), smaller(low->y, p.y), smaller(low->z, p.z));
+        *high = v3(larger(high->x, p.x), larger(high->y, p.y), larger(high->z, p.z));
+        radius = larger(radius, store_radius(s, v));
+    }
+    return radius;
+}
+
+// The voxels that a box in the frame of the site meets.
+HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi) {
+    *lo = store_voxel_of(s, add(store_site(s), low));
+    *hi = store_voxel_of(s, add(store_site(s), high));
+}

@@ -383,14 +383,6 @@ __kernel void parity_combine(PARITY_ARGUMENTS) {
     give_V3(&out, result);
 }
 
-__kernel void parity_farthest_vertex(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const real result = farthest_vertex(s);
-    give_real(&out, result);
-    parity_dump(&out, s);
-}
-
 __kernel void parity_sign_of_conflict(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -603,30 +595,12 @@ __kernel void parity_add_triple(PARITY_ARGUMENTS) {
     give_Expansion(&out, sum);
 }
 
-__kernel void parity_begin(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const V3 lo = take_V3(&in);
-    const V3 hi = take_V3(&in);
-    const uint result = begin(s, lo, hi);
-    give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
 __kernel void parity_set_box_planes(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
     const V3 lo = take_V3(&in);
     const V3 hi = take_V3(&in);
     set_box_planes(s, lo, hi);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_place_corner(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint v = take_uint(&in);
-    place_corner(s, v);
     parity_dump(&out, s);
 }
 
@@ -640,66 +614,11 @@ __kernel void parity_set_box_plane(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
-__kernel void parity_clip(PARITY_ARGUMENTS) {
+__kernel void parity_place_corner(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const Plane plane = take_Plane(&in);
-    const uint tag = take_uint(&in);
-    const uint result = clip(s, plane, tag);
-    give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_settle_marks(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint k = take_uint(&in);
-    const uint result = settle_marks(s, k);
-    give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_toggle_link(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint f = take_uint(&in);
-    const uint change = take_uint(&in);
-    toggle_link(s, f, change);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_clear_links(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    clear_links(s);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_find_boundary_edge(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint end = take_uint(&in);
-    Triplet edge = take_Triplet(&in);
-    find_boundary_edge(s, end, &edge);
-    give_Triplet(&out, edge);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_is_boundary_edge(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint end = take_uint(&in);
-    const uint a = take_uint(&in);
-    const uint b = take_uint(&in);
-    const bool result = is_boundary_edge(s, end, a, b);
-    give_bool(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_compact_planes(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    compact_planes(s);
+    const uint v = take_uint(&in);
+    place_corner(s, v);
     parity_dump(&out, s);
 }
 
@@ -946,126 +865,6 @@ __kernel void parity_center_facets(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
-__kernel void parity_add_cone(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint t = take_uint(&in);
-    const Voxel apex = take_Voxel(&in);
-    const V3 center = take_V3(&in);
-    const uint flags = take_uint(&in);
-    bool touched = take_bool(&in);
-    CellSums sums = take_CellSums(&in);
-    const uint result = add_cone(s, t, apex, center, flags, &touched, &sums);
-    give_uint(&out, result);
-    give_bool(&out, touched);
-    give_CellSums(&out, sums);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_clip_by_sides(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const TruncatedCone cone = take_TruncatedCone(&in);
-    const uint result = clip_by_sides(s, cone);
-    give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_add_surface(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint t = take_uint(&in);
-    const Voxel apex = take_Voxel(&in);
-    const V3 center = take_V3(&in);
-    CellSums sums = take_CellSums(&in);
-    const uint result = add_surface(s, t, apex, center, &sums);
-    give_uint(&out, result);
-    give_CellSums(&out, sums);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_all_in_conflict(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint k = take_uint(&in);
-    const Plane plane = take_Plane(&in);
-    const bool result = all_in_conflict(s, k, plane);
-    give_bool(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_make_cone(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint t = take_uint(&in);
-    const Voxel apex = take_Voxel(&in);
-    TruncatedCone cone = take_TruncatedCone(&in);
-    const uint result = make_cone(s, t, apex, &cone);
-    give_uint(&out, result);
-    give_TruncatedCone(&out, cone);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_no_cone(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const TruncatedCone result = no_cone();
-    give_TruncatedCone(&out, result);
-}
-
-__kernel void parity_make_prism(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint t = take_uint(&in);
-    const Voxel apex = take_Voxel(&in);
-    TruncatedCone prism = take_TruncatedCone(&in);
-    const uint result = make_prism(s, t, apex, &prism);
-    give_uint(&out, result);
-    give_TruncatedCone(&out, prism);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_side_over_edge(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const uint i = take_uint(&in);
-    const uint j = take_uint(&in);
-    const V3 p = take_V3(&in);
-    const V3 q = take_V3(&in);
-    const V3 o = take_V3(&in);
-    const V3 o_in = take_V3(&in);
-    const real sign = take_real(&in);
-    const Plane result = side_over_edge(i, j, p, q, o, o_in, sign);
-    give_Plane(&out, result);
-}
-
-__kernel void parity_cone_sign(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint t = take_uint(&in);
-    const Voxel apex = take_Voxel(&in);
-    const V3 a = take_V3(&in);
-    const V3 b = take_V3(&in);
-    const V3 c = take_V3(&in);
-    const int result = cone_sign(s, t, apex, a, b, c);
-    give_int(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_filtered_sign(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const V3 a = take_V3(&in);
-    const V3 b = take_V3(&in);
-    const V3 c = take_V3(&in);
-    const int result = filtered_sign(a, b, c);
-    give_int(&out, result);
-}
-
-__kernel void parity_magnitudes(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const V3 a = take_V3(&in);
-    const V3 result = magnitudes(a);
-    give_V3(&out, result);
-}
-
 __kernel void parity_surface_passes_by(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -1164,77 +963,14 @@ __kernel void parity_is_first_voxel(PARITY_ARGUMENTS) {
     give_bool(&out, result);
 }
 
-__kernel void parity_integrate_cell(PARITY_ARGUMENTS) {
+__kernel void parity_outer_box_of_cell(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const uint flags = take_uint(&in);
-    const uint interior_only = take_uint(&in);
-    CellSums sums = take_CellSums(&in);
-    const uint result = integrate_cell(s, flags, interior_only, &sums);
-    give_uint(&out, result);
-    give_CellSums(&out, sums);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_integrate_restricted(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const V3 center = take_V3(&in);
-    const uint flags = take_uint(&in);
-    const uint interior_only = take_uint(&in);
-    CellSums sums = take_CellSums(&in);
-    const uint result = integrate_restricted(s, center, flags, interior_only, &sums);
-    give_uint(&out, result);
-    give_CellSums(&out, sums);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_is_undivided(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    const CellSums sums = take_CellSums(&in);
-    const CellSums whole = take_CellSums(&in);
-    int winding = take_int(&in);
-    const bool result = is_undivided(sums, whole, &winding);
-    give_bool(&out, result);
-    give_int(&out, winding);
-}
-
-__kernel void parity_settle(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    CellSums sums = take_CellSums(&in);
-    const uint result = settle(s, &sums);
-    give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_lies_outside(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const bool result = lies_outside(s);
-    give_bool(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_integrate_whole(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const real weight = take_real(&in);
-    const V3 center = take_V3(&in);
-    const uint flags = take_uint(&in);
-    CellSums sums = take_CellSums(&in);
-    const uint result = integrate_whole(s, weight, center, flags, &sums);
-    give_uint(&out, result);
-    give_CellSums(&out, sums);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_add_box_faces(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    CellSums sums = take_CellSums(&in);
-    add_box_faces(s, &sums);
-    give_CellSums(&out, sums);
+    V3 low = take_V3(&in);
+    V3 high = take_V3(&in);
+    outer_box_of_cell(s, &low, &high);
+    give_V3(&out, low);
+    give_V3(&out, high);
     parity_dump(&out, s);
 }
 
@@ -1245,17 +981,6 @@ __kernel void parity_box_of_cell(PARITY_ARGUMENTS) {
     V3 high = take_V3(&in);
     const real result = box_of_cell(s, &low, &high);
     give_real(&out, result);
-    give_V3(&out, low);
-    give_V3(&out, high);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_outer_box_of_cell(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    V3 low = take_V3(&in);
-    V3 high = take_V3(&in);
-    outer_box_of_cell(s, &low, &high);
     give_V3(&out, low);
     give_V3(&out, high);
     parity_dump(&out, s);
@@ -1274,53 +999,101 @@ __kernel void parity_voxels_of_box(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
-__kernel void parity_add_cones(PARITY_ARGUMENTS) {
+__kernel void parity_make_cone(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const Voxel lo = take_Voxel(&in);
-    const Voxel hi = take_Voxel(&in);
-    const V3 center = take_V3(&in);
-    const uint flags = take_uint(&in);
-    bool touched = take_bool(&in);
-    CellSums sums = take_CellSums(&in);
-    const uint result = add_cones(s, lo, hi, center, flags, &touched, &sums);
+    const uint t = take_uint(&in);
+    const Voxel apex = take_Voxel(&in);
+    TruncatedCone cone = take_TruncatedCone(&in);
+    const uint result = make_cone(s, t, apex, &cone);
     give_uint(&out, result);
-    give_bool(&out, touched);
-    give_CellSums(&out, sums);
+    give_TruncatedCone(&out, cone);
     parity_dump(&out, s);
 }
 
-__kernel void parity_cap_outside(PARITY_ARGUMENTS) {
+__kernel void parity_no_cone(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const TruncatedCone result = no_cone();
+    give_TruncatedCone(&out, result);
+}
+
+__kernel void parity_make_prism(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const real radius = take_real(&in);
-    const uint result = cap_outside(s, radius);
+    const uint t = take_uint(&in);
+    const Voxel apex = take_Voxel(&in);
+    TruncatedCone prism = take_TruncatedCone(&in);
+    const uint result = make_prism(s, t, apex, &prism);
     give_uint(&out, result);
+    give_TruncatedCone(&out, prism);
     parity_dump(&out, s);
 }
 
-__kernel void parity_next_distance(PARITY_ARGUMENTS) {
+__kernel void parity_side_over_edge(PARITY_ARGUMENTS) {
     PARITY_CALL;
-    const real distance = take_real(&in);
-    const real radius = take_real(&in);
-    const real result = next_distance(distance, radius);
-    give_real(&out, result);
+    const uint i = take_uint(&in);
+    const uint j = take_uint(&in);
+    const V3 p = take_V3(&in);
+    const V3 q = take_V3(&in);
+    const V3 o = take_V3(&in);
+    const V3 o_in = take_V3(&in);
+    const real sign = take_real(&in);
+    const Plane result = side_over_edge(i, j, p, q, o, o_in, sign);
+    give_Plane(&out, result);
 }
 
-__kernel void parity_farthest_position(PARITY_ARGUMENTS) {
+__kernel void parity_cone_sign(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const V3 result = farthest_position(s);
+    const uint t = take_uint(&in);
+    const Voxel apex = take_Voxel(&in);
+    const V3 a = take_V3(&in);
+    const V3 b = take_V3(&in);
+    const V3 c = take_V3(&in);
+    const int result = cone_sign(s, t, apex, a, b, c);
+    give_int(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_filtered_sign(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 a = take_V3(&in);
+    const V3 b = take_V3(&in);
+    const V3 c = take_V3(&in);
+    const int result = filtered_sign(a, b, c);
+    give_int(&out, result);
+}
+
+__kernel void parity_magnitudes(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 a = take_V3(&in);
+    const V3 result = magnitudes(a);
     give_V3(&out, result);
+}
+
+__kernel void parity_settle(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    CellSums sums = take_CellSums(&in);
+    const uint result = settle(s, &sums);
+    give_uint(&out, result);
     parity_dump(&out, s);
 }
 
-__kernel void parity_part_is_outside(PARITY_ARGUMENTS) {
+__kernel void parity_is_undivided(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const CellSums sums = take_CellSums(&in);
+    const CellSums whole = take_CellSums(&in);
+    int winding = take_int(&in);
+    const bool result = is_undivided(sums, whole, &winding);
+    give_bool(&out, result);
+    give_int(&out, winding);
+}
+
+__kernel void parity_lies_outside(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
-    const V3 direction = take_V3(&in);
-    const real height = take_real(&in);
-    const bool result = part_is_outside(s, direction, height);
+    const bool result = lies_outside(s);
     give_bool(&out, result);
     parity_dump(&out, s);
 }
@@ -1396,4 +1169,231 @@ __kernel void parity_reach_along(PARITY_ARGUMENTS) {
     const V3 halves = take_V3(&in);
     const real result = reach_along(n, halves);
     give_real(&out, result);
+}
+
+__kernel void parity_next_distance(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real distance = take_real(&in);
+    const real radius = take_real(&in);
+    const real result = next_distance(distance, radius);
+    give_real(&out, result);
+}
+
+__kernel void parity_begin(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 lo = take_V3(&in);
+    const V3 hi = take_V3(&in);
+    const uint result = begin(s, lo, hi);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_clip(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Plane plane = take_Plane(&in);
+    const uint tag = take_uint(&in);
+    const uint result = clip(s, plane, tag);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_settle_marks(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint k = take_uint(&in);
+    const uint result = settle_marks(s, k);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_toggle_link(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint f = take_uint(&in);
+    const uint change = take_uint(&in);
+    toggle_link(s, f, change);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_clear_links(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    clear_links(s);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_find_boundary_edge(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint end = take_uint(&in);
+    Triplet edge = take_Triplet(&in);
+    find_boundary_edge(s, end, &edge);
+    give_Triplet(&out, edge);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_is_boundary_edge(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint end = take_uint(&in);
+    const uint a = take_uint(&in);
+    const uint b = take_uint(&in);
+    const bool result = is_boundary_edge(s, end, a, b);
+    give_bool(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_compact_planes(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    compact_planes(s);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_farthest_vertex(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const real result = farthest_vertex(s);
+    give_real(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_integrate_cell(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint flags = take_uint(&in);
+    const uint interior_only = take_uint(&in);
+    CellSums sums = take_CellSums(&in);
+    const uint result = integrate_cell(s, flags, interior_only, &sums);
+    give_uint(&out, result);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_integrate_restricted(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 center = take_V3(&in);
+    const uint flags = take_uint(&in);
+    const uint interior_only = take_uint(&in);
+    CellSums sums = take_CellSums(&in);
+    const uint result = integrate_restricted(s, center, flags, interior_only, &sums);
+    give_uint(&out, result);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_integrate_whole(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const real weight = take_real(&in);
+    const V3 center = take_V3(&in);
+    const uint flags = take_uint(&in);
+    CellSums sums = take_CellSums(&in);
+    const uint result = integrate_whole(s, weight, center, flags, &sums);
+    give_uint(&out, result);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_add_box_faces(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    CellSums sums = take_CellSums(&in);
+    add_box_faces(s, &sums);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_add_cones(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Voxel lo = take_Voxel(&in);
+    const Voxel hi = take_Voxel(&in);
+    const V3 center = take_V3(&in);
+    const uint flags = take_uint(&in);
+    bool touched = take_bool(&in);
+    CellSums sums = take_CellSums(&in);
+    const uint result = add_cones(s, lo, hi, center, flags, &touched, &sums);
+    give_uint(&out, result);
+    give_bool(&out, touched);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_add_cone(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint t = take_uint(&in);
+    const Voxel apex = take_Voxel(&in);
+    const V3 center = take_V3(&in);
+    const uint flags = take_uint(&in);
+    bool touched = take_bool(&in);
+    CellSums sums = take_CellSums(&in);
+    const uint result = add_cone(s, t, apex, center, flags, &touched, &sums);
+    give_uint(&out, result);
+    give_bool(&out, touched);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_clip_by_sides(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const TruncatedCone cone = take_TruncatedCone(&in);
+    const uint result = clip_by_sides(s, cone);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_add_surface(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint t = take_uint(&in);
+    const Voxel apex = take_Voxel(&in);
+    const V3 center = take_V3(&in);
+    CellSums sums = take_CellSums(&in);
+    const uint result = add_surface(s, t, apex, center, &sums);
+    give_uint(&out, result);
+    give_CellSums(&out, sums);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_all_in_conflict(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint k = take_uint(&in);
+    const Plane plane = take_Plane(&in);
+    const bool result = all_in_conflict(s, k, plane);
+    give_bool(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_cap_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const real radius = take_real(&in);
+    const uint result = cap_outside(s, radius);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_farthest_position(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 result = farthest_position(s);
+    give_V3(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_part_is_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    const bool result = part_is_outside(s, direction, height);
+    give_bool(&out, result);
+    parity_dump(&out, s);
 }

@@ -81,61 +81,6 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
     return settle(s, sums);
 }
 
-// Whether the winding number is the same all over a cell that no triangle touches: the nearest integer to the quotient of `sums` and the
-// integrals of the whole cell. A cone so thin that rounding loses it does not tell that its triangle divides the cell; the sum does. Where rounding
-// can make as much of nothing as the whole cell is, no more is believed than 0 and 1 (it was −1,147,767 for a hair of 1e-15 across).
-HOT bool is_undivided(CellSums sums, CellSums whole, int *winding) {
-    const real quotient = sums.volume / whole.volume;
-    const real noise = SHARE_OF_NOTHING * smaller(sums.rounding, sums.largest_rounding);
-    if (!(fabs(quotient) < MOST_WINDINGS)) {
-        return 0;
-    }
-    const bool is_usual = (quotient > -REAL(0.5)) && (quotient < REAL(1.5));
-    if (!(noise < whole.volume) && !is_usual) {
-        return 0;
-    }
-    int inner = (int)(fabs(quotient) + REAL(0.5));
-    if (quotient < REAL(0.0)) {
-        inner = -inner;
-    }
-    *winding = inner;
-    const real off = fabs(sums.volume - (((real)inner) * whole.volume));
-    return off <= (sums.rounding + whole.rounding);
-}
-
-// `COMPLETE` where something is left of the cell, else `EMPTY`.
-//
-// A volume that rounding may have made is believed only where its barycenter is near the cell: what rounding makes has it anywhere.
-HOT uint settle(Store *s, CellSums *sums) {
-    if (!volume_is_above_bound(*sums)) {
-        return EMPTY;
-    }
-    if (fabs(sums->volume) > sums->rounding) {
-        return COMPLETE;
-    }
-    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    const real radius = box_of_cell(s, &low, &high);
-    const real extent = norm_max(sub(high, low)) + radius;
-    const V3 middle = scale(REAL(0.5), add(low, high));
-    const V3 barycenter = scale(REAL(1.0) / sums->volume, sums->first);
-    if (norm_max(sub(barycenter, middle)) > extent) {
-        return EMPTY;
-    }
-    return COMPLETE;
-}
-
-// Whether the present cell, and so all that clipping can leave of it, lies where the domain's winding number is 0.
-OUTLINE bool lies_outside(Store *s) {
-    if (!store_has_domain(s)) {
-        return 0;
-    }
-    V3 low = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    V3 high = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    outer_box_of_cell(s, &low, &high);
-    return box_is_outside(s, low, high);
-}
-
 // The integrals of the whole cell, times `weight`.
 OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums) {
     if (weight == REAL(0.0)) {
@@ -158,36 +103,6 @@ OUTLINE void add_box_faces(Store *s, CellSums *sums) {
             add_boundary(store_facet(s, f), store_plane(s, f), REAL(1.0), sums);
         }
     }
-}
-
-// The bounding box of the vertices; returns their largest error radius.
-HOT real box_of_cell(Store *s, V3 *low, V3 *high) {
-    *low = store_position(s, 0);
-    *high = *low;
-    real radius = store_radius(s, 0);
-    for (uint v = 1; v < store_vertices(s); v++) {
-        const V3 p = store_position(s, v);
-        *low = v3(smaller(low->x, p.x), smaller(low->y, p.y), smaller(low->z, p.z));
-        *high = v3(larger(high->x, p.x), larger(high->y, p.y), larger(high->z, p.z));
-        radius = larger(radius, store_radius(s, v));
-    }
-    return radius;
-}
-
-// The bounding box of the cell, rounded outward.
-HOT void outer_box_of_cell(Store *s, V3 *low, V3 *high) {
-    const real radius = box_of_cell(s, low, high);
-    // The vertices' error, and the rounding of moving them into the diagram's frame.
-    const real margin = radius + ((REAL(4.0) * UNIT_ROUNDOFF) * (norm_max(store_site(s)) + larger(norm_max(*low), norm_max(*high))));
-    const V3 outward = v3(margin, margin, margin);
-    *low = sub(*low, outward);
-    *high = add(*high, outward);
-}
-
-// The voxels that a box in the frame of the site meets.
-HOT void voxels_of_box(Store *s, V3 low, V3 high, Voxel *lo, Voxel *hi) {
-    *lo = store_voxel_of(s, add(store_site(s), low));
-    *hi = store_voxel_of(s, add(store_site(s), high));
 }
 
 // Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes true
@@ -224,4 +139,95 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, bool
         k += 1;
     }
     return COMPLETE;
+}
+
+// Subtracts the signed integrals of the cell's intersection with the truncated cone over triangle `t` from corner `apex`.
+OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, bool *touched, CellSums *sums) {
+    TruncatedCone cone = no_cone();
+    if (make_cone(s, t, apex, &cone) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    if (cone.sign == REAL(0.0)) {
+        // The cone is flat, but the surface may still divide the cell.
+        *touched = 1;
+        return COMPLETE;
+    }
+    // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
+    const uint base = store_planes(s);
+    if ((((all_in_conflict(s, base, cone.end)) || (all_in_conflict(s, base, cone.side_0))) || (all_in_conflict(s, base, cone.side_1))) || (all_in_conflict(s, base, cone.side_2))) {
+        return COMPLETE;
+    }
+    uint status = clip_by_sides(s, cone);
+    if (status == COMPLETE) {
+        status = clip(s, cone.end, TAG_TRIANGLE);
+        if (status == CUT) {
+            *touched = 1;
+        }
+        if ((status == CUT) || (status == UNTOUCHED)) {
+            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
+        }
+    }
+    store_restore(s);
+    store_set_planes(s, base);
+    if (status == EMPTY) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Clips by the three sides; `COMPLETE` where something is left.
+OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone) {
+    uint status = clip(s, cone.side_0, TAG_CONE);
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        status = clip(s, cone.side_1, TAG_CONE);
+    }
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        status = clip(s, cone.side_2, TAG_CONE);
+    }
+    if ((status == CUT) || (status == UNTOUCHED)) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Adds the part of triangle `t` within the cell to the boundary's sums: the facet on the triangle's plane of the cell's intersection
+// with the prism behind it. (The cone would do, but its sides can be nearly parallel to the triangle.)
+OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums) {
+    TruncatedCone prism = no_cone();
+    if (make_prism(s, t, apex, &prism) != COMPLETE) {
+        return UNCERTAIN;
+    }
+    const uint base = store_planes(s);
+    store_set_plane(s, base, prism.end);
+    const uint seen = store_mark_conflicts(s, base);
+    if ((seen == SEEN_CONFLICT) || (seen == SEEN_KEEP)) {
+        return COMPLETE;
+    }
+    if (((all_in_conflict(s, base, prism.side_0)) || (all_in_conflict(s, base, prism.side_1))) || (all_in_conflict(s, base, prism.side_2))) {
+        return COMPLETE;
+    }
+    uint status = clip_by_sides(s, prism);
+    const uint end_index = store_planes(s);
+    if (status == COMPLETE) {
+        status = clip(s, prism.end, TAG_TRIANGLE);
+    }
+    if (status == CUT) {
+        FacetSum facet = (FacetSum){ 0 };
+        status = integrate_facet(s, end_index, center, &facet);
+        if (status == COMPLETE) {
+            add_boundary(facet, prism.end, -prism.sign, sums);
+        }
+    }
+    store_restore(s);
+    store_set_planes(s, base);
+    if ((status == EMPTY) || (status == UNTOUCHED)) {
+        return COMPLETE;
+    }
+    return status;
+}
+
+// Whether every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
+INLINE bool all_in_conflict(Store *s, uint k, Plane plane) {
+    store_set_plane(s, k, plane);
+    return store_mark_conflicts(s, k) == SEEN_CONFLICT;
 }

@@ -101,10 +101,3 @@ OUTLINE real residual_about(Plane plane, V3 c, V3 x) {
 INLINE V3 combine(real ra, real rb, real rc, V3 bc, V3 ca, V3 ab) {
     return add(add(scale(ra, bc), scale(rb, ca)), scale(rc, ab));
 }
-
-// An upper bound of the distance from the site to the farthest vertex.
-INLINE real farthest_vertex(Store *s) {
-    const V3 largest = store_farthest(s);
-    // The radius bounds each component; √3 < 2.
-    return (sqrt(largest.x) + (REAL(2.0) * largest.y)) * (REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF));
-}

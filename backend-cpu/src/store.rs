@@ -1,9 +1,9 @@
 //! Where a cell lives on the CPU: structure of arrays, so that one plane meets four vertices at a time.
 
 use laguerre_core::cell::{
-    ClipStore, DomainStore, FacetSecond, FacetSum, IntegralStore, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Minors,
-    Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triangle, Triplet, UNIT_ROUNDOFF, V3,
-    v3,
+    ClipStore, DomainStore, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN,
+    Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triangle, Triplet,
+    UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
@@ -121,6 +121,8 @@ impl<'a> CpuStore<'a> {
         self.triangles.get()
     }
 }
+
+impl Lanes for CpuStore<'_> {}
 
 impl Polytope for CpuStore<'_> {
     #[inline(always)]

@@ -331,6 +331,8 @@ INLINE uint cut_together(Store *s, Plane plane, uint source) {
     return clip_together(s, trial_of(s, plane));
 }
 
+INLINE uint store_cut(Store *s, Plane plane, uint tag) { return cut_together(s, plane, tag); }
+
 // Whether a site's bisector is among the cell's half-spaces.
 INLINE uint has_cut(Store *s, uint site) {
     uint found = 0;

@@ -4,17 +4,6 @@
 #import "lanes_reach.cl"
 #import "tree_store.cl"
 
-INLINE uint store_lanes(Store *s) { return LANES; }
-INLINE uint store_lane(Store *s) { return s->lane; }
-INLINE uint store_lanes_with(Store *s, bool is_so) { return lanes_with(is_so); }
-INLINE uint store_count_of(Store *s, uint lanes) { return popcount(lanes); }
-INLINE uint store_rank_in(Store *s, uint lanes) { return popcount(lanes & ((1u << s->lane) - 1u)); }
-INLINE uint store_first_of(Store *s, uint lanes) { return lowest_bit(lanes); }
-INLINE uint store_least_of_lanes(Store *s, uint x) { return ~lanes_most(~x); }
-INLINE uint store_lane_value(Store *s, uint x, uint from) { return lane_value(x, from); }
-INLINE real store_lane_real(Store *s, real x, uint from) { return lane_real(x, from); }
-INLINE void store_lanes_wait(Store *s) { lanes_wait(); }
-
 // (In single precision: in double, with its two roots, each call took 1,800 cycles, of 210,000 that a search of white noise took.)
 INLINE float store_square_of_reach(Store *s, V3 center) {
 #if WITH_WEIGHTS

@@ -303,4 +303,21 @@ INLINE V3 store_site(Store *s) { return (V3){ .x = s->site.x, .y = s->site.y, .z
 INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ .area = NAN }; }
 INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
 
+// The lanes, to the generated text.
+INLINE uint store_lanes(Store *s) { return LANES; }
+INLINE uint store_lane(Store *s) { return s->lane; }
+INLINE uint store_lanes_with(Store *s, bool is_so) { return lanes_with(is_so); }
+INLINE uint store_count_of(Store *s, uint lanes) { return popcount(lanes); }
+INLINE uint store_rank_in(Store *s, uint lanes) { return popcount(lanes & ((1u << s->lane) - 1u)); }
+INLINE uint store_first_of(Store *s, uint lanes) { return lowest_bit(lanes); }
+INLINE uint store_least_of_lanes(Store *s, uint x) { return ~lanes_most(~x); }
+INLINE uint store_lane_value(Store *s, uint x, uint from) { return lane_value(x, from); }
+INLINE real store_lane_real(Store *s, real x, uint from) { return lane_real(x, from); }
+INLINE void store_lanes_wait(Store *s) { lanes_wait(); }
+INLINE real store_most_of_lanes(Store *s, real x) { return lanes_folded(x, 0u); }
+INLINE V3 store_most_along_axes(Store *s, V3 x) { return lanes_most_of(x); }
+
+// (`lanes_clip.cl`.)
+INLINE uint store_cut(Store *s, Plane plane, uint tag);
+
 #import "sites.cl"

@@ -3,6 +3,8 @@
 
 #import "generated/cell_alone.cl"
 
+INLINE uint store_cut(Store *s, Plane plane, uint tag) { return clip(s, plane, tag); }
+
 OUTLINE bool store_was_tried(Store *s, uint j);
 
 INLINE bool store_leaves_out(Store *s) { return s->world.params->enlarged > REAL(0.0); }

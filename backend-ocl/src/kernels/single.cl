@@ -4,6 +4,8 @@
 
 #import "generated/cell_alone.cl"
 
+INLINE uint store_cut(Store *s, Plane plane, uint tag) { return clip(s, plane, tag); }
+
 // Coefficients beyond these are the host's (see `WIDE_SMALLEST`).
 #define LARGEST_NORMAL REAL(524288.0)
 #define LARGEST_OFFSET REAL(549755813888.0)

@@ -325,4 +325,5 @@ INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { re
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
 
 #import "marks.cl"
+#import "one_lane.cl"
 #import "sites.cl"

@@ -2,18 +2,6 @@
 
 #import "tree_store.cl"
 
-INLINE uint store_lanes(Store *s) { return 1u; }
-INLINE uint store_lane(Store *s) { return 0u; }
-INLINE uint store_lanes_with(Store *s, bool is_so) { return is_so; }
-INLINE uint store_count_of(Store *s, uint lanes) { return lanes; }
-INLINE uint store_rank_in(Store *s, uint lanes) { return 0u; }
-INLINE uint store_first_of(Store *s, uint lanes) { return 0u; }
-INLINE uint store_least_of_lanes(Store *s, uint x) { return x; }
-INLINE uint store_lane_of_key(Store *s, uint own, uint least) { return 0u; }
-INLINE uint store_lane_value(Store *s, uint x, uint from) { return x; }
-INLINE real store_lane_real(Store *s, real x, uint from) { return x; }
-INLINE void store_lanes_wait(Store *s) {}
-
 INLINE uint store_open_block(Store *s, uint i) { return s->open[i]; }
 INLINE uint store_open_key(Store *s, uint i) { return s->open_key[i]; }
 INLINE void store_set_open_block(Store *s, uint i, uint block, uint key, uint asks) {

@@ -1,12 +1,13 @@
 //! Caps: half-spaces that cut off what of a cell is far from its site and outside the domain, where it has no integral. A cell at
-//! the edge of a cloud of sites would else reach to the container's box, and be cut there by sites from all over the cloud.
+//! the edge of a cloud of sites would else reach to the container's box, and be cut there by sites from all over the cloud. One text for one lane
+//! and for many, which share out the vertices and the parts that are looked at.
 
-use super::clip::clip;
+use super::lanes::Lanes;
 use super::part::{add_to_part, boxes_are_outside, next_distance, widen_part};
 use super::plane::Plane;
 use super::status::{CUT, TAG_CAP, UNTOUCHED};
-use super::store::{ClipStore, DomainStore, Polytope, SignStore};
-use super::vector::{Real, V3, dot, larger, scale};
+use super::store::{CutStore, DomainStore, Polytope};
+use super::vector::{Real, V3, dot, larger, scale, v3};
 
 /// Caps of a cell at most.
 pub const MOST_CAPS: u32 = 16;
@@ -20,8 +21,8 @@ const WORTH_A_CAP: Real = 1.1;
 
 /// Cuts off, cap by cap, what lies outside the domain, until no vertex is farther from the site than `radius`, or what is cannot be cut
 /// off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
-#[cfg_attr(opencl, outline)]
-pub fn cap_outside<S: ClipStore + DomainStore + SignStore>(s: &mut S, radius: Real) -> u32 {
+#[cfg_attr(opencl, hot)]
+pub fn cap_outside<S: CutStore + DomainStore>(s: &mut S, radius: Real) -> u32 {
     if !s.has_domain() || !(radius > 0.0) {
         return UNTOUCHED;
     }
@@ -36,7 +37,7 @@ pub fn cap_outside<S: ClipStore + DomainStore + SignStore>(s: &mut S, radius: Re
         let mut status: u32 = UNTOUCHED;
         while (status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length) {
             if part_is_outside(s, far, distance * length) {
-                status = clip(s, Plane { n: scale(-1.0, far), d: distance * length }, TAG_CAP);
+                status = s.cut(Plane { n: scale(-1.0, far), d: distance * length }, TAG_CAP);
             }
             distance = next_distance(distance, radius);
         }
@@ -52,31 +53,40 @@ pub fn cap_outside<S: ClipStore + DomainStore + SignStore>(s: &mut S, radius: Re
 }
 
 /// The position of the vertex that is farthest from the site.
-#[cfg_attr(opencl, outline)]
-pub(super) fn farthest_position<S: Polytope>(s: &S) -> V3 {
-    let mut far: V3 = s.position(0);
-    for v in 1..s.vertices() {
+#[cfg_attr(opencl, hot)]
+pub(super) fn farthest_position<S: Polytope + Lanes>(s: &S) -> V3 {
+    let mut own: V3 = v3(0.0, 0.0, 0.0);
+    let mut square: Real = 0.0;
+    let mut v: u32 = s.lane();
+    while v < s.vertices() {
         let p: V3 = s.position(v);
-        if dot(p, p) > dot(far, far) {
-            far = p;
+        if dot(p, p) > square {
+            own = p;
+            square = dot(p, p);
         }
+        v += s.lanes();
     }
-    return far;
+    let from: u32 = s.first_of(s.lanes_with(square == s.most_of_lanes(square)));
+    return v3(s.lane_real(own.x, from), s.lane_real(own.y, from), s.lane_real(own.z, from));
 }
 
 /// Whether what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
 /// part of it that has something of the cell.
-#[cfg_attr(opencl, outline)]
-pub(super) fn part_is_outside<S: DomainStore>(s: &S, direction: V3, height: Real) -> bool {
+#[cfg_attr(opencl, hot)]
+pub(super) fn part_is_outside<S: DomainStore + Lanes>(s: &S, direction: V3, height: Real) -> bool {
     let mut low: V3 = direction;
     let mut high: V3 = direction;
     let mut radius: Real = 0.0;
-    for v in 0..s.vertices() {
+    let mut v: u32 = s.lane();
+    while v < s.vertices() {
         add_to_part(s, v, direction, height, &mut low, &mut high);
         radius = larger(radius, s.radius(v));
+        v += s.lanes();
     }
-    if !widen_part(s, direction, height, radius, &mut low, &mut high) {
+    low = scale(-1.0, s.most_along_axes(scale(-1.0, low)));
+    high = s.most_along_axes(high);
+    if !widen_part(s, direction, height, s.most_of_lanes(radius), &mut low, &mut high) {
         return false;
     }
-    return boxes_are_outside(s, direction, height, low, high, 0, 1);
+    return s.lanes_with(!boxes_are_outside(s, direction, height, low, high, s.lane(), s.lanes())) == 0;
 }

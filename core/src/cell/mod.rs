@@ -13,7 +13,7 @@
 //! or a plain value. `#[cfg_attr(opencl, …)]` says what is other on devices: `single(…)` is a constant's value in single precision, `returns("…")`
 //! what a function does, `rolled` a loop that is not unrolled; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
 //! work-item has a cell of its own). Only what is behind `store.rs` (traits; `plain.rs` is the store that tests use) is written by hand for each backend; the bounds of a
-//! function say what it asks of a store, and who asks for a `ClipStore` is for one work-item (`clip`, `restrict`, `cap`): lanes that share a cell have a text of their own.
+//! function say what it asks of a store, and who asks for a `ClipStore` is for one work-item (`clip`, `restrict`): lanes that share a cell have a text of their own.
 
 // The dialect says what C would say.
 #![allow(
@@ -35,6 +35,7 @@ mod facet;
 pub mod far;
 mod first;
 mod integrate;
+mod lanes;
 mod near;
 pub mod node;
 #[cfg(feature = "test-util")]
@@ -62,13 +63,14 @@ pub use facet::{FacetSecond, FacetSum, facet_is_above_bound};
 pub use integrate::{
     CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
 };
+pub use lanes::Lanes;
 pub use plain::PlainStore;
 pub use plane::{Plane, bisector};
 pub use quadrature::Node;
 pub use restrict::integrate_cell;
 pub use settle::lies_outside;
 pub use status::*;
-pub use store::{CellStore, ClipStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle, Voxel};
+pub use store::{CellStore, ClipStore, CutStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle, Voxel};
 pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
 pub use vertex::{Triplet, find_vertex_once};
 pub use wide::Minors;

@@ -1,6 +1,7 @@
 //! The plain store.
 
 use super::facet::{FacetSecond, FacetSum};
+use super::lanes::Lanes;
 use super::plane::Plane;
 use super::store::{ClipStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle};
 use super::vector::{Real, V3};
@@ -184,6 +185,8 @@ impl ClipStore for PlainStore<'_> {
 }
 
 impl SignStore for PlainStore<'_> {}
+
+impl Lanes for PlainStore<'_> {}
 
 impl IntegralStore for PlainStore<'_> {
     fn facet(&self, f: u32) -> FacetSum {

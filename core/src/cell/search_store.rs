@@ -1,7 +1,8 @@
-//! What the search needs: the cell, the sites, the tree over them, and the lanes that search together.
+//! What the search needs: the cell, the sites, and the tree over them.
 //!
 //! Like `store.rs` the boundary of the dialect.
 
+use super::lanes::Lanes;
 use super::tree::asks_by_powers;
 use super::vector::{Real, Rough, V3};
 
@@ -72,52 +73,8 @@ pub struct Asked {
     pub limit: Real,
 }
 
-/// A cell that is searched, the sites and the tree over them, and the lanes that search together: each calls the same functions at the same time;
-/// what a method gives is alike in all lanes unless it says otherwise. As it stands there is one lane.
-pub trait SearchStore {
-    /// Number of lanes: 1, or a multiple of [`WIDTH`].
-    fn lanes(&self) -> u32 {
-        1
-    }
-    /// The number of this lane: not alike.
-    fn lane(&self) -> u32 {
-        0
-    }
-    /// The lanes for which something is so, a bit each.
-    fn lanes_with(&self, is_so: bool) -> u32 {
-        u32::from(is_so)
-    }
-    /// How many lanes are among `lanes`.
-    fn count_of(&self, lanes: u32) -> u32 {
-        lanes
-    }
-    /// How many of `lanes` are before this one: not alike.
-    fn rank_in(&self, _lanes: u32) -> u32 {
-        0
-    }
-    /// The first of `lanes`, of which there is one at least.
-    fn first_of(&self, _lanes: u32) -> u32 {
-        0
-    }
-    /// The least of the lanes' numbers.
-    fn least_of_lanes(&self, x: u32) -> u32 {
-        x
-    }
-    /// A lane whose key is the least of all.
-    fn lane_of_key(&self, own: u32, least: u32) -> u32 {
-        self.first_of(self.lanes_with(own == least))
-    }
-    /// What lane `from` has.
-    fn lane_value(&self, x: u32, _from: u32) -> u32 {
-        x
-    }
-    /// The same for a number.
-    fn lane_real(&self, x: Real, _from: u32) -> Real {
-        x
-    }
-    /// Lanes see from here on what the others wrote.
-    fn lanes_wait(&self) {}
-
+/// A cell that is searched, the sites and the tree over them. What a method gives is alike in all lanes unless it says otherwise.
+pub trait SearchStore: Lanes {
     /// A number in the order of numbers, rounded down.
     fn key_below(&self, x: Real) -> u32;
     /// The same rounded up.

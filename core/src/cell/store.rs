@@ -2,7 +2,9 @@
 //!
 //! This file is the boundary of the dialect: every backend writes its own storage behind these names.
 
+use super::clip::clip;
 use super::facet::{FacetSecond, FacetSum};
+use super::lanes::Lanes;
 use super::plane::Plane;
 use super::quadrature::{Node, polynomial};
 use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN};
@@ -365,7 +367,20 @@ pub trait DomainStore: Polytope {
     }
 }
 
-/// All that the cell of one work-item needs.
-pub trait CellStore: ClipStore + SignStore + IntegralStore + DomainStore {}
+/// A cell that can be cut, by one lane or many.
+pub trait CutStore: Polytope + Lanes {
+    /// Cuts by a half-space, as [`clip`] does; `tag` says whose it is.
+    fn cut(&mut self, plane: Plane, tag: u32) -> u32;
+}
 
-impl<S: ClipStore + SignStore + IntegralStore + DomainStore> CellStore for S {}
+impl<S: ClipStore + SignStore + Lanes> CutStore for S {
+    #[inline(always)]
+    fn cut(&mut self, plane: Plane, tag: u32) -> u32 {
+        clip(self, plane, tag)
+    }
+}
+
+/// All that the cell of one work-item needs.
+pub trait CellStore: ClipStore + SignStore + IntegralStore + DomainStore + Lanes {}
+
+impl<S: ClipStore + SignStore + IntegralStore + DomainStore + Lanes> CellStore for S {}

@@ -4,7 +4,7 @@ use super::in_order;
 use super::one_cell::{Cell, reach_from, rounding_about};
 use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NodeBox, NodeSlab, NodeWeights, SearchStore};
-use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Real, Rough, UNTOUCHED, V3, v3};
+use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Lanes, Real, Rough, UNTOUCHED, V3, v3};
 use crate::site_tree::{SiteTree, WIDTH};
 use pulp::{Arch, NullaryFnOnce};
 use std::collections::HashSet;
@@ -194,6 +194,8 @@ fn bits(mut word: u32) -> impl Iterator<Item = usize> {
 fn along(axes: &[[Real; WIDTH]; 3], k: usize) -> V3 {
     v3(axes[0][k], axes[1][k], axes[2][k])
 }
+
+impl<S: CellStore> Lanes for Searched<'_, '_, S> {}
 
 impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     fn key_below(&self, x: Real) -> u32 {

@@ -14,7 +14,7 @@ use std::fs;
 use std::path::Path;
 
 /// The files of a cell, whoever computes it, each after what it uses by value.
-const FILES: [&str; 15] = [
+const FILES: [&str; 16] = [
     "vector",
     "status",
     "plane",
@@ -30,10 +30,11 @@ const FILES: [&str; 15] = [
     "cone",
     "settle",
     "part",
+    "cap",
 ];
 
 /// The files of what goes over all of a cell's vertices one after the other: of a cell by one work-item.
-const ALONE_FILES: [&str; 3] = ["clip", "restrict", "cap"];
+const ALONE_FILES: [&str; 2] = ["clip", "restrict"];
 
 /// The files of the search for the sites that cut a cell.
 const SEARCH_FILES: [&str; 6] = ["search_store", "quadratic", "bound", "tree", "search", "far"];

@@ -2,7 +2,7 @@
 
 // Cuts off, cap by cap, what lies outside the domain, until no vertex is farther from the site than `radius`, or what is cannot be cut
 // off: `CUT` where something was, `UNTOUCHED` where nothing was, or how the cell ended.
-OUTLINE uint cap_outside(Store *s, real radius) {
+HOT uint cap_outside(Store *s, real radius) {
     if (!store_has_domain(s) || !(radius > REAL(0.0))) {
         return UNTOUCHED;
     }
@@ -17,7 +17,7 @@ OUTLINE uint cap_outside(Store *s, real radius) {
         uint status = UNTOUCHED;
         while ((status == UNTOUCHED) && ((WORTH_A_CAP * distance) < length)) {
             if (part_is_outside(s, far, distance * length)) {
-                status = clip(s, (Plane){ .n = scale(-REAL(1.0), far), .d = distance * length }, TAG_CAP);
+                status = store_cut(s, (Plane){ .n = scale(-REAL(1.0), far), .d = distance * length }, TAG_CAP);
             }
             distance = next_distance(distance, radius);
         }
@@ -33,29 +33,38 @@ OUTLINE uint cap_outside(Store *s, real radius) {
 }
 
 // The position of the vertex that is farthest from the site.
-OUTLINE V3 farthest_position(Store *s) {
-    V3 far = store_position(s, 0);
-    for (uint v = 1; v < store_vertices(s); v++) {
+HOT V3 farthest_position(Store *s) {
+    V3 own = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real square = REAL(0.0);
+    uint v = store_lane(s);
+    while (v < store_vertices(s)) {
         const V3 p = store_position(s, v);
-        if (v3_dot(p, p) > v3_dot(far, far)) {
-            far = p;
+        if (v3_dot(p, p) > square) {
+            own = p;
+            square = v3_dot(p, p);
         }
+        v += store_lanes(s);
     }
-    return far;
+    const uint from = store_first_of(s, store_lanes_with(s, square == store_most_of_lanes(s, square)));
+    return v3(store_lane_real(s, own.x, from), store_lane_real(s, own.y, from), store_lane_real(s, own.z, from));
 }
 
 // Whether what of the cell has `direction·x ≥ height` certainly lies where the domain's winding number is 0: its bounding box, or each
 // part of it that has something of the cell.
-OUTLINE bool part_is_outside(Store *s, V3 direction, real height) {
+HOT bool part_is_outside(Store *s, V3 direction, real height) {
     V3 low = direction;
     V3 high = direction;
     real radius = REAL(0.0);
-    for (uint v = 0; v < store_vertices(s); v++) {
+    uint v = store_lane(s);
+    while (v < store_vertices(s)) {
         add_to_part(s, v, direction, height, &low, &high);
         radius = larger(radius, store_radius(s, v));
+        v += store_lanes(s);
     }
-    if (!widen_part(s, direction, height, radius, &low, &high)) {
+    low = scale(-REAL(1.0), store_most_along_axes(s, scale(-REAL(1.0), low)));
+    high = store_most_along_axes(s, high);
+    if (!widen_part(s, direction, height, store_most_of_lanes(s, radius), &low, &high)) {
         return 0;
     }
-    return boxes_are_outside(s, direction, height, low, high, 0, 1);
+    return store_lanes_with(s, !boxes_are_outside(s, direction, height, low, high, store_lane(s), store_lanes(s))) == 0;
 }

@@ -114,6 +114,9 @@ HOT bool box_is_outside(Store *s, V3 low, V3 high);
 HOT bool box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves);
 INLINE real reach_along(V3 n, V3 halves);
 HOT real next_distance(real distance, real radius);
+HOT uint cap_outside(Store *s, real radius);
+HOT V3 farthest_position(Store *s);
+HOT bool part_is_outside(Store *s, V3 direction, real height);
 
 #import "generated/vector.cl"
 #import "generated/plane.cl"
@@ -128,3 +131,4 @@ HOT real next_distance(real distance, real radius);
 #import "generated/cone.cl"
 #import "generated/settle.cl"
 #import "generated/part.cl"
+#import "generated/cap.cl"

@@ -20,10 +20,6 @@ OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, bool 
 OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone);
 OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums);
 INLINE bool all_in_conflict(Store *s, uint k, Plane plane);
-OUTLINE uint cap_outside(Store *s, real radius);
-OUTLINE V3 farthest_position(Store *s);
-OUTLINE bool part_is_outside(Store *s, V3 direction, real height);
 
 #import "generated/clip.cl"
 #import "generated/restrict.cl"
-#import "generated/cap.cl"

@@ -447,10 +447,6 @@ typedef struct {
 // Parts of what a cap cuts off, eight along each axis, that are looked at where its bounding box does not tell.
 #define ALL_PARTS ((uint)(512))
 
-// core/src/cell/clip.rs
-
-// core/src/cell/restrict.rs
-
 // core/src/cell/cap.rs
 
 // Caps of a cell at most.
@@ -464,3 +460,7 @@ typedef struct {
 
 // A vertex less than this times as far as a cap is not worth one.
 #define WORTH_A_CAP ((real)(REAL(1.1)))
+
+// core/src/cell/clip.rs
+
+// core/src/cell/restrict.rs

@@ -1179,6 +1179,33 @@ __kernel void parity_next_distance(PARITY_ARGUMENTS) {
     give_real(&out, result);
 }
 
+__kernel void parity_cap_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const real radius = take_real(&in);
+    const uint result = cap_outside(s, radius);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_farthest_position(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 result = farthest_position(s);
+    give_V3(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_part_is_outside(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    const bool result = part_is_outside(s, direction, height);
+    give_bool(&out, result);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_begin(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -1367,33 +1394,6 @@ __kernel void parity_all_in_conflict(PARITY_ARGUMENTS) {
     const uint k = take_uint(&in);
     const Plane plane = take_Plane(&in);
     const bool result = all_in_conflict(s, k, plane);
-    give_bool(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_cap_outside(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const real radius = take_real(&in);
-    const uint result = cap_outside(s, radius);
-    give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_farthest_position(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const V3 result = farthest_position(s);
-    give_V3(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_part_is_outside(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const V3 direction = take_V3(&in);
-    const real height = take_real(&in);
-    const bool result = part_is_outside(s, direction, height);
     give_bool(&out, result);
     parity_dump(&out, s);
 }

@@ -1,7 +1,7 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
 use super::{FLAGS, Function, Word, Words};
-use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, first, quadrature, integrate, facet, near, cone, settle, part, clip, restrict, cap, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
+use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, first, quadrature, integrate, facet, near, cone, settle, part, cap, clip, restrict, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
 
 words!(V3 { x, y, z });
 words!(Plane { n, d });
@@ -117,6 +117,9 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (direction: V3, height: f64, middle: V3, halves: V3) part::box_misses_part(&s, direction, height, middle, halves), []),
     host!((n: V3, halves: V3) part::reach_along(n, halves), []),
     host!((distance: f64, radius: f64) part::next_distance(distance, radius), []),
+    host!(s, (radius: f64) cap::cap_outside(&mut s, radius), []),
+    host!(s, () cap::farthest_position(&s), []),
+    host!(s, (direction: V3, height: f64) cap::part_is_outside(&s, direction, height), []),
     host!(s, (lo: V3, hi: V3) clip::begin(&mut s, lo, hi), []),
     host!(s, (plane: Plane, tag: u32 = TAG_CONE) clip::clip(&mut s, plane, tag), []),
     host!(s, (k: u32) clip::settle_marks(&mut s, k), []),
@@ -135,7 +138,4 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (cone: TruncatedCone) restrict::clip_by_sides(&mut s, cone), []),
     host!(s, (t: u32, apex: Voxel, center: V3, sums: CellSums) restrict::add_surface(&mut s, t, apex, center, &mut sums), [sums]),
     host!(s, (k: u32, plane: Plane) restrict::all_in_conflict(&mut s, k, plane), []),
-    host!(s, (radius: f64) cap::cap_outside(&mut s, radius), []),
-    host!(s, () cap::farthest_position(&s), []),
-    host!(s, (direction: V3, height: f64) cap::part_is_outside(&s, direction, height), []),
 ];

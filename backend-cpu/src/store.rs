@@ -2,8 +2,7 @@
 
 use laguerre_core::cell::{
     ClipStore, DomainStore, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN,
-    Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triangle, Triplet,
-    UNIT_ROUNDOFF, V3, v3,
+    Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triplet, UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
@@ -416,16 +415,13 @@ impl DomainStore for CpuStore<'_> {
     }
 
     #[inline(always)]
-    fn triangle(&self, t: u32) -> Triangle {
+    fn note_tried(&self, t: u32) {
         if self.last_triangle.replace(Some(t)) != Some(t) {
             self.triangles.set(self.triangles.get() + 1);
         }
-        self.domain.map_or(Triangle::default(), |grid| {
-            let [a, b, c] = grid.triangles()[t as usize];
-            Triangle { a, b, c }
-        })
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -38,9 +38,9 @@ INLINE V3 store_origin(Store *s) {
 INLINE real store_coefficient(Store *s, uint i) { return s->world.integrand[(4u * s->world.params->nodes) + i]; }
 INLINE real store_function(Store *s, V3 x) { return polynomial(s, x); }
 #else
-INLINE uint store_nodes(Store *s) { return false; }
+INLINE uint store_nodes(Store *s) { return 0u; }
 INLINE Node store_node(Store *s, uint q) { return (Node){ 0 }; }
-INLINE uint store_degree(Store *s) { return false; }
+INLINE uint store_degree(Store *s) { return 0u; }
 INLINE V3 store_origin(Store *s) { return (V3){ 0 }; }
 INLINE real store_coefficient(Store *s, uint i) { return REAL(0.0); }
 INLINE real store_function(Store *s, V3 x) { return REAL(0.0); }

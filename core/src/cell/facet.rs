@@ -128,7 +128,7 @@ pub(crate) fn reset_facets<S: IntegralStore>(s: &mut S, flags: u32) {
 #[cfg_attr(opencl, outline)]
 pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
     // The surface has no negative area.
-    if (!facet_is_above_bound(sum)) || (sum.area < 0.0) {
+    if !facet_is_above_bound(sum) || (sum.area < 0.0) {
         return;
     }
     let share: Real = (outward * sum.area) / dot(plane.n, plane.n).sqrt();

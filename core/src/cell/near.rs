@@ -6,7 +6,7 @@ use super::store::{DomainStore, Polytope, Triangle, Voxel};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, cross, dot, larger, norm_1, norm_max, smaller, sub, v3};
 
 /// Whether no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
-/// `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
+/// `winding`, which is that of the corner of `lo`, becomes that of the cell. `false` where one does, or may.
 #[cfg_attr(opencl, outline)]
 pub(super) fn surface_passes_by<S: DomainStore>(
     s: &mut S,

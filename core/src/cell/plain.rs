@@ -3,7 +3,7 @@
 use super::facet::{FacetSecond, FacetSum};
 use super::lanes::Lanes;
 use super::plane::Plane;
-use super::store::{ClipStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle};
+use super::store::{ClipStore, DomainStore, IntegralStore, Polytope, SignStore};
 use super::vector::{Real, V3};
 use super::vertex::Triplet;
 use crate::domain_grid::DomainGrid;
@@ -214,13 +214,9 @@ impl DomainStore for PlainStore<'_> {
     fn domain(&self) -> Option<&DomainGrid> {
         self.domain
     }
-    fn triangle(&self, t: u32) -> Triangle {
+    fn note_tried(&self, t: u32) {
         if self.last_triangle.replace(Some(t)) != Some(t) {
             self.triangles.set(self.triangles.get() + 1);
         }
-        self.domain.map_or(Triangle::default(), |grid| {
-            let [a, b, c] = grid.triangles()[t as usize];
-            Triangle { a, b, c }
-        })
     }
 }

@@ -204,10 +204,10 @@ pub(crate) fn add_cone<S: CellStore>(
     }
     // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
     let base: u32 = s.planes();
-    if (all_in_conflict(s, base, cone.end))
-        || (all_in_conflict(s, base, cone.side_0))
-        || (all_in_conflict(s, base, cone.side_1))
-        || (all_in_conflict(s, base, cone.side_2))
+    if all_in_conflict(s, base, cone.end)
+        || all_in_conflict(s, base, cone.side_0)
+        || all_in_conflict(s, base, cone.side_1)
+        || all_in_conflict(s, base, cone.side_2)
     {
         return COMPLETE;
     }

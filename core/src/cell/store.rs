@@ -338,8 +338,14 @@ pub trait DomainStore: Polytope {
         })
     }
 
+    /// Notes that the cell tries triangle `t`.
+    #[inline(always)]
+    fn note_tried(&self, _t: u32) {}
+
     /// The vertices of triangle `t`.
+    #[inline(always)]
     fn triangle(&self, t: u32) -> Triangle {
+        self.note_tried(t);
         self.domain().map_or(Triangle::default(), |grid| {
             let [a, b, c] = grid.triangles()[t as usize];
             Triangle { a, b, c }

@@ -73,7 +73,7 @@ OUTLINE void reset_facets(Store *s, uint flags) {
 // keeps the domain's inside, −1 where it keeps its outside.
 OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums) {
     // The surface has no negative area.
-    if ((!facet_is_above_bound(sum)) || (sum.area < REAL(0.0))) {
+    if (!facet_is_above_bound(sum) || (sum.area < REAL(0.0))) {
         return;
     }
     const real share = (outward * sum.area) / sqrt(v3_dot(plane.n, plane.n));

@@ -1,7 +1,7 @@
 // Generated from core/src/cell/near.rs by `cargo xtask codegen`; do not edit.
 
 // Whether no triangle in the voxels from `lo` to `hi` meets the cell, whose box is `[low, high]` in the frame of its site. Then
-// `winding`, which is that of the corner of `lo`, becomes that of the cell. 0 where one does, or may.
+// `winding`, which is that of the corner of `lo`, becomes that of the cell. `false` where one does, or may.
 OUTLINE bool surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding) {
     if (!site_is_inside(s)) {
         return 0;

@@ -154,7 +154,7 @@ OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, bool 
     }
     // Cull before cutting: most candidates have the whole cell on the wrong side of one of the four planes.
     const uint base = store_planes(s);
-    if ((((all_in_conflict(s, base, cone.end)) || (all_in_conflict(s, base, cone.side_0))) || (all_in_conflict(s, base, cone.side_1))) || (all_in_conflict(s, base, cone.side_2))) {
+    if (((all_in_conflict(s, base, cone.end) || all_in_conflict(s, base, cone.side_0)) || all_in_conflict(s, base, cone.side_1)) || all_in_conflict(s, base, cone.side_2)) {
         return COMPLETE;
     }
     uint status = clip_by_sides(s, cone);

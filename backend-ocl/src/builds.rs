@@ -71,6 +71,16 @@ impl Lanes {
         }
     }
 
+    /// Of so many teams that a cell may have, those that it has.
+    const fn teams(self, most: u32) -> u32 {
+        match self {
+            // (Barriers that stand in loops are more than PoCL compiles in minutes.)
+            #[cfg(any(test, feature = "test-util"))]
+            Self::One => 1,
+            _ => most,
+        }
+    }
+
     /// Options of the compiler.
     const fn options(self) -> &'static str {
         match self {
@@ -96,7 +106,9 @@ pub(crate) enum Stage {
     Far,
     /// Those that need exact signs, or sites beyond the table of offsets.
     Exact,
-    /// Those that need more room.
+    /// Those that need more room, or reach far outside the domain, where the tree is searched; those are given up that double-double does not decide.
+    Large,
+    /// Those of them that need exact signs.
     Wide,
     /// Those that need more room than local memory has.
     Vast,
@@ -118,21 +130,40 @@ struct Shape {
     surface: bool,
     /// `WITH_ROOM`.
     room: u32,
+    /// Teams of lanes that a cell has: each asks for another vertex of it at the same time (`kernels/README.md`).
+    teams: u32,
 }
 
 impl Stage {
     const fn shape(self) -> Shape {
-        const FIRST: Shape =
-            Shape { cells: 5, registers: Some(96), short: true, far: false, exact: false, surface: false, room: 0 };
-        const EXACT: Shape =
-            Shape { cells: 4, registers: Some(128), short: false, far: true, exact: true, surface: true, room: 0 };
+        const FIRST: Shape = Shape {
+            cells: 5,
+            registers: Some(96),
+            short: true,
+            far: false,
+            exact: false,
+            surface: false,
+            room: 0,
+            teams: 1,
+        };
+        const EXACT: Shape = Shape {
+            cells: 4,
+            registers: Some(128),
+            short: false,
+            far: true,
+            exact: true,
+            surface: true,
+            room: 0,
+            teams: 1,
+        };
         match self {
             Self::Single | Self::First => FIRST,
             Self::Far => Shape { cells: 1, short: false, far: true, ..FIRST },
             Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, ..FIRST },
             Self::Exact => EXACT,
-            Self::Wide => Shape { cells: 1, registers: None, room: 1, ..EXACT },
-            Self::Vast => Shape { cells: 1, registers: None, room: 2, ..EXACT },
+            Self::Large => Shape { exact: false, ..Self::Wide.shape() },
+            Self::Wide => Shape { cells: 1, registers: Some(128), room: 1, teams: 4, ..EXACT },
+            Self::Vast => Shape { cells: 1, registers: Some(128), room: 2, teams: 8, ..EXACT },
         }
     }
 }
@@ -143,7 +174,11 @@ impl Way {
         match self {
             // They share nothing; a multiple of what any GPU runs in step.
             Self::Alone(_) => (64, 1),
-            Self::Together(lanes, stage) => (lanes.count() * stage.shape().cells as usize, lanes.count()),
+            Self::Together(lanes, stage) => {
+                let shape = stage.shape();
+                let per_cell = lanes.count() * lanes.teams(shape.teams) as usize;
+                (per_cell * shape.cells as usize, per_cell)
+            }
         }
     }
 }
@@ -169,7 +204,7 @@ impl Asked {
             flags: params.flags & if is_of_many { !0 } else { !SECOND_MOMENTS },
             domain: is_shared && params.has_domain != 0,
             weights: is_shared && params.equal_weights == 0,
-            table: params.has_table != 0 && !matches!(way, Way::Together(_, Stage::Far)),
+            table: params.has_table != 0 && !matches!(way, Way::Together(_, Stage::Far | Stage::Large)),
         }
     }
 }
@@ -183,6 +218,7 @@ enum Flag {
     Single(bool),
     Lanes(u32),
     CellsOfGroup(u32),
+    Teams(u32),
     Short(bool),
     /// What is asked for (`integrate_cell`), by parts.
     Facets(bool),
@@ -209,6 +245,7 @@ impl Flag {
             Self::Single(is_set) => set("SINGLE", is_set),
             Self::Lanes(count) => ("LANES", format!("{count}u")),
             Self::CellsOfGroup(count) => ("CELLS", count.to_string()),
+            Self::Teams(count) => ("TEAMS", format!("{count}u")),
             Self::Short(is_set) => set("SHORT", is_set),
             Self::Facets(is_set) => set("WITH_FACETS", is_set),
             Self::FacetSecond(is_set) => set("WITH_FACET_SECOND", is_set),
@@ -251,12 +288,13 @@ impl Build {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { cells, short, far, exact, surface, room, .. } = stage.shape();
+                        let Shape { cells, short, far, exact, surface, room, teams, .. } = stage.shape();
                         vec![
                             Flag::Single(stage == Stage::Single),
                             Flag::Short(short && *asked == 0),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
+                            Flag::Teams(lanes.teams(teams)),
                             Flag::Domain(*domain),
                             Flag::Weights(*weights),
                             Flag::Far(far),
@@ -299,7 +337,16 @@ impl Build {
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let asked = Asked { flags: !0, domain: true, weights: false, table: true };
         let room = Capacities { planes: 64, vertices: 128 };
-        let stages = [Stage::Single, Stage::First, Stage::Surface, Stage::Far, Stage::Exact, Stage::Wide, Stage::Vast];
+        let stages = [
+            Stage::Single,
+            Stage::First,
+            Stage::Surface,
+            Stage::Far,
+            Stage::Exact,
+            Stage::Large,
+            Stage::Wide,
+            Stage::Vast,
+        ];
         let together = stages.map(|stage| Self::Cells(Way::Together(Lanes::Warp, stage), asked));
         let others = [
             Self::Grid,

@@ -190,6 +190,8 @@ impl Device {
         let mut way = together.map_or(Way::Alone(room), |(lanes, stage)| Way::Together(lanes, stage));
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
+        // (Of which those that reach far outside the domain are cut off first: what is open then goes on with what was.)
+        let has_domain = self.domain.is_some() && !request.facets;
         let begin = self.seconds;
         let mut second = Substep::default();
         while now.count() > 0 {
@@ -203,8 +205,9 @@ impl Device {
             if counters.full > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters.full = 0;
-            } else if let (Way::Together(lanes, stage @ (Stage::Single | Stage::First | Stage::Far)), 1..) =
-                (way, counters.later)
+            } else if let (Way::Together(lanes, stage), 1..) = (way, counters.later)
+                && matches!(stage, Stage::Single | Stage::First | Stage::Far | Stage::Large)
+                && !(stage == Stage::Far && has_domain && counters.left > 0)
             {
                 // What most cells need is more than a few more digits.
                 let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
@@ -215,6 +218,7 @@ impl Device {
                 let next = match stage {
                     Stage::Single if are_few => Stage::First,
                     Stage::First if is_tree => Stage::Far,
+                    Stage::Large => Stage::Wide,
                     _ => Stage::Exact,
                 };
                 way = Way::Together(lanes, next);
@@ -234,14 +238,11 @@ impl Device {
                     for_host.extend(self.callers(&now)?);
                     break;
                 }
-                // Cells that reach far outside the domain are for the stage that can cut them off.
-                let cuts_outside = self.domain.is_some() && self.shared.params.has_table == 0 && !is_second;
                 way = match stage {
-                    _ if cuts_outside && !request.facets => Way::Together(lanes, Stage::Exact),
                     // (Facets of cells that the surface cuts are not computed together.)
-                    Stage::Far | Stage::Exact if !request.facets => Way::Together(lanes, Stage::Wide),
-                    Stage::Wide => Way::Together(lanes, Stage::Vast),
-                    _ => Way::Alone(room),
+                    _ if request.facets => Way::Alone(room),
+                    Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
+                    _ => Way::Together(lanes, Stage::Large),
                 };
                 interior_only = false;
                 is_second = true;

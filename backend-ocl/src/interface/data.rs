@@ -15,7 +15,7 @@ pub(crate) const CROWDED: u32 = 64;
 pub(crate) const SAMPLE: u32 = 512;
 
 /// Room for a cell that is too large for local memory, in units of 8 bytes.
-pub(crate) const VAST_WORDS: u32 = 75_000;
+pub(crate) const VAST_WORDS: u32 = 77_000;
 
 /// Levels of the tree at most.
 pub(crate) const MOST_TREE_LEVELS: usize = 12;

@@ -1,9 +1,9 @@
 // Cuts off what of a cell is far outside the domain, and cuts it by sites from all over, where LANES work-items compute it together: only built
-// WITH_EXACT, since a cell of a site amid others reaches nowhere far.
+// in stages for few, since a cell of a site amid others reaches nowhere far.
 
 #import "lanes_clip.cl"
 
-#if WITH_DOMAIN && WITH_EXACT
+#if CUTS_OUTSIDE
 
 // `cap_outside`, where the store can stay in registers.
 OUTLINE uint cap_together(Store *given, real radius) {

@@ -11,8 +11,9 @@
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that
 // nothing in the inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the
 // inner loop in the cache of instructions. WITH_SURFACE is for those, WITH_FAR for cells that are completed by their vertices (`lanes_tree.cl`),
-// WITH_EXACT for what is open in either, WITH_ROOM for what needs more room. WITH_WEIGHTS where they differ: what only they need costs others
-// 8 %. WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
+// WITH_EXACT for what is open in either, WITH_ROOM for what needs more room: such a cell has TEAMS of LANES work-items, which ask for its vertices and wait
+// for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
+// WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
 
 #import "lanes_table.cl"
 #import "lanes_near.cl"
@@ -26,7 +27,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     __local Cell cells[CELLS];
 #endif
     const uint flags = (SHORT != 0) ? 0u : params->flags;
-    const uint own_turn = lanes_alike((uint)get_global_id(0) / LANES);
+    const uint own_turn = lanes_alike((uint)get_global_id(0) / (LANES * TEAMS));
     if (own_turn >= count) {
         return;
     }
@@ -46,13 +47,16 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if WITH_ROOM == 2
     __global Cell *cell = ((__global Cell *)vast) + own_turn;
 #else
-    __local Cell *cell = cells + lanes_alike((uint)get_local_id(0) / LANES);
+    __local Cell *cell = cells + lanes_alike((uint)get_local_id(0) / (LANES * TEAMS));
 #endif
     s->cell = cell;
     s->site = (Site){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
     s->own = site;
     s->lane = own_lane();
+#if TEAMS > 1
+    s->team = lanes_alike((uint)get_local_id(0) / LANES);
+#endif
 #if WITH_DOMAIN && !TAKES_NEAR
     const int2 about = abouts[site];
     const float clear = (as_float(about.x) > 0.0f) ? extent_of(as_float(about.x)) : -1.0f;
@@ -77,7 +81,16 @@ __kernel void cells(CELLS_ARGUMENTS) {
     cell->origin[2] = (float)fmin(fmax(vantage.center.z, lo.z), hi.z);
     lanes_wait();
 #endif
+#if TEAMS > 1
+    if (IS_FIRST_TEAM) {
+        begin_together(cell, s->lane, lo, hi);
+        for (uint team = 0; team < TEAMS; team++) {
+            cell->noted[team] = 0;
+        }
+    }
+#else
     begin_together(cell, s->lane, lo, hi);
+#endif
     s->planes = 6;
     s->vertices = 8;
     uint visited = 0;
@@ -89,6 +102,12 @@ __kernel void cells(CELLS_ARGUMENTS) {
     uint status = complete_by_table(s, shells, &visited, &extent);
 #else
     uint status = complete_by_tree(s, vantage, &visited, &extent);
+#endif
+#if TEAMS > 1
+    // (The others have done what they are for.)
+    if (!IS_FIRST_TEAM) {
+        return;
+    }
 #endif
     CellSums part = (CellSums){ 0 };
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));

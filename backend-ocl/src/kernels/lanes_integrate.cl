@@ -89,7 +89,7 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
 #if !SINGLE
     uint exact = 0;
     if (refine_together(cell, s->lane, s->vertices, &exact) != COMPLETE) {
-        return LEFT;
+        return UNSETTLED;
     }
     s->exact |= exact;
 #endif
@@ -102,7 +102,7 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
     }
     const uint summed = sum_together(cell, s->lane, s->vertices, *winding, *center, REAL(0.0), flags & SECOND_MOMENTS, sums);
     if (summed != COMPLETE) {
-        return LEFT;
+        return UNSETTLED;
     }
 #if SINGLE
     // (Twice: the half-spaces are rounded, too, each by fewer roundings than the bound has for a vertex across its planes.)

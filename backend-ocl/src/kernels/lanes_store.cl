@@ -12,7 +12,10 @@
 
 // Whether finished cells near the surface are given to the stage WITH_SURFACE, as records; and whether this is that stage.
 #define GIVES_NEAR (WITH_DOMAIN && !WITH_FACETS && !WITH_SURFACE && !WITH_EXACT)
-#define TAKES_NEAR (WITH_SURFACE && !WITH_EXACT)
+#define TAKES_NEAR (WITH_SURFACE && !WITH_FAR)
+
+// Whether what of a cell is far outside the domain is cut off.
+#define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || (WITH_FAR && WITH_SURFACE)))
 
 // Whether signs that single precision leaves open, and vertices of nearly dependent planes, are settled in double precision and double-double: of
 // cells that reach far they are many. Of a million sites on a bumpy surface 99 % went on to the stage WITH_EXACT, for 2.9 s; now none does, and
@@ -103,15 +106,23 @@ typedef struct {
     Plane cone[4];
 #endif
 #if SEARCHES_TREE
-    // Of the search (`tree_search.cl`).
-    uint open[MOST_OPEN];
-    uint leaf[MOST_LEAVES];
+    // Of the search (`tree_search.cl`), for each team; keys of candidates are the first one's.
+    uint open[TEAMS * MOST_OPEN];
+    uint leaf[TEAMS * MOST_LEAVES];
 #if KEEPS_KEYS
-    uint open_key[MOST_OPEN];
-    uint leaf_key[MOST_LEAVES];
+    uint open_key[TEAMS * MOST_OPEN];
+    uint leaf_key[TEAMS * MOST_LEAVES];
 #endif
-    uint candidate[MOST_CANDIDATES];
+    uint candidate[TEAMS * MOST_CANDIDATES];
     uint candidate_key[MOST_CANDIDATES];
+#endif
+#if TEAMS > 1
+    // What each team found, and whether it needed exact arithmetic; what the first one says, and its numbers of half-spaces and vertices.
+    Answer answer[TEAMS];
+    uint noted[TEAMS];
+    uint said;
+    uint said_planes;
+    uint said_vertices;
 #endif
 #if HAS_ORIGIN
     // Where rough places are from, as the way from the site.
@@ -149,6 +160,9 @@ typedef struct {
     uint exact;
     // The vertex that the search asks for.
     Asked asked;
+#if TEAMS > 1
+    uint team;
+#endif
 #if WITH_TABLE
     // Of the search of the table: it, the site's voxel, and the candidates that the lane holds.
     __global const uchar4 *shells;

@@ -116,7 +116,7 @@ INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flag
 // `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums) {
     CELL_SPACE Cell *cell = s->cell;
-#if WITH_EXACT
+#if COMPACTS
     if ((s->planes + 4u) > LANES_P) {
         s->planes = lanes_alike(compact_together(s->cell, s->lane, s->planes, s->vertices));
     }
@@ -134,7 +134,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
     }
     if (winding != REAL(0.0)) {
         if (add_polytope(s, winding, center, REAL(0.0), flags, sums) != COMPLETE) {
-            return LEFT;
+            return UNSETTLED;
         }
         restore_cell(s, &saved);
     }
@@ -151,7 +151,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
             meets = ((is_open | is_flat) == 0u) && (misses_cone(s, &cone) == 0u);
         }
         if (lanes_with(is_open) != 0u) {
-            return LEFT;
+            return UNSETTLED;
         }
         touched |= lanes_with(is_flat);
         for (uint left = lanes_with(meets); left != 0u; left &= left - 1u) {
@@ -179,7 +179,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
                 return status;
             }
             if ((status != EMPTY) && (add_polytope(s, -sign, center, reach, flags, sums) != COMPLETE)) {
-                return LEFT;
+                return UNSETTLED;
             }
             restore_cell(s, &saved);
         }
@@ -189,7 +189,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         CellSums whole = (CellSums){ 0 };
         int inner = 0;
         if (add_polytope(s, REAL(1.0), center, REAL(0.0), VOLUME_ONLY, &whole) != COMPLETE) {
-            return LEFT;
+            return UNSETTLED;
         }
         // (Its vertices are in double precision from here on.)
         s->is_fine = 1;
@@ -202,7 +202,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
                 return EMPTY;
             }
             if (sum_together(cell, s->lane, s->vertices, (real)inner, center, REAL(0.0), flags, sums) != COMPLETE) {
-                return LEFT;
+                return UNSETTLED;
             }
         }
     }

@@ -2,19 +2,59 @@
 
 #import "lanes_search.cl"
 
+// Where what a team has begins of what all have; and whether it is the first.
+#if TEAMS > 1
+#define OF_TEAM(room) (s->team * (room))
+#define IS_FIRST_TEAM (s->team == 0u)
+#else
+#define OF_TEAM(room) 0u
+#define IS_FIRST_TEAM true
+#endif
+
+#if TEAMS > 1
+INLINE uint store_teams(Store *s) { return TEAMS; }
+INLINE uint store_team(Store *s) { return s->team; }
+INLINE void store_teams_wait(Store *s) { barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); }
+INLINE Answer store_answer(Store *s, uint team) { return s->cell->answer[team]; }
+INLINE void store_set_answer(Store *s, Answer answer) {
+    if (s->lane == 0u) {
+        s->cell->answer[s->team] = answer;
+        s->cell->noted[s->team] = s->exact;
+    }
+}
+INLINE uint store_tied(Store *s, uint team, uint i) { return s->cell->candidate[(team * MOST_CANDIDATES) + i]; }
+INLINE uint store_first_says(Store *s, uint what) {
+    CELL_SPACE Cell *cell = s->cell;
+    if (IS_FIRST_TEAM) {
+        for (uint team = 1; team < TEAMS; team++) {
+            s->exact |= cell->noted[team];
+        }
+        if (s->lane == 0u) {
+            cell->said = what;
+            cell->said_planes = s->planes;
+            cell->said_vertices = s->vertices;
+        }
+    }
+    store_teams_wait(s);
+    s->planes = lanes_alike(cell->said_planes);
+    s->vertices = lanes_alike(cell->said_vertices);
+    return lanes_alike(cell->said);
+}
+#endif
+
 #if SEARCHES_TREE
-INLINE uint store_open_block(Store *s, uint i) { return s->cell->open[i]; }
-INLINE uint store_leaf(Store *s, uint i) { return s->cell->leaf[i]; }
+INLINE uint store_open_block(Store *s, uint i) { return s->cell->open[OF_TEAM(MOST_OPEN) + i]; }
+INLINE uint store_leaf(Store *s, uint i) { return s->cell->leaf[OF_TEAM(MOST_LEAVES) + i]; }
 #if KEEPS_KEYS
-INLINE uint store_open_key(Store *s, uint i) { return s->cell->open_key[i]; }
-INLINE uint store_leaf_key(Store *s, uint i) { return s->cell->leaf_key[i]; }
+INLINE uint store_open_key(Store *s, uint i) { return s->cell->open_key[OF_TEAM(MOST_OPEN) + i]; }
+INLINE uint store_leaf_key(Store *s, uint i) { return s->cell->leaf_key[OF_TEAM(MOST_LEAVES) + i]; }
 INLINE void store_set_open_block(Store *s, uint i, uint block, uint key, uint asks) {
-    s->cell->open[i] = block;
-    s->cell->open_key[i] = key;
+    s->cell->open[OF_TEAM(MOST_OPEN) + i] = block;
+    s->cell->open_key[OF_TEAM(MOST_OPEN) + i] = key;
 }
 INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key, uint asks) {
-    s->cell->leaf[i] = leaf;
-    s->cell->leaf_key[i] = key;
+    s->cell->leaf[OF_TEAM(MOST_LEAVES) + i] = leaf;
+    s->cell->leaf_key[OF_TEAM(MOST_LEAVES) + i] = key;
 }
 #else
 INLINE uint store_open_key(Store *s, uint i) { return 0u; }
@@ -22,11 +62,14 @@ INLINE uint store_leaf_key(Store *s, uint i) { return 0u; }
 INLINE void store_set_open_block(Store *s, uint i, uint block, uint key, uint asks) { s->cell->open[i] = block; }
 INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key, uint asks) { s->cell->leaf[i] = leaf; }
 #endif
-INLINE uint store_candidate(Store *s, uint i) { return s->cell->candidate[i]; }
+INLINE uint store_candidate(Store *s, uint i) { return s->cell->candidate[OF_TEAM(MOST_CANDIDATES) + i]; }
 INLINE uint store_candidate_key(Store *s, uint i) { return s->cell->candidate_key[i]; }
+// (Only the first team looks at keys.)
 INLINE void store_set_candidate(Store *s, uint i, uint site, uint key) {
-    s->cell->candidate[i] = site;
-    s->cell->candidate_key[i] = key;
+    s->cell->candidate[OF_TEAM(MOST_CANDIDATES) + i] = site;
+    if (IS_FIRST_TEAM) {
+        s->cell->candidate_key[i] = key;
+    }
 }
 
 INLINE uint store_settled(Store *s, uint v) { return s->cell->triplet[v] & SETTLED; }
@@ -36,6 +79,8 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
         s->cell->triplet[v] = (settled != 0u) ? (triplet | SETTLED) : triplet;
     }
 }
+
+INLINE void store_settle_own(Store *s, uint v) { s->cell->triplet[v] |= SETTLED; }
 
 // Where a vertex is off by more than this share of its distance it is worked out in double-double: what it is off by decides how many sites may
 // have the least power there.
@@ -70,7 +115,7 @@ INLINE uint store_cut_outside(Store *s, real radius) {
     if (((real)far <= radius) || (extent_of(far) <= s->cell->clear)) {
         return UNTOUCHED;
     }
-#if WITH_EXACT
+#if CUTS_OUTSIDE
     Store copy = *s;
     const uint status = lanes_alike(cap_together(&copy, radius));
     take_over(s, &copy);
@@ -99,7 +144,17 @@ OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
 INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *extent) {
-    uint status = search_near(s, vantage, visited);
+    uint status = UNTOUCHED;
+    if (IS_FIRST_TEAM) {
+        real proven;
+        status = search_near(s, vantage, visited, &proven);
+#if WITH_FAR
+        if (status == UNTOUCHED) {
+            settle_near(s, vantage.center, proven);
+        }
+#endif
+    }
+    status = store_first_says(s, status);
     if (status == UNTOUCHED) {
 #if WITH_FAR && !WITH_EXACT
         status = search_far(s, vantage.center, 1u, visited);

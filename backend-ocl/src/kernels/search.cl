@@ -122,7 +122,11 @@ INLINE uint complete_cell(Store *s, __global const uchar4 *shells, uint site, ui
     float reach = 0.0f;
     status = search_table(s, &reach, visited);
 #else
-    status = search_near(s, vantage, visited);
+    real proven;
+    status = search_near(s, vantage, visited, &proven);
+    if (status == UNTOUCHED) {
+        settle_near(s, vantage.center, proven);
+    }
 #endif
     return (status == UNTOUCHED) ? search_far(s, vantage.center, 1u, visited) : status;
 }

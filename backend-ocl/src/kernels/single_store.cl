@@ -100,7 +100,9 @@ INLINE Triplet store_triplet(Store *s, uint v) {
 }
 // Beside a triplet, that its vertex is settled (`tree_search.cl`).
 #define SETTLED (1u << 30)
-INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = t.a | (t.b << 10) | (t.c << 20); }
+INLINE uint packed(Triplet t) { return t.a | (t.b << 10) | (t.c << 20); }
+INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = packed(t); }
+INLINE void store_renumber(Store *s, uint v, Triplet t) { s->triplet[v] = packed(t) | (s->triplet[v] & SETTLED); }
 
 INLINE V3 store_position(Store *s, uint v) {
     return (V3){ .x = s->rough[v].x, .y = s->rough[v].y, .z = s->rough[v].z };

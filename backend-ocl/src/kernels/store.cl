@@ -142,7 +142,9 @@ INLINE Triplet store_triplet(Store *s, uint v) {
 }
 // Beside a triplet, that its vertex is settled (`tree_search.cl`).
 #define SETTLED (1u << 30)
-INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = t.a | (t.b << 10) | (t.c << 20); }
+INLINE uint packed(Triplet t) { return t.a | (t.b << 10) | (t.c << 20); }
+INLINE void store_set_triplet(Store *s, uint v, Triplet t) { s->triplet[v] = packed(t); }
+INLINE void store_renumber(Store *s, uint v, Triplet t) { s->triplet[v] = packed(t) | (s->triplet[v] & SETTLED); }
 
 // What single precision adds to an error radius, in units of the largest coordinate: 1 rounding of the position; of the plane's
 // coefficients, three products and three sums, 7 in all; the rest for the bound itself. And what underflow can lose.

@@ -46,6 +46,7 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
     const uint triplet = s->triplet[v] & ~SETTLED;
     s->triplet[v] = (settled != 0u) ? (triplet | SETTLED) : triplet;
 }
+INLINE void store_settle_own(Store *s, uint v) { s->triplet[v] |= SETTLED; }
 
 INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return find_vertex(s, store_triplet(s, v), position, radius);

@@ -30,6 +30,18 @@ INLINE void store_set_asked(Store *s, uint i, Asked asked) { s->asked = asked; }
 INLINE uint store_open_asks(Store *s, uint i) { return 1u; }
 INLINE uint store_leaf_asks(Store *s, uint i) { return 1u; }
 INLINE uint store_asks_of_site(Store *s, uint j, uint asks) { return asks; }
+#if TEAMS <= 1
+INLINE uint store_teams(Store *s) { return 1u; }
+INLINE uint store_team(Store *s) { return 0u; }
+INLINE void store_teams_wait(Store *s) {}
+INLINE uint store_first_says(Store *s, uint what) { return what; }
+INLINE Answer store_answer(Store *s, uint team) { return (Answer){ 0 }; }
+INLINE void store_set_answer(Store *s, Answer answer) {}
+#if !LANES || SEARCHES_TREE
+INLINE uint store_candidate(Store *s, uint i);
+INLINE uint store_tied(Store *s, uint team, uint i) { return store_candidate(s, i); }
+#endif
+#endif
 INLINE uint store_most_ties(Store *s) { return MOST_CANDIDATES; }
 
 // (Of a search of the table alone there is none.)

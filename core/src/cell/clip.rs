@@ -241,7 +241,7 @@ pub fn compact_planes<S: ClipStore>(s: &mut S) {
     }
     for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
-        s.set_triplet(v, Triplet { a: s.link(t.a) - 1, b: s.link(t.b) - 1, c: s.link(t.c) - 1 });
+        s.renumber(v, Triplet { a: s.link(t.a) - 1, b: s.link(t.b) - 1, c: s.link(t.c) - 1 });
     }
     clear_links(s);
     s.set_planes(kept);

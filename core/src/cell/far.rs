@@ -4,13 +4,16 @@
 //! of them. On the CPU, where a node's bounds are worked out for eight nodes at a time, up to eight vertices are asked for at once.
 
 use super::quadratic::FEW_ROUNDINGS_OF_SUM;
-use super::search_store::{Asked, NO_SITE, SearchStore, WIDTH};
+use super::search_store::{Answer, Asked, NO_SITE, SearchStore, WIDTH};
 use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
 use super::tree::{Open, Question, open_blocks, open_top, still_asked};
-use super::vector::{Real, V3, dot, larger, smaller, sub, v3};
+use super::vector::{Real, UNIT_ROUNDOFF, V3, dot, larger, smaller, sub, v3};
 
 /// Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 const PER_LENGTH: Real = 8.0;
+
+/// Room for the roundings of a distance, and of what a place is off by about a center.
+const ROOM_OF_DISTANCE: Real = 1.0 + (32.0 * UNIT_ROUNDOFF);
 
 /// Vertices that are not settled that a lane compares at most: a cell of a heavy site may have ten thousand.
 const MOST_COMPARED: u32 = 64;
@@ -22,60 +25,54 @@ const LENGTHS_OF_LOST: Real = 1e10;
 #[cfg_attr(opencl, single(1e-15))]
 const LEAST_LENGTH: Real = 1e-150;
 
-/// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
+/// Settles those vertices, each lane its own, that are within a radius of `center`: the square of twice it is `proven`, and no other site can cut
+/// the cell there.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub fn settle_near<S: SearchStore>(s: &mut S, center: V3, proven: Real) {
+    let mut v: u32 = s.lane();
+    while v < s.vertices() {
+        let way: V3 = sub(s.position(v), center);
+        // (The radius bounds each component, and √3 < 2.)
+        let away: Real = (dot(way, way).sqrt() + (2.0 * s.radius(v))) * ROOM_OF_DISTANCE;
+        if (4.0 * (away * away)) < proven {
+            s.settle_own(v);
+        }
+        v += s.lanes();
+    }
+    s.lanes_wait();
+}
+
+/// Completes the cell by its vertices, of which some may be settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
 /// are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
 /// more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
+///
+/// Of several teams each asks for another vertex at the same time, and the first cuts the cell by what they found.
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visited: &mut u32) -> u32 {
     let mut at_once: u32 = first_asked;
     loop {
-        // The farthest.
+        // The farthest; and of each team another.
         let mut key: u32 = 0;
-        let v: u32 = next_unsettled(s, center, -1.0, &mut key);
+        let mut v: u32 = next_unsettled(s, center, -1.0, &mut key);
         if v == NO_SITE {
             return COMPLETE;
         }
-        if !ask(s, v, 0) {
-            return UNCERTAIN;
-        }
-        let mut asked: u32 = 1;
-        if at_once > 1 {
-            asked = ask_near_first(s, at_once);
-        }
-        let mut ties: u32 = 0;
-        let mut stay: u32 = 0;
-        let found: u32 = least_at(s, asked, &mut ties, &mut stay);
-        for i in 1..asked {
-            if (stay & (1 << i)) != 0 {
-                let other: u32 = s.asked(i).vertex;
-                s.set_settled(other, true);
+        for _before in 0..s.team() {
+            if v != NO_SITE {
+                v = next_unsettled(s, center, -1.0, &mut key);
             }
         }
-        if found != NO_SITE {
-            s.set_candidate(0, found, 0);
-            ties = 1;
-        }
-        if ties > s.most_ties() {
-            return UNCERTAIN;
-        }
+        let answer: Answer = ask_at(s, v, at_once);
+        s.set_answer(answer);
+        s.teams_wait();
         let mut status: u32 = UNTOUCHED;
-        let mut i: u32 = 0;
-        while (i < ties) && (status == UNTOUCHED) {
-            let j: u32 = s.candidate(i);
-            if (found != NO_SITE) || !s.was_tried(j) {
-                *visited += 1;
-                status = s.cut_by(j);
-            }
-            i += 1;
+        if s.team() == 0 {
+            status = take_answers(s, answer, visited);
         }
-        if ((status == UNTOUCHED) && (found != NO_SITE)) && !s.leaves_out() {
-            // What rounding cannot take back has less power there.
-            return UNCERTAIN;
-        }
+        status = s.first_says(status);
         if status == UNTOUCHED {
-            s.set_settled(v, true);
-            s.lanes_wait();
             at_once = 2 * at_once;
             if at_once > s.most_asked() {
                 at_once = s.most_asked();
@@ -86,6 +83,101 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
             return status;
         }
     }
+}
+
+/// Asks for vertex `v`, or where that is `NO_SITE` for none, and for others near it.
+#[inline]
+#[cfg_attr(opencl, hot)]
+fn ask_at<S: SearchStore>(s: &mut S, v: u32, at_once: u32) -> Answer {
+    let mut answer: Answer = Answer { vertex: v, found: NO_SITE, ties: NO_SITE, tried: 0 };
+    if (v == NO_SITE) || !ask(s, v, 0) {
+        return answer;
+    }
+    let mut asked: u32 = 1;
+    if at_once > 1 {
+        asked = ask_near_first(s, at_once);
+    }
+    let mut ties: u32 = 0;
+    let mut stay: u32 = 0;
+    let found: u32 = least_at(s, asked, &mut ties, &mut stay);
+    for i in 1..asked {
+        if (stay & (1 << i)) != 0 {
+            let other: u32 = s.asked(i).vertex;
+            s.set_settled(other, true);
+        }
+    }
+    if found != NO_SITE {
+        s.set_candidate(0, found, 0);
+        ties = 1;
+    } else if (s.teams() > 1) && (ties <= s.most_ties()) {
+        while (answer.tried < ties) && s.was_tried(s.candidate(answer.tried)) {
+            answer.tried += 1;
+        }
+    }
+    answer.found = found;
+    answer.ties = ties;
+    return answer;
+}
+
+/// Cuts the cell by what the teams found, the first one `own`, or settles their vertices: `CUT`; `UNTOUCHED` where none was cut off; or how it ended.
+#[inline]
+#[cfg_attr(opencl, hot)]
+fn take_answers<S: SearchStore>(s: &mut S, own: Answer, visited: &mut u32) -> u32 {
+    if s.teams() == 1 {
+        return take_answer(s, 0, own, UNTOUCHED, visited);
+    }
+    // (Before a cut, after which a number may be another vertex's.)
+    for team in 0..s.teams() {
+        let its: Answer = s.answer(team);
+        if its.tried == its.ties {
+            s.set_settled(its.vertex, true);
+        }
+    }
+    s.lanes_wait();
+    let mut end: u32 = UNTOUCHED;
+    for team in 0..s.teams() {
+        let its: Answer = s.answer(team);
+        // (What another team does not know well it, or the first, asks for again.)
+        let is_of_use: bool = (its.tried < its.ties) && ((team == 0) || (its.ties <= s.most_ties()));
+        if is_of_use && ((end == UNTOUCHED) || (its.found != NO_SITE)) {
+            let status: u32 = take_answer(s, team, its, end, visited);
+            if (status != UNTOUCHED) && (status != CUT) {
+                return status;
+            }
+            if status == CUT {
+                end = CUT;
+            }
+        }
+    }
+    return end;
+}
+
+/// What comes of the sites that a team found, none where it does not know them all, once the answers of others have come to `end`.
+#[inline]
+#[cfg_attr(opencl, hot)]
+fn take_answer<S: SearchStore>(s: &mut S, team: u32, its: Answer, end: u32, visited: &mut u32) -> u32 {
+    if its.ties > s.most_ties() {
+        return UNCERTAIN;
+    }
+    let mut status: u32 = UNTOUCHED;
+    let mut i: u32 = its.tried;
+    while (i < its.ties) && (status == UNTOUCHED) {
+        let j: u32 = s.tied(team, i);
+        if ((its.found != NO_SITE) && (end == UNTOUCHED)) || !s.was_tried(j) {
+            *visited += 1;
+            status = s.cut_by(j);
+        }
+        i += 1;
+    }
+    if (status == UNTOUCHED) && (end == UNTOUCHED) {
+        if (its.found != NO_SITE) && !s.leaves_out() {
+            // What rounding cannot take back has less power there.
+            return UNCERTAIN;
+        }
+        s.set_settled(its.vertex, true);
+        s.lanes_wait();
+    }
+    return status;
 }
 
 /// Of the vertices that are not settled, or of the first that a lane meets, that with the least key above `*key` of its squared distance from a

@@ -31,6 +31,10 @@ const NEAR_SQUARE: Real = 2.25;
 const ROOM_OF_KEY: Real = 1.000004;
 const LEAST_OF_KEY: Real = 1e-37;
 
+/// From a key up, what of it is certainly below the square that it was rounded from, where that does not underflow.
+const SHARE_OF_KEY: Real = 0.99999;
+const LEAST_TO_SHARE: Real = 1e-30;
+
 /// A cell that then reaches this many times as far, as a square, is completed by its vertices; and one for which so many leaves were looked at,
 /// or so many sites visited.
 const FAR_SQUARE: Real = 9.0;
@@ -121,10 +125,13 @@ struct Wanted {
 ///
 /// First come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
 /// own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
+///
+/// `proven` becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {
+pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32, proven: &mut Real) -> u32 {
     let mut near: Real = 0.0;
+    *proven = 0.0;
     let mut wanted: Wanted = Wanted { above: 0, below: near_key(s, vantage, &mut near) };
     let mut reach: Rough = s.square_of_reach(vantage.center);
     let mut is_rest: bool = false;
@@ -168,6 +175,9 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
                 return UNTOUCHED;
             }
         } else if !is_rest {
+            if near > LEAST_TO_SHARE {
+                *proven = SHARE_OF_KEY * near;
+            }
             if s.has_domain() {
                 let status: u32 = s.cut_outside(size_around(s) + dot(vantage.center, vantage.center).sqrt());
                 if (status != UNTOUCHED) && (status != CUT) {

@@ -73,6 +73,20 @@ pub struct Asked {
     pub limit: Real,
 }
 
+/// What is found at an asked vertex.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Answer {
+    /// Its number in the store, or `NO_SITE` where none was asked for.
+    pub vertex: u32,
+    /// The site that certainly has less power there, or `NO_SITE`.
+    pub found: u32,
+    /// How many candidates may have: that site alone, or where there is none those that tie; `NO_SITE` where the vertex is not known well.
+    pub ties: u32,
+    /// How many of those that tie, from the first on, were tried before.
+    pub tried: u32,
+}
+
 /// A cell that is searched, the sites and the tree over them. What a method gives is alike in all lanes unless it says otherwise.
 pub trait SearchStore: Lanes {
     /// A number in the order of numbers, rounded down.
@@ -167,6 +181,31 @@ pub trait SearchStore: Lanes {
     /// Sets it.
     fn set_asked(&mut self, i: u32, asked: Asked);
 
+    /// Teams of lanes, each of which calls [`search_far`](super::far::search_far) at the same time. The first has the cell.
+    fn teams(&self) -> u32 {
+        1
+    }
+    /// This lane's team: not alike in all teams.
+    fn team(&self) -> u32 {
+        0
+    }
+    /// Teams see from here on what the others wrote.
+    fn teams_wait(&self) {}
+    /// What the first team says; the others see from here on what it made of the cell.
+    fn first_says(&mut self, what: u32) -> u32 {
+        what
+    }
+    /// What a team found, where there are several.
+    fn answer(&self, _team: u32) -> Answer {
+        Answer::default()
+    }
+    /// Sets what this one did.
+    fn set_answer(&mut self, _answer: Answer) {}
+    /// Candidate `i` of a team.
+    fn tied(&self, _team: u32, i: u32) -> u32 {
+        self.candidate(i)
+    }
+
     /// Whether the cell is restricted to a domain.
     fn has_domain(&self) -> bool;
     /// The square of the cell's reach about a place, rounded up: of twice the distance of its farthest vertex. No site as heavy that is beyond can
@@ -183,12 +222,18 @@ pub trait SearchStore: Lanes {
     fn vertices(&self) -> u32;
     /// The place of vertex `v`, roughly.
     fn position(&self, v: u32) -> V3;
+    /// How far along each axis it is off that place at most.
+    fn radius(&self, v: u32) -> Real;
     /// Its place and its error radius in double precision: `COMPLETE`, or `UNCERTAIN`.
     fn fine_position(&self, v: u32, position: &mut V3, radius: &mut Real) -> u32;
     /// Whether vertex `v` is known to be cut off by no site.
     fn settled(&self, v: u32) -> bool;
     /// Sets it.
     fn set_settled(&mut self, v: u32, settled: bool);
+    /// Sets it of a vertex of this lane's own: not alike.
+    fn settle_own(&mut self, v: u32) {
+        self.set_settled(v, true);
+    }
     /// Whether vertex `v` lies on the bisector with site `j`.
     fn touches(&self, v: u32, j: u32) -> bool;
     /// Whether the bisector with site `j` was tried: it is among the cell's half-spaces.

@@ -99,6 +99,12 @@ pub trait ClipStore: Polytope {
         self.set_settled(to, self.settled(from));
     }
 
+    /// Sets the triplet of vertex `v`, whose half-spaces have new numbers: it stays settled where it was.
+    #[inline(always)]
+    fn renumber(&mut self, v: u32, triplet: Triplet) {
+        self.set_triplet(v, triplet);
+    }
+
     /// Whether it is known that no site cuts vertex `v` off. For searches on the host: `set_position` makes it `false`.
     fn settled(&self, v: u32) -> bool;
     /// Sets whether that is known.

@@ -3,7 +3,7 @@
 use super::in_order;
 use super::one_cell::{Cell, reach_from, rounding_about};
 use crate::cell::bound::{Seer, least_power_of_node};
-use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NodeBox, NodeSlab, NodeWeights, SearchStore};
+use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NO_SITE, NodeBox, NodeSlab, NodeWeights, SearchStore};
 use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Lanes, Real, Rough, UNTOUCHED, V3, v3};
 use crate::site_tree::{SiteTree, WIDTH};
 use pulp::{Arch, NullaryFnOnce};
@@ -306,7 +306,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         self.room.candidates[i] = [site, key];
     }
     fn most_ties(&self) -> u32 {
-        u32::MAX
+        NO_SITE - 1
     }
 
     fn most_asked(&self) -> u32 {
@@ -348,6 +348,9 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     }
     fn position(&self, v: u32) -> V3 {
         self.cell.store.position(v)
+    }
+    fn radius(&self, v: u32) -> Real {
+        self.cell.store.radius(v)
     }
     fn fine_position(&self, v: u32, position: &mut V3, radius: &mut Real) -> u32 {
         (*position, *radius) = (self.cell.store.position(v), self.cell.store.radius(v));

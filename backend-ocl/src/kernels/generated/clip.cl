@@ -218,7 +218,7 @@ OUTLINE void compact_planes(Store *s) {
     }
     for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
-        store_set_triplet(s, v, (Triplet){ .a = store_link(s, t.a) - 1, .b = store_link(s, t.b) - 1, .c = store_link(s, t.c) - 1 });
+        store_renumber(s, v, (Triplet){ .a = store_link(s, t.a) - 1, .b = store_link(s, t.b) - 1, .c = store_link(s, t.c) - 1 });
     }
     clear_links(s);
     store_set_planes(s, kept);

@@ -1,57 +1,49 @@
 // Generated from core/src/cell/far.rs by `cargo xtask codegen`; do not edit.
 
-// Completes the cell by its vertices, none of which is settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
+// Settles those vertices, each lane its own, that are within a radius of `center`: the square of twice it is `proven`, and no other site can cut
+// the cell there.
+HOT void settle_near(Store *s, V3 center, real proven) {
+    uint v = store_lane(s);
+    while (v < store_vertices(s)) {
+        const V3 way = sub(store_position(s, v), center);
+        // (The radius bounds each component, and √3 < 2.)
+        const real away = (sqrt(v3_dot(way, way)) + (REAL(2.0) * store_radius(s, v))) * ROOM_OF_DISTANCE;
+        if ((REAL(4.0) * (away * away)) < proven) {
+            store_settle_own(s, v);
+        }
+        v += store_lanes(s);
+    }
+    store_lanes_wait(s);
+}
+
+// Completes the cell by its vertices, of which some may be settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
 // are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
 // more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
+//
+// Of several teams each asks for another vertex at the same time, and the first cuts the cell by what they found.
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
     uint at_once = first_asked;
     for (;;) {
-        // The farthest.
+        // The farthest; and of each team another.
         uint key = 0;
-        const uint v = next_unsettled(s, center, -REAL(1.0), &key);
+        uint v = next_unsettled(s, center, -REAL(1.0), &key);
         if (v == NO_SITE) {
             return COMPLETE;
         }
-        if (!ask(s, v, 0)) {
-            return UNCERTAIN;
-        }
-        uint asked = 1;
-        if (at_once > 1) {
-            asked = ask_near_first(s, at_once);
-        }
-        uint ties = 0;
-        uint stay = 0;
-        const uint found = least_at(s, asked, &ties, &stay);
-        for (uint i = 1; i < asked; i++) {
-            if ((stay & (1 << i)) != 0) {
-                const uint other = store_asked(s, i).vertex;
-                store_set_settled(s, other, 1);
+        for (uint _before = 0; _before < store_team(s); _before++) {
+            if (v != NO_SITE) {
+                v = next_unsettled(s, center, -REAL(1.0), &key);
             }
         }
-        if (found != NO_SITE) {
-            store_set_candidate(s, 0, found, 0);
-            ties = 1;
-        }
-        if (ties > store_most_ties(s)) {
-            return UNCERTAIN;
-        }
+        const Answer answer = ask_at(s, v, at_once);
+        store_set_answer(s, answer);
+        store_teams_wait(s);
         uint status = UNTOUCHED;
-        uint i = 0;
-        while ((i < ties) && (status == UNTOUCHED)) {
-            const uint j = store_candidate(s, i);
-            if ((found != NO_SITE) || !store_was_tried(s, j)) {
-                *visited += 1;
-                status = store_cut_by(s, j);
-            }
-            i += 1;
+        if (store_team(s) == 0) {
+            status = take_answers(s, answer, visited);
         }
-        if (((status == UNTOUCHED) && (found != NO_SITE)) && !store_leaves_out(s)) {
-            // What rounding cannot take back has less power there.
-            return UNCERTAIN;
-        }
+        status = store_first_says(s, status);
         if (status == UNTOUCHED) {
-            store_set_settled(s, v, 1);
-            store_lanes_wait(s);
             at_once = 2 * at_once;
             if (at_once > store_most_asked(s)) {
                 at_once = store_most_asked(s);
@@ -62,6 +54,95 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
             return status;
         }
     }
+}
+
+// Asks for vertex `v`, or where that is `NO_SITE` for none, and for others near it.
+HOT Answer ask_at(Store *s, uint v, uint at_once) {
+    Answer answer = (Answer){ .vertex = v, .found = NO_SITE, .ties = NO_SITE, .tried = 0 };
+    if ((v == NO_SITE) || !ask(s, v, 0)) {
+        return answer;
+    }
+    uint asked = 1;
+    if (at_once > 1) {
+        asked = ask_near_first(s, at_once);
+    }
+    uint ties = 0;
+    uint stay = 0;
+    const uint found = least_at(s, asked, &ties, &stay);
+    for (uint i = 1; i < asked; i++) {
+        if ((stay & (1 << i)) != 0) {
+            const uint other = store_asked(s, i).vertex;
+            store_set_settled(s, other, 1);
+        }
+    }
+    if (found != NO_SITE) {
+        store_set_candidate(s, 0, found, 0);
+        ties = 1;
+    } else if ((store_teams(s) > 1) && (ties <= store_most_ties(s))) {
+        while ((answer.tried < ties) && store_was_tried(s, store_candidate(s, answer.tried))) {
+            answer.tried += 1;
+        }
+    }
+    answer.found = found;
+    answer.ties = ties;
+    return answer;
+}
+
+// Cuts the cell by what the teams found, the first one `own`, or settles their vertices: `CUT`; `UNTOUCHED` where none was cut off; or how it ended.
+HOT uint take_answers(Store *s, Answer own, uint *visited) {
+    if (store_teams(s) == 1) {
+        return take_answer(s, 0, own, UNTOUCHED, visited);
+    }
+    // (Before a cut, after which a number may be another vertex's.)
+    for (uint team = 0; team < store_teams(s); team++) {
+        const Answer its = store_answer(s, team);
+        if (its.tried == its.ties) {
+            store_set_settled(s, its.vertex, 1);
+        }
+    }
+    store_lanes_wait(s);
+    uint end = UNTOUCHED;
+    for (uint team = 0; team < store_teams(s); team++) {
+        const Answer its = store_answer(s, team);
+        // (What another team does not know well it, or the first, asks for again.)
+        const bool is_of_use = (its.tried < its.ties) && ((team == 0) || (its.ties <= store_most_ties(s)));
+        if (is_of_use && ((end == UNTOUCHED) || (its.found != NO_SITE))) {
+            const uint status = take_answer(s, team, its, end, visited);
+            if ((status != UNTOUCHED) && (status != CUT)) {
+                return status;
+            }
+            if (status == CUT) {
+                end = CUT;
+            }
+        }
+    }
+    return end;
+}
+
+// What comes of the sites that a team found, none where it does not know them all, once the answers of others have come to `end`.
+HOT uint take_answer(Store *s, uint team, Answer its, uint end, uint *visited) {
+    if (its.ties > store_most_ties(s)) {
+        return UNCERTAIN;
+    }
+    uint status = UNTOUCHED;
+    uint i = its.tried;
+    while ((i < its.ties) && (status == UNTOUCHED)) {
+        const uint j = store_tied(s, team, i);
+        if (((its.found != NO_SITE) && (end == UNTOUCHED)) || !store_was_tried(s, j)) {
+            *visited += 1;
+            status = store_cut_by(s, j);
+        }
+        i += 1;
+    }
+    if ((status == UNTOUCHED) && (end == UNTOUCHED)) {
+        if ((its.found != NO_SITE) && !store_leaves_out(s)) {
+            // What rounding cannot take back has less power there.
+            return UNCERTAIN;
+        }
+        store_set_settled(s, its.vertex, 1);
+        store_lanes_wait(s);
+    }
+    return status;
 }
 
 // Of the vertices that are not settled, or of the first that a lane meets, that with the least key above `*key` of its squared distance from a

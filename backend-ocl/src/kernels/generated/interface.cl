@@ -73,7 +73,7 @@ typedef struct {
 #define SAMPLE ((uint)(512))
 
 // Room for a cell that is too large for local memory, in units of 8 bytes.
-#define VAST_WORDS ((uint)(75000))
+#define VAST_WORDS ((uint)(77000))
 
 // Levels of the tree at most.
 #define MOST_TREE_LEVELS ((uint)(12))

@@ -50,8 +50,11 @@ INLINE real size_around(Store *s) {
 //
 // First come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
 // own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
-HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
+//
+// `proven` becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
+HOT uint search_near(Store *s, Vantage vantage, uint *visited, real *proven) {
     real near = REAL(0.0);
+    *proven = REAL(0.0);
     Wanted wanted = (Wanted){ .above = 0, .below = near_key(s, vantage, &near) };
     float reach = store_square_of_reach(s, vantage.center);
     bool is_rest = 0;
@@ -90,6 +93,9 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited) {
                 return UNTOUCHED;
             }
         } else if (!is_rest) {
+            if (near > LEAST_TO_SHARE) {
+                *proven = SHARE_OF_KEY * near;
+            }
             if (store_has_domain(s)) {
                 const uint status = store_cut_outside(s, size_around(s) + sqrt(v3_dot(vantage.center, vantage.center)));
                 if ((status != UNTOUCHED) && (status != CUT)) {

@@ -65,6 +65,18 @@ typedef struct {
     real limit;
 } Asked;
 
+// What is found at an asked vertex.
+typedef struct {
+    // Its number in the store, or `NO_SITE` where none was asked for.
+    uint vertex;
+    // The site that certainly has less power there, or `NO_SITE`.
+    uint found;
+    // How many candidates may have: that site alone, or where there is none those that tie; `NO_SITE` where the vertex is not known well.
+    uint ties;
+    // How many of those that tie, from the first on, were tried before.
+    uint tried;
+} Answer;
+
 // core/src/cell/quadratic.rs
 
 // Roundings of a sum of some twenty terms, in units of the sum of their sizes.
@@ -126,6 +138,11 @@ typedef struct {
 
 #define LEAST_OF_KEY ((real)(REAL(1e-37)))
 
+// From a key up, what of it is certainly below the square that it was rounded from, where that does not underflow.
+#define SHARE_OF_KEY ((real)(REAL(0.99999)))
+
+#define LEAST_TO_SHARE ((real)(REAL(1e-30)))
+
 // A cell that then reaches this many times as far, as a square, is completed by its vertices; and one for which so many leaves were looked at,
 // or so many sites visited.
 #define FAR_SQUARE ((real)(REAL(9.0)))
@@ -160,6 +177,9 @@ typedef struct {
 
 // Times a vertex's error radius, what a length of the way to the site adds: 2√3, and as much again for the bound's own roundings.
 #define PER_LENGTH ((real)(REAL(8.0)))
+
+// Room for the roundings of a distance, and of what a place is off by about a center.
+#define ROOM_OF_DISTANCE ((real)(REAL(1.0) + (REAL(32.0) * UNIT_ROUNDOFF)))
 
 // Vertices that are not settled that a lane compares at most: a cell of a heavy site may have ten thousand.
 #define MOST_COMPARED ((uint)(64))

@@ -3,7 +3,7 @@
 use super::super::store::{MOST_ASKED, Room, Searched};
 use super::super::*;
 use crate::cell::bound::{Seer, least_power_of_node};
-use crate::cell::far::{asked_at, search_far};
+use crate::cell::far::{asked_at, search_far, settle_near};
 use crate::cell::search::{search_near, vantage_of};
 use crate::cell::search_store::SearchStore;
 use crate::cell::tree::asks_by_powers;
@@ -96,12 +96,13 @@ fn searched(tree: &SiteTree, site: u32, far: Option<u32>) -> Option<f64> {
     let mut room = Room::default();
     let mut search = Searched::new(&mut cell, tree, &mut room, 0.0);
     let vantage = vantage_of(&search);
-    let mut visited = 0;
+    let (mut visited, mut proven) = (0, 0.0);
     let mut status = UNTOUCHED;
     if far.is_none() {
-        status = search_near(&mut search, vantage, &mut visited);
+        status = search_near(&mut search, vantage, &mut visited, &mut proven);
     }
     if status == UNTOUCHED {
+        settle_near(&mut search, vantage.center, proven);
         status = search_far(&mut search, vantage.center, far.unwrap_or(1), &mut visited);
     }
     assert_ne!(status, UNCERTAIN);

@@ -18,19 +18,18 @@ pub struct Seer {
     pub has_weights: bool,
 }
 
-/// How far `place` is from the range `[lo, hi]`, at least.
+/// How far what is within `off` of `place` is from the range `[lo, hi]`, at least.
 #[inline(always)]
-fn gap_along(lo: Real, hi: Real, place: Real) -> Real {
-    let rounding: Real = (16.0 * UNIT_ROUNDOFF) * (place.abs() + larger(lo.abs(), hi.abs()));
-    return larger(larger(lo - place, place - hi) - rounding, 0.0);
+fn gap_along(lo: Real, hi: Real, place: Real, off: Real) -> Real {
+    return larger(larger(lo - place, place - hi) - off, 0.0);
 }
 
-/// The square of how far `place` is from the box `[lo, hi]`, at least.
+/// The square of how far what is off from `place` along each axis by up to `off` is from the box `[lo, hi]`, at least but for few roundings of it.
 #[inline(always)]
-fn square_to_box(lo: V3, hi: V3, place: V3) -> Real {
-    let x: Real = gap_along(lo.x, hi.x, place.x);
-    let y: Real = gap_along(lo.y, hi.y, place.y);
-    let z: Real = gap_along(lo.z, hi.z, place.z);
+fn square_to_box(lo: V3, hi: V3, place: V3, off: Real) -> Real {
+    let x: Real = gap_along(lo.x, hi.x, place.x, off);
+    let y: Real = gap_along(lo.y, hi.y, place.y, off);
+    let z: Real = gap_along(lo.z, hi.z, place.z, off);
     return ((x * x) + (y * y)) + (z * z);
 }
 
@@ -51,9 +50,7 @@ pub fn least_weighted(seer: Seer, alpha: Real, g: V3, bounds: NodeBox, weights: 
 #[inline(always)]
 pub fn least_of_node(seer: Seer, alpha: Real, g: V3, bounds: NodeBox, weights: NodeWeights) -> Real {
     if !seer.has_weights {
-        let lo: V3 = sub(bounds.lo, seer.site);
-        let hi: V3 = sub(bounds.hi, seer.site);
-        return (alpha * square_to_box(lo, hi, v3(0.0, 0.0, 0.0))) * (1.0 - FEW_ROUNDINGS_OF_SUM);
+        return (alpha * square_to_box(bounds.lo, bounds.hi, seer.site, 0.0)) * (1.0 - FEW_ROUNDINGS_OF_SUM);
     }
     return least_weighted(seer, alpha, g, bounds, weights);
 }
@@ -67,12 +64,14 @@ pub fn least_power_of_node(seer: Seer, v: V3, bounds: NodeBox, slab: NodeSlab, w
     let site: V3 = seer.site;
     let from: V3 = v3(site.x + v.x, site.y + v.y, site.z + v.z);
     let height: Real = dot(slab.normal, from);
-    let rounding: Real = FEW_ROUNDINGS_OF_SUM * ((from.x.abs() + from.y.abs()) + from.z.abs());
+    let size: Real = (from.x.abs() + from.y.abs()) + from.z.abs();
+    let rounding: Real = FEW_ROUNDINGS_OF_SUM * size;
     let across: Real = larger((height - slab.hi) - rounding, 0.0) - larger((slab.lo - height) - rounding, 0.0);
     let beyond: Real = (across * across) * (1.0 - FEW_ROUNDINGS_OF_SUM);
     if !seer.has_weights {
-        let foot: V3 = sub(v, scale(across, slab.normal));
-        let square: Real = square_to_box(sub(bounds.lo, site), sub(bounds.hi, site), foot);
+        let foot: V3 = sub(from, scale(across, slab.normal));
+        // (What the foot is off by, beyond roundings of `across`, which are roundings of the power, too.)
+        let square: Real = square_to_box(bounds.lo, bounds.hi, foot, (4.0 * UNIT_ROUNDOFF) * size);
         return (square + beyond) * (1.0 - FEW_ROUNDINGS_OF_SUM);
     }
     // |d − v|² is d² − 2v·d and v².

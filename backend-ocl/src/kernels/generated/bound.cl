@@ -1,16 +1,15 @@
 // Generated from core/src/cell/bound.rs by `cargo xtask codegen`; do not edit.
 
-// How far `place` is from the range `[lo, hi]`, at least.
-INLINE real gap_along(real lo, real hi, real place) {
-    const real rounding = (REAL(16.0) * UNIT_ROUNDOFF) * (fabs(place) + larger(fabs(lo), fabs(hi)));
-    return larger(larger(lo - place, place - hi) - rounding, REAL(0.0));
+// How far what is within `off` of `place` is from the range `[lo, hi]`, at least.
+INLINE real gap_along(real lo, real hi, real place, real off) {
+    return larger(larger(lo - place, place - hi) - off, REAL(0.0));
 }
 
-// The square of how far `place` is from the box `[lo, hi]`, at least.
-INLINE real square_to_box(V3 lo, V3 hi, V3 place) {
-    const real x = gap_along(lo.x, hi.x, place.x);
-    const real y = gap_along(lo.y, hi.y, place.y);
-    const real z = gap_along(lo.z, hi.z, place.z);
+// The square of how far what is off from `place` along each axis by up to `off` is from the box `[lo, hi]`, at least but for few roundings of it.
+INLINE real square_to_box(V3 lo, V3 hi, V3 place, real off) {
+    const real x = gap_along(lo.x, hi.x, place.x, off);
+    const real y = gap_along(lo.y, hi.y, place.y, off);
+    const real z = gap_along(lo.z, hi.z, place.z, off);
     return ((x * x) + (y * y)) + (z * z);
 }
 
@@ -29,9 +28,7 @@ INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeig
 // The least of `αd² + g·d − w` at any site of a node; without weights there is no g.
 INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights) {
     if (!seer.has_weights) {
-        const V3 lo = sub(bounds.lo, seer.site);
-        const V3 hi = sub(bounds.hi, seer.site);
-        return (alpha * square_to_box(lo, hi, v3(REAL(0.0), REAL(0.0), REAL(0.0)))) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
+        return (alpha * square_to_box(bounds.lo, bounds.hi, seer.site, REAL(0.0))) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
     }
     return least_weighted(seer, alpha, g, bounds, weights);
 }
@@ -44,12 +41,14 @@ INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, 
     const V3 site = seer.site;
     const V3 from = v3(site.x + v.x, site.y + v.y, site.z + v.z);
     const real height = v3_dot(slab.normal, from);
-    const real rounding = FEW_ROUNDINGS_OF_SUM * ((fabs(from.x) + fabs(from.y)) + fabs(from.z));
+    const real size = (fabs(from.x) + fabs(from.y)) + fabs(from.z);
+    const real rounding = FEW_ROUNDINGS_OF_SUM * size;
     const real across = larger((height - slab.hi) - rounding, REAL(0.0)) - larger((slab.lo - height) - rounding, REAL(0.0));
     const real beyond = (across * across) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
     if (!seer.has_weights) {
-        const V3 foot = sub(v, scale(across, slab.normal));
-        const real square = square_to_box(sub(bounds.lo, site), sub(bounds.hi, site), foot);
+        const V3 foot = sub(from, scale(across, slab.normal));
+        // (What the foot is off by, beyond roundings of `across`, which are roundings of the power, too.)
+        const real square = square_to_box(bounds.lo, bounds.hi, foot, (REAL(4.0) * UNIT_ROUNDOFF) * size);
         return (square + beyond) * (REAL(1.0) - FEW_ROUNDINGS_OF_SUM);
     }
     // |d − v|² is d² − 2v·d and v².

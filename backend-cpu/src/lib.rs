@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 mod evaluate;
+mod minors;
 mod store;
 
 pub use evaluate::Cpu;

@@ -1,5 +1,6 @@
 //! Where a cell lives on the CPU: structure of arrays, so that one plane meets four vertices at a time.
 
+use crate::minors::KeptMinors;
 use laguerre_core::cell::{
     ClipStore, DomainStore, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN,
     Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triplet, UNIT_ROUNDOFF, V3, v3,
@@ -61,9 +62,7 @@ pub(crate) struct CpuStore<'a> {
     uncertain: Vec<u64>,
     /// A bit for each vertex: known to be cut off by no site.
     settled: Vec<u64>,
-    /// The minors of vertices' planes, and a bit for each vertex that has them: none until the first sign is open.
-    minors: Vec<Minors>,
-    has_minors: Vec<u64>,
+    minors: KeptMinors,
     domain: Option<&'a DomainGrid>,
     integrand: Option<&'a FramedIntegrand>,
     site: V3,
@@ -91,8 +90,7 @@ impl<'a> CpuStore<'a> {
             conflict: vec![0; words],
             uncertain: vec![0; words],
             settled: vec![0; words],
-            minors: Vec::new(),
-            has_minors: vec![0; words],
+            minors: KeptMinors::with_room(p, v),
             domain,
             integrand: None,
             site: v3(0.0, 0.0, 0.0),
@@ -111,6 +109,7 @@ impl<'a> CpuStore<'a> {
     pub(crate) fn turn_to(&mut self, site: V3) {
         self.site = site;
         self.exact = false;
+        self.minors.turn_to_another();
         self.triangles.set(0);
         self.last_triangle.set(None);
     }
@@ -162,6 +161,7 @@ impl Polytope for CpuStore<'_> {
     #[inline(always)]
     fn set_plane(&mut self, f: u32, plane: Plane) {
         self.planes[f as usize] = plane;
+        self.minors.forget_plane(f as usize);
     }
 
     #[inline(always)]
@@ -203,7 +203,7 @@ impl Polytope for CpuStore<'_> {
         self.vertices.z[v] = position.z;
         self.vertices.radius[v] = radius;
         self.settled[v / 64] &= !(1 << (v % 64));
-        self.has_minors[v / 64] &= !(1 << (v % 64));
+        self.minors.forget_vertex(v);
     }
 
     #[inline(always)]
@@ -262,7 +262,7 @@ impl ClipStore for CpuStore<'_> {
     #[inline(always)]
     fn restore(&mut self) {
         self.vertices.copy_from(&self.saved);
-        self.has_minors.fill(0);
+        self.minors.forget_vertices();
     }
 
     #[inline(always)]
@@ -358,18 +358,19 @@ impl SignStore for CpuStore<'_> {
 
     #[inline(always)]
     fn minors(&self, v: u32) -> Minors {
-        let v = v as usize;
-        if self.has_minors[v / 64] >> (v % 64) & 1 == 0 { Minors::default() } else { self.minors[v] }
+        self.minors.wide(v as usize)
     }
 
     #[inline(always)]
     fn keep_minors(&mut self, v: u32, minors: Minors) {
-        let v = v as usize;
-        if v >= self.minors.len() {
-            self.minors.resize(v + 1, Minors::default());
-        }
-        self.minors[v] = minors;
-        self.has_minors[v / 64] |= 1 << (v % 64);
+        self.minors.keep_wide(v as usize, minors);
+    }
+
+    #[inline(always)]
+    fn narrow_sign(&mut self, t: Triplet, v: u32, k: u32) -> i32 {
+        // (The plane that is tried may stand behind the others.)
+        let planes = &self.planes[..self.plane_count.max(k as usize + 1)];
+        self.minors.narrow_sign(planes, v as usize, t, k as usize)
     }
 
     #[inline(always)]

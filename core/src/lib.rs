@@ -17,6 +17,7 @@ pub mod frame;
 pub mod integrand;
 pub mod io;
 pub mod memory;
+pub mod narrow;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
 pub mod output;

@@ -10,6 +10,7 @@ INLINE bool store_is_short(Store *s) { return false; }
 #endif
 
 // There is no room to keep minors.
+INLINE int store_narrow_sign(Store *s, Triplet t, uint v, uint k) { return SIGN_UNKNOWN; }
 INLINE bool store_keeps_minors(Store *s) { return false; }
 INLINE Minors store_minors(Store *s, uint v) { return (Minors){ 0 }; }
 INLINE void store_keep_minors(Store *s, uint v, Minors minors) {}

@@ -7,7 +7,7 @@ use super::facet::{FacetSecond, FacetSum};
 use super::lanes::Lanes;
 use super::plane::Plane;
 use super::quadrature::{Node, polynomial};
-use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN};
+use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SIGN_UNKNOWN};
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, norm_1, sub, v3};
 use super::vertex::Triplet;
 use super::wide::Minors;
@@ -178,6 +178,12 @@ pub trait SignStore: Polytope {
     /// Notes that the cell needed exact arithmetic.
     #[inline(always)]
     fn note_exact(&mut self) {}
+
+    /// The sign of `det [n|d]` of the planes of vertex `v`, whose triplet is `t`, and plane `k` by integers, where their coefficients have few digits
+    /// (`core/src/narrow.rs`); else, and on a device, `SIGN_UNKNOWN`.
+    fn narrow_sign(&mut self, _t: Triplet, _v: u32, _k: u32) -> i32 {
+        SIGN_UNKNOWN
+    }
 
     /// Whether the minors of a vertex's planes are kept, which decide the sign of each further plane at a sixth of the cost.
     fn keeps_minors(&self) -> bool {

@@ -43,8 +43,8 @@ const WIDE_SMALLEST: Real = 1e-260;
 const DEPENDENT: Real = 1.1368683772161603e-13;
 
 /// The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
-/// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Four stages: double-double,
-/// integers that wrap, expansions, and the store's own.
+/// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Five stages: integers, where
+/// coefficients have few digits, double-double, integers that wrap, expansions, and the store's own.
 #[cfg_attr(opencl, outline)]
 pub(crate) fn sign_of_conflict<S: SignStore>(s: &mut S, v: u32, k: u32) -> i32 {
     let t: Triplet = s.triplet(v);
@@ -52,7 +52,13 @@ pub(crate) fn sign_of_conflict<S: SignStore>(s: &mut S, v: u32, k: u32) -> i32 {
     let b: Plane = s.plane(t.b);
     let c: Plane = s.plane(t.c);
     let e: Plane = s.plane(k);
-    let mut sign: i32;
+    let mut sign: i32 = s.narrow_sign(t, v, k);
+    if sign != SIGN_UNKNOWN {
+        if sign == 0 {
+            s.note_exact();
+        }
+        return sign;
+    }
     if s.keeps_minors() {
         let mut minors: Minors = s.minors(v);
         if minors.is_known == 0 {

@@ -1,15 +1,21 @@
 // Generated from core/src/cell/wide.rs by `cargo xtask codegen`; do not edit.
 
 // The sign of the 4×4 determinant of `[n | d]` of the planes of vertex `v` and of plane `k`: −1, 0 or 1, or `SIGN_UNKNOWN`
-// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Four stages: double-double,
-// integers that wrap, expansions, and the store's own.
+// where no stage of the store can decide it. Negative: the vertex is in conflict with `k`. Five stages: integers, where
+// coefficients have few digits, double-double, integers that wrap, expansions, and the store's own.
 OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
     const Triplet t = store_triplet(s, v);
     const Plane a = store_plane(s, t.a);
     const Plane b = store_plane(s, t.b);
     const Plane c = store_plane(s, t.c);
     const Plane e = store_plane(s, k);
-    int sign;
+    int sign = store_narrow_sign(s, t, v, k);
+    if (sign != SIGN_UNKNOWN) {
+        if (sign == 0) {
+            store_note_exact(s);
+        }
+        return sign;
+    }
     if (store_keeps_minors(s)) {
         Minors minors = store_minors(s, v);
         if (minors.is_known == 0) {

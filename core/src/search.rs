@@ -159,16 +159,16 @@ impl<'a> Search<'a> {
         if chunk == 0 {
             // The nearest some first: the others are fewer once these have cut the cell.
             let near = self.group.near();
-            gather(leaves, &self.reaches, above, near.min(cell.reach_square), &mut self.candidates);
-            if !visit_all(tree, cell, &mut self.candidates, Real::INFINITY, true) {
+            let nearest = gather(leaves, &self.reaches, above, near.min(cell.reach_square), &mut self.candidates);
+            if !visit_all(tree, cell, nearest, Real::INFINITY, true) {
                 return false;
             }
             above = near;
         }
-        gather(leaves, &self.reaches, above, cell.reach_square, &mut self.candidates);
+        let rest = gather(leaves, &self.reaches, above, cell.reach_square, &mut self.candidates);
         let promised_square = self.group.proven_square(chunk, position, weight);
         let far_square = if promised_square > 0.0 { FAR * promised_square } else { Real::INFINITY };
-        visit_all(tree, cell, &mut self.candidates, far_square, false)
+        visit_all(tree, cell, rest, far_square, false)
     }
 }
 
@@ -206,11 +206,19 @@ impl Reaches {
     }
 }
 
-/// The sites that reach less than `below`, and at least `above`.
+/// The sites that reach less than `below`, and at least `above`, into the room for all, which grows where it is not enough.
 #[inline(always)]
-fn gather(leaves: &[u32], reaches: &[Reaches], above: Real, below: Real, candidates: &mut Vec<Candidate>) {
-    candidates.clear();
-    candidates.resize(leaves.len() * WIDTH, 0);
+fn gather<'c>(
+    leaves: &[u32],
+    reaches: &[Reaches],
+    above: Real,
+    below: Real,
+    candidates: &'c mut Vec<Candidate>,
+) -> &'c mut [Candidate] {
+    let all = leaves.len() * WIDTH;
+    if candidates.len() < all {
+        candidates.resize(all, 0);
+    }
     let mut count = 0;
     for (&leaf, row) in leaves.iter().zip(reaches) {
         // Most leaves are out of reach as a whole.
@@ -224,7 +232,7 @@ fn gather(leaves: &[u32], reaches: &[Reaches], above: Real, below: Real, candida
             count += usize::from(reach >= above && reach < below);
         }
     }
-    candidates.truncate(count);
+    &mut candidates[..count]
 }
 
 /// Visits candidates, nearest first; `false` ends the search.

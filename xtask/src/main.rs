@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod codegen;
+mod count;
 mod fixtures;
 mod lanes;
 mod paper;
@@ -18,6 +19,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
                    LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
   lanes            the conformance suite where work-items share a cell in sub-groups, on Intel's OpenCL for CPUs, which it installs
                    into target/ (225 MB from PyPI; needs Python and an x86-64; 13 minutes on 2 cores)
+  count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
+                   --write makes that anew
   check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; generated text as it
                    should be
   codegen          the OpenCL C of core/src/cell/ and of backend-ocl/src/interface/; with --check only says whether it is up to date
@@ -32,6 +35,8 @@ fn main() -> ExitCode {
     let outcome = match words[..] {
         ["test", ref filters @ ..] => test(filters),
         ["lanes"] => lanes::run(),
+        ["count"] => count::run(false),
+        ["count", "--write"] => count::run(true),
         ["check"] => check(),
         ["fixtures"] => fixtures::run(),
         ["fixtures", "--worst"] => fixtures::worst(),

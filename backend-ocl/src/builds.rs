@@ -108,7 +108,7 @@ pub(crate) enum Stage {
     Exact,
     /// Those that need more room, or reach far outside the domain, where the tree is searched; those are given up that double-double does not decide.
     Large,
-    /// Those of them that need exact signs.
+    /// The same, for those that need exact signs.
     Wide,
     /// Those that need more room than local memory has.
     Vast,

@@ -17,8 +17,8 @@ const SIZES: [u32; 3] = [32, 16, 8];
 /// Local memory that the cells of a group take, at most.
 const LOCAL_MEMORY: u64 = 48 << 10;
 
-/// Cells of a group that tries lanes (`lanes_trial.cl`), and groups.
-const CELLS: usize = 4;
+/// Cells of a group that tries lanes (`lanes_trial.cl`), as many as the teams of the largest cells, and groups.
+const CELLS: usize = 8;
 const GROUPS: usize = 16;
 
 /// What sub-groups need to have.

@@ -9,8 +9,8 @@ use crate::cell::Plane;
 
 /// Bits of a coefficient.
 const BITS: i32 = 61;
-/// Exponents of numbers that can be scaled so without overflow, and without loss.
-const EXPONENTS: std::ops::Range<i32> = -400..400;
+/// Exponents of numbers that can be scaled twice without overflow, and without loss: what comes of them is above 2⁻⁷⁴¹.
+const EXPONENTS: std::ops::Range<i32> = -200..200;
 
 /// The coefficients of a plane as integers.
 pub type Row = [i64; 4];
@@ -50,7 +50,7 @@ impl Columns {
         }
         // (Up, too: fewer digits are lost then.)
         if largest > 0.0 {
-            let scale = power_of_two(BITS - 1 - in_range(largest)?);
+            let scale = power_of_two(BITS - 1 - exponent_of(largest));
             for x in &mut numbers {
                 *x *= scale;
             }
@@ -64,10 +64,14 @@ const fn numbers(plane: Plane) -> [f64; 4] {
     [plane.n.x, plane.n.y, plane.n.z, plane.d]
 }
 
-/// The exponent of a number that is not 0, if it is in range.
+/// The exponent of a number that is not 0, nor near it, if it is in range.
 fn in_range(x: f64) -> Option<i32> {
-    let exponent = (x.to_bits() >> 52 & 0x7ff) as i32 - 1023;
+    let exponent = exponent_of(x);
     EXPONENTS.contains(&exponent).then_some(exponent)
+}
+
+const fn exponent_of(x: f64) -> i32 {
+    (x.to_bits() >> 52 & 0x7ff) as i32 - 1023
 }
 
 fn power_of_two(exponent: i32) -> f64 {

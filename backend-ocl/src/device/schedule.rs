@@ -190,7 +190,7 @@ impl Device {
         let mut way = together.map_or(Way::Alone(room), |(lanes, stage)| Way::Together(lanes, stage));
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
-        // (Of which those that reach far outside the domain are cut off first: what is open then goes on with what was.)
+        // (With a domain, cells that `Far` leaves are tried by `Large` first; what is open of them, and of `Far`, then goes to `Wide` together.)
         let has_domain = self.domain.is_some() && !request.facets;
         let begin = self.seconds;
         let mut second = Substep::default();

@@ -311,7 +311,7 @@ INLINE uint give_back(Store *given, const Store *store, uint status) {
 }
 #endif
 
-// Whether there is room for another half-space; WITH_EXACT it is made, where some are not used.
+// Whether there is room for another half-space; in a stage that COMPACTS it is made, where some are not used.
 INLINE uint has_room(Store *s) {
 #if COMPACTS
     if (s->planes == LANES_P) {

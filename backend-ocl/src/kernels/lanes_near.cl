@@ -5,8 +5,8 @@
 #import "lanes_clip.cl"
 
 #if GIVES_NEAR
-// Writes the record of a cell, whose place is `place`: `NEAR`; or `OPEN` where there is no room: the stage WITH_EXACT finds the same cell anew,
-// so that no bit depends on which cells came first.
+// Writes the record of a cell, whose place is `place`: `NEAR`; or `OPEN` where there is no room: a stage WITH_EXACT finds the same cell anew, so
+// that no bit depends on which cells came first, but of cells completed by their vertices, which it may cut in another order.
 INLINE uint give_cell(
     Store *s, __global uint4 *near, volatile __global Counters *counters, uint site, uint exact, uint *place
 ) {

@@ -88,7 +88,9 @@ INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint *vis
         status = lanes_alike(complete_by_vertices(&copy, &all));
         *visited = all;
         take_over(s, &copy);
-        *extent = extent_of(farthest_of(s));
+        if (IS_FIRST_TEAM) {
+            *extent = extent_of(farthest_of(s));
+        }
     }
 #endif
     return (status == UNTOUCHED) ? ((WITH_EXACT != 0) ? LEFT : BEYOND) : status;

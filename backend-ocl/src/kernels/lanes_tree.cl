@@ -123,7 +123,7 @@ INLINE uint store_cut_outside(Store *s, real radius) {
 #elif WITH_FACETS
     return OPEN;
 #else
-    // (No stage before that with exact signs can do more for it.)
+    // (What cuts it off is a stage for few, CUTS_OUTSIDE.)
     return LEFT;
 #endif
 #else
@@ -169,7 +169,9 @@ INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *ex
         status = BEYOND;
 #endif
     }
-    *extent = extent_of(farthest_of(s));
+    if (IS_FIRST_TEAM) {
+        *extent = extent_of(farthest_of(s));
+    }
     return status;
 }
 #endif

@@ -3,7 +3,7 @@
 #import "generated/interface.cl"
 #import "lanes_talk.cl"
 
-#define CELLS_OF_TRIAL 4u
+#define CELLS_OF_TRIAL 8u
 
 // Gives 1 for each work-item for which all is right.
 OF_LANES

@@ -137,7 +137,7 @@ fn take_answers<S: SearchStore>(s: &mut S, own: Answer, visited: &mut u32) -> u3
     let mut end: u32 = UNTOUCHED;
     for team in 0..s.teams() {
         let its: Answer = s.answer(team);
-        // (What another team does not know well it, or the first, asks for again.)
+        // (A vertex that another team does not know well is asked for again, and in the end by the first.)
         let is_of_use: bool = (its.tried < its.ties) && ((team == 0) || (its.ties <= s.most_ties()));
         if is_of_use && ((end == UNTOUCHED) || (its.found != NO_SITE)) {
             let status: u32 = take_answer(s, team, its, end, visited);
@@ -152,7 +152,7 @@ fn take_answers<S: SearchStore>(s: &mut S, own: Answer, visited: &mut u32) -> u3
     return end;
 }
 
-/// What comes of the sites that a team found, none where it does not know them all, once the answers of others have come to `end`.
+/// What comes of the sites that a team found, once the answers of others have come to `end`; `UNCERTAIN` where they are more than there is room for.
 #[inline]
 #[cfg_attr(opencl, hot)]
 fn take_answer<S: SearchStore>(s: &mut S, team: u32, its: Answer, end: u32, visited: &mut u32) -> u32 {

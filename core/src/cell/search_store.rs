@@ -83,7 +83,7 @@ pub struct Answer {
     pub found: u32,
     /// How many candidates may have: that site alone, or where there is none those that tie; `NO_SITE` where the vertex is not known well.
     pub ties: u32,
-    /// How many of those that tie, from the first on, were tried before.
+    /// How many of those that tie, from the first on, were tried before, as far as it was looked: where there is one team it is not.
     pub tried: u32,
 }
 
@@ -181,7 +181,7 @@ pub trait SearchStore: Lanes {
     /// Sets it.
     fn set_asked(&mut self, i: u32, asked: Asked);
 
-    /// Teams of lanes, each of which calls [`search_far`](super::far::search_far) at the same time. The first has the cell.
+    /// Teams of lanes, which call [`search_far`](super::far::search_far) at the same time. All else the first does alone.
     fn teams(&self) -> u32 {
         1
     }

@@ -99,7 +99,8 @@ pub trait ClipStore: Polytope {
         self.set_settled(to, self.settled(from));
     }
 
-    /// Sets the triplet of vertex `v`, whose half-spaces have new numbers: it stays settled where it was.
+    /// Sets the triplet of vertex `v`, whose half-spaces have new numbers: it stays settled where it was. (Not as it stands in a store that keeps that
+    /// beside the triplet.)
     #[inline(always)]
     fn renumber(&mut self, v: u32, triplet: Triplet) {
         self.set_triplet(v, triplet);

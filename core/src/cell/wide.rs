@@ -54,6 +54,7 @@ pub(crate) fn sign_of_conflict<S: SignStore>(s: &mut S, v: u32, k: u32) -> i32 {
     let e: Plane = s.plane(k);
     let mut sign: i32 = s.narrow_sign(t, v, k);
     if sign != SIGN_UNKNOWN {
+        // (Of the others double-double would have told almost all.)
         if sign == 0 {
             s.note_exact();
         }

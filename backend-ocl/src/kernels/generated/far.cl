@@ -104,7 +104,7 @@ HOT uint take_answers(Store *s, Answer own, uint *visited) {
     uint end = UNTOUCHED;
     for (uint team = 0; team < store_teams(s); team++) {
         const Answer its = store_answer(s, team);
-        // (What another team does not know well it, or the first, asks for again.)
+        // (A vertex that another team does not know well is asked for again, and in the end by the first.)
         const bool is_of_use = (its.tried < its.ties) && ((team == 0) || (its.ties <= store_most_ties(s)));
         if (is_of_use && ((end == UNTOUCHED) || (its.found != NO_SITE))) {
             const uint status = take_answer(s, team, its, end, visited);
@@ -119,7 +119,7 @@ HOT uint take_answers(Store *s, Answer own, uint *visited) {
     return end;
 }
 
-// What comes of the sites that a team found, none where it does not know them all, once the answers of others have come to `end`.
+// What comes of the sites that a team found, once the answers of others have come to `end`; `UNCERTAIN` where they are more than there is room for.
 HOT uint take_answer(Store *s, uint team, Answer its, uint end, uint *visited) {
     if (its.ties > store_most_ties(s)) {
         return UNCERTAIN;

@@ -73,7 +73,7 @@ typedef struct {
     uint found;
     // How many candidates may have: that site alone, or where there is none those that tie; `NO_SITE` where the vertex is not known well.
     uint ties;
-    // How many of those that tie, from the first on, were tried before.
+    // How many of those that tie, from the first on, were tried before, as far as it was looked: where there is one team it is not.
     uint tried;
 } Answer;
 

@@ -11,6 +11,7 @@ OUTLINE int sign_of_conflict(Store *s, uint v, uint k) {
     const Plane e = store_plane(s, k);
     int sign = store_narrow_sign(s, t, v, k);
     if (sign != SIGN_UNKNOWN) {
+        // (Of the others double-double would have told almost all.)
         if (sign == 0) {
             store_note_exact(s);
         }

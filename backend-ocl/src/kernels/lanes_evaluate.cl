@@ -81,16 +81,14 @@ __kernel void cells(CELLS_ARGUMENTS) {
     cell->origin[2] = (float)fmin(fmax(vantage.center.z, lo.z), hi.z);
     lanes_wait();
 #endif
-#if TEAMS > 1
     if (IS_FIRST_TEAM) {
         begin_together(cell, s->lane, lo, hi);
+#if TEAMS > 1
         for (uint team = 0; team < TEAMS; team++) {
             cell->noted[team] = 0;
         }
-    }
-#else
-    begin_together(cell, s->lane, lo, hi);
 #endif
+    }
     s->planes = 6;
     s->vertices = 8;
     uint visited = 0;
@@ -103,12 +101,10 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #else
     uint status = complete_by_tree(s, vantage, &visited, &extent);
 #endif
-#if TEAMS > 1
     // (The others have done what they are for.)
     if (!IS_FIRST_TEAM) {
         return;
     }
-#endif
     CellSums part = (CellSums){ 0 };
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real winding = REAL(1.0);

@@ -78,9 +78,7 @@ INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint *vis
     if (IS_FIRST_TEAM) {
         status = search_table(s, extent, visited);
     }
-#if TEAMS > 1
     status = store_first_says(s, status);
-#endif
 #if SEARCHES_BEYOND
     if (status == UNTOUCHED) {
         Store copy = *s;

@@ -322,10 +322,10 @@ impl Device {
         std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
         self.counters.surface = 0;
         let records = Todo::Listed(count);
-        match self.run(Way::Together(lanes, Stage::Surface), &records, 1, 0..count, true)? {
-            Some(late) => Err(late),
-            None => Ok(self.seconds - begin),
-        }
+        let ran = self.run(Way::Together(lanes, Stage::Surface), &records, 1, 0..count, true);
+        // (The list of all cells is for later batches.)
+        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
+        ran?.map_or(Ok(self.seconds - begin), Err)
     }
 
     /// Cells that are computed at a time where they are too large for local memory.

@@ -1,10 +1,20 @@
 // Finished cells near the domain's surface, on their way from the stage that cuts all cells to the stage that looks at the surface. A record:
 // site, numbers of half-spaces and of vertices, whether exact arithmetic was needed; the vertices in single precision; their
-// triplets, and the sites beyond the half-spaces.
+// triplets, and what is beyond the half-spaces: a site, or a face of the box.
 
 #import "lanes_clip.cl"
 
+// In a record, instead of a site: the first of the faces of the box.
+#define TAG_FACE 0xFFFFFFE0u
+
 #if GIVES_NEAR
+// Which face of the box a half-space is: where some were dropped it has another number than at first. (Without that such cells were found anew in the stage
+// WITH_EXACT, or worse.)
+INLINE uint face_of(Plane plane) {
+    const uint axis = (plane.n.x != REAL(0.0)) ? 0u : ((plane.n.y != REAL(0.0)) ? 1u : 2u);
+    return TAG_FACE + ((2u * axis) + ((((plane.n.x + plane.n.y) + plane.n.z) < REAL(0.0)) ? 1u : 0u));
+}
+
 // Writes the record of a cell, whose place is `place`: `NEAR`; or `OPEN` where there is no room: a stage WITH_EXACT finds the same cell anew, so
 // that no bit depends on which cells came first, but of cells completed by their vertices, which it may cut in another order.
 INLINE uint give_cell(
@@ -31,14 +41,15 @@ INLINE uint give_cell(
         word[v] = s->cell->triplet[v];
     }
     for (uint f = s->lane; f < s->planes; f += LANES) {
-        word[s->vertices + f] = s->cell->source[f];
+        const uint beyond = s->cell->source[f];
+        word[s->vertices + f] = (beyond == TAG_BOX) ? face_of(s->cell->plane[f]) : beyond;
     }
     return NEAR;
 }
 #endif
 
 #if TAKES_NEAR
-// The cell of a record; that of the box, of which the first half-spaces are, has been begun.
+// The cell of a record; that of the box has been begun.
 INLINE void take_cell(Store *s, __global const uint4 *record) {
     CELL_SPACE Cell *cell = s->cell;
     s->planes = record->y;
@@ -50,11 +61,17 @@ INLINE void take_cell(Store *s, __global const uint4 *record) {
         cell->triplet[v] = word[v];
         enter_edges(cell, unpacked(word[v]), v);
     }
-    for (uint f = 6u + s->lane; f < s->planes; f += LANES) {
-        const uint beyond = word[s->vertices + f];
-        cell->plane[f] = bisector_with(s, beyond);
-        cell->source[f] = beyond;
+    // (Faces of the box come first, each in its place or further to the front.)
+    for (uint first = 0; first < s->planes; first += LANES) {
+        const uint f = first + s->lane;
+        const uint beyond = (f < s->planes) ? word[s->vertices + f] : TAG_FACE;
+        const Plane plane = (beyond >= TAG_FACE) ? cell->plane[beyond - TAG_FACE] : bisector_with(s, beyond);
+        lanes_wait();
+        if (f < s->planes) {
+            cell->plane[f] = plane;
+            cell->source[f] = (beyond >= TAG_FACE) ? TAG_BOX : beyond;
+        }
+        lanes_wait();
     }
-    lanes_wait();
 }
 #endif

@@ -104,7 +104,7 @@ pub(crate) enum Stage {
     Surface,
     /// Those that are completed by their vertices, where the tree is searched; those are given up that double-double does not decide.
     Far,
-    /// Those that need exact signs, or sites beyond the table of offsets.
+    /// Those that need exact signs, or sites beyond the table of offsets; and where facets are asked for those that the surface cuts.
     Exact,
     /// Those that need more room, or reach far outside the domain, where the tree is searched; those are given up that double-double does not decide.
     Large,
@@ -299,8 +299,8 @@ impl Build {
                             Flag::Weights(*weights),
                             Flag::Far(far),
                             Flag::Exact(exact),
-                            // The facets of a cell that the surface cuts are not computed together.
-                            Flag::Surface(surface && *domain && asked & FACETS == 0),
+                            // (Facets of cells that need more room are for one work-item each.)
+                            Flag::Surface(surface && *domain && (asked & FACETS == 0 || room == 0)),
                             Flag::Room(room),
                         ]
                     }

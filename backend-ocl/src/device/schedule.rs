@@ -239,7 +239,7 @@ impl Device {
                     break;
                 }
                 way = match stage {
-                    // (Facets of cells that the surface cuts are not computed together.)
+                    // (Facets of cells that need more room are not computed together.)
                     _ if request.facets => Way::Alone(room),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Together(lanes, Stage::Large),
@@ -299,7 +299,14 @@ impl Device {
                 second.cells += near as usize;
                 second.seconds += self.near_cells(lanes, near as usize)?;
             }
-            request.progress.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize));
+            if let (Way::Together(lanes, Stage::First | Stage::Far), true, cut @ 1..) =
+                (way, request.facets && self.domain.is_some(), self.counters.left)
+            {
+                second.cells += cut as usize;
+                second.seconds += self.cut_cells(lanes, cut as usize)?;
+            }
+            let not_ended = unended(&self.counters).saturating_sub(before) as usize;
+            request.progress.advance((end - begin).saturating_sub(not_ended));
             if request.facets {
                 // Beyond the room there is nothing; a gap at its end belongs to no row.
                 let written = self.counters.facets.min(self.shared.params.facet_room) as usize;
@@ -324,6 +331,18 @@ impl Device {
         let records = Todo::Listed(count);
         let ran = self.run(Way::Together(lanes, Stage::Surface), &records, 1, 0..count, true);
         // (The list of all cells is for later batches.)
+        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
+        ran?.map_or(Ok(self.seconds - begin), Err)
+    }
+
+    /// Where facets are asked for, the cells of a batch that the surface cuts, and those that were left for other reasons; returns the seconds it took.
+    fn cut_cells(&mut self, lanes: Lanes, count: usize) -> Result<f64> {
+        let begin = self.seconds;
+        // (The list of all cells is for later batches; what is left is another list then.)
+        std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
+        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
+        self.counters.left = 0;
+        let ran = self.run(Way::Together(lanes, Stage::Exact), &Todo::Listed(count), 1, 0..count, false);
         std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
         ran?.map_or(Ok(self.seconds - begin), Err)
     }

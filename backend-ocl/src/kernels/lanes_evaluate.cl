@@ -1,8 +1,7 @@
 // A cell computed by LANES work-items together: the vertices are shared out among them when a half-space is tried, the new
 // vertices when it cuts, the candidates when the next one is looked for, the tetrahedra when the cell is integrated. It gives the same
 // cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells
-// that need more room than there is, or exact arithmetic that is the host's, and those that the surface cuts where facets are asked for, are
-// left to that kernel.
+// that need more room than there is, or exact arithmetic that is the host's, are left to that kernel.
 //
 // In single precision (-D SINGLE=1) numbers of a cell are `float`: the half-spaces, rounded from the sites' in double precision, its vertices, whose
 // error radii have room for that, and the integrals. Signs that this leaves open, 24,000 of a million white cells have one, are for the next stage, so
@@ -108,48 +107,51 @@ __kernel void cells(CELLS_ARGUMENTS) {
     CellSums part = (CellSums){ 0 };
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real winding = REAL(1.0);
+#if WITH_FACETS
+    FacetSum facet[LANES_P / LANES];
+#else
+    FacetSum *facet = 0;
+#endif
+    uint has_facets = 0;
     if (status == COMPLETE) {
-        status = integrate_together(s, flags, extent, &center, &winding, &part);
+        status = integrate_together(s, flags, extent, &center, &winding, &part, facet, &has_facets);
     }
     const uint i = order[site];
 #if WITH_FACETS
     if (status == COMPLETE) {
-        FacetSum facet[LANES_P / LANES];
+        if (has_facets == 0u) {
+            clear_facets(facet);
+            if (add_facets(s, s->planes, winding, center, REAL(0.0), facet) != COMPLETE) {
+                status = LEFT;
+            }
+        }
         uint kept[LANES_P / LANES];
-        uint trouble = 0;
         uint n = 0;
-        Store copy = *s;
-        Place corner[MOST_CORNERS];
-        copy.corner = corner;
+#if !WITH_DOMAIN
         CellSums walls = (CellSums){ 0 };
+#endif
         UNROLLED
         for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
             const uint f = (turn * LANES) + s->lane;
             uint is_facet = 0;
             if (f < s->planes) {
-                turn_to_facet(&copy, f);
-                FacetSum sum;
-                trouble |= integrate_facet(&copy, f, center, &sum) != COMPLETE;
-                sum.area *= winding;
-                sum.moment = scale(winding, sum.moment);
 #if !WITH_DOMAIN
                 if (cell->source[f] == TAG_BOX) {
-                    add_boundary(sum, cell->plane[f], REAL(1.0), &walls);
+                    add_boundary(facet[turn], cell->plane[f], REAL(1.0), &walls);
                 }
 #endif
-                is_facet = (cell->source[f] < TAG_BOX) && (facet_is_above_bound(sum) != 0u);
-                facet[turn] = sum;
+                is_facet = (cell->source[f] < TAG_BOX) && (facet_is_above_bound(facet[turn]) != 0u);
             }
             kept[turn] = lanes_with(is_facet);
             n += popcount(kept[turn]);
         }
-        if (lanes_with(trouble) != 0u) {
-            status = LEFT;
-        } else {
+        if (status == COMPLETE) {
+#if !WITH_DOMAIN
             part.boundary_area = lanes_sum(walls.boundary_area);
             part.boundary_moment = lanes_sum_of(walls.boundary_moment);
             part.boundary_vector = lanes_sum_of(walls.boundary_vector);
             part.boundary_flux = lanes_sum(walls.boundary_flux);
+#endif
             uint begin = 0;
             if (s->lane == 0u) {
                 begin = atomic_add(&counters->facets, n);

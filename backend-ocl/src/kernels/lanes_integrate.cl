@@ -36,8 +36,11 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
 }
 #endif
 
-// The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`.
-INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums) {
+// The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`. Of a cell that the
+// surface cuts also those of its facets, where they are asked for.
+INLINE uint integrate_together(
+    Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums, FacetSum *facet, uint *has_facets
+) {
     CELL_SPACE Cell *cell = s->cell;
     // Whether the site is outside its cell, or only not strictly inside.
     uint outside = 0;
@@ -72,11 +75,13 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
         CellSums part = (CellSums){ 0 };
         real inner = REAL(0.0);
         const uint is_out = outside | lanes_with(on_wall);
-        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags & SECOND_MOMENTS, &inner, &part));
+        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags & SECOND_MOMENTS, &inner, &part, facet));
+        s->planes = lanes_alike(copy.planes);
         s->exact |= copy.exact;
         s->tried = copy.tried;
         if (ended != UNTOUCHED) {
             *sums = part;
+            *has_facets = WITH_FACETS;
             return ended;
         }
         *winding = inner;
@@ -110,21 +115,4 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, V3 *center, r
 #else
     return settle_sums(s, sums);
 #endif
-}
-
-// The vertices of half-space f, as the view: each lane may have another.
-INLINE void turn_to_facet(Store *s, uint f) {
-    s->corners = 0;
-    s->view = WHOLE;
-    for (uint v = 0; v < s->vertices; v++) {
-        const Triplet t = unpacked(s->cell->triplet[v]);
-        if (((t.a == f) || (t.b == f)) || (t.c == f)) {
-            if (s->corners == MOST_CORNERS) {
-                return;
-            }
-            s->corner[s->corners] = (Place)v;
-            s->corners++;
-        }
-    }
-    s->view = FACET_CORNERS;
 }

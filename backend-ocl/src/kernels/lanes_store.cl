@@ -313,7 +313,7 @@ INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { re
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
 INLINE V3 store_site(Store *s) { return (V3){ .x = s->site.x, .y = s->site.y, .z = s->site.z }; }
 
-// Sums of all facets at once are for one work-item: were they read here, it would be seen.
+// Sums of all facets at once are for one work-item (each lane has its own, `add_facets`): were they read here, it would be seen.
 INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ .area = NAN }; }
 INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
 

@@ -97,3 +97,51 @@ OUTLINE uint sum_together(
     }
     return COMPLETE;
 }
+
+#if WITH_FACETS
+// The vertices of half-space f, as the view: each lane may have another.
+INLINE void turn_to_facet(Store *s, uint f) {
+    s->corners = 0;
+    s->view = WHOLE;
+    for (uint v = 0; v < s->vertices; v++) {
+        const Triplet t = unpacked(s->cell->triplet[v]);
+        if (((t.a == f) || (t.b == f)) || (t.c == f)) {
+            if (s->corners == MOST_CORNERS) {
+                return;
+            }
+            s->corner[s->corners] = (Place)v;
+            s->corners++;
+        }
+    }
+    s->view = FACET_CORNERS;
+}
+
+// Adds `weight` times the facets of the present polytope on the first `count` half-spaces to those that each lane has: number `turn·LANES + lane` is its own.
+INLINE uint add_facets(const Store *s, uint count, real weight, V3 center, real reach, FacetSum *facet) {
+    Store copy = *s;
+    Place corner[MOST_CORNERS];
+    copy.corner = corner;
+    copy.is_fine = 1;
+    uint status = COMPLETE;
+    UNROLLED
+    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+        const uint f = (turn * LANES) + s->lane;
+        if (f < count) {
+            turn_to_facet(&copy, f);
+            FacetSum sum;
+            status |= integrate_facet(&copy, f, center, reach, &sum);
+            facet[turn].area += weight * sum.area;
+            facet[turn].moment = add(facet[turn].moment, scale(weight, sum.moment));
+            facet[turn].rounding = fmax(facet[turn].rounding, sum.rounding);
+        }
+    }
+    return (lanes_with(status != COMPLETE) != 0u) ? UNCERTAIN : COMPLETE;
+}
+
+INLINE void clear_facets(FacetSum *facet) {
+    UNROLLED
+    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+        facet[turn] = (FacetSum){ 0 };
+    }
+}
+#endif

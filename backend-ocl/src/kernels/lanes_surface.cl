@@ -1,4 +1,4 @@
-// Cells near the domain's surface, where LANES work-items compute one together. Those that it cuts, too, but for their facets.
+// Cells near the domain's surface, where LANES work-items compute one together.
 
 #import "lanes_clip.cl"
 #import "lanes_sums.cl"
@@ -86,35 +86,117 @@ INLINE uint gather_triangles(Store *s, Voxel lo, Voxel hi) {
     return found;
 }
 
-// Whether all vertices of the cell are certainly in conflict with one of the cone's half-spaces.
-INLINE uint misses_cone(Store *s, const TruncatedCone *cone) {
+// Of some bits, those that are so: all vertices of the cell are certainly in conflict with one of the cone's half-spaces, a bit each; its end certainly
+// keeps all.
+#define BEYOND_CONE 15u
+#define WITHIN_END 16u
+INLINE uint misses_cone(Store *s, const TruncatedCone *cone, uint bits) {
     const Plane plane[4] = { cone->side_0, cone->side_1, cone->side_2, cone->end };
-    uint beyond = 15u;
+    uint beyond = bits;
     for (uint v = 0; (v < s->vertices) && (beyond != 0u); v++) {
         const float4 p = s->cell->rough[v];
         UNROLLED
         for (uint i = 0; i < 4u; i++) {
             const uint side = side_of(plane[i], (V3){ .x = p.x, .y = p.y, .z = p.z }, p.w);
-            beyond &= (side == MARK_CONFLICT) ? 15u : ~(1u << i);
+            beyond &= (side == MARK_CONFLICT) ? ~0u : ~(1u << i);
+            beyond &= ((i == 3u) && (side != MARK_KEEP)) ? ~WITHIN_END : ~0u;
         }
     }
     return beyond;
 }
 
-// Adds `weight` times the integrals of the present polytope, whose vertices are in single precision.
-INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
+// Adds `weight` times the integrals of the present polytope, whose vertices are in single precision; and of its facets on the first `count` half-spaces.
+INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums, uint count, FacetSum *facet) {
     uint exact = 0;
     if (lanes_alike(refine_together(s->cell, s->lane, s->vertices, &exact)) != COMPLETE) {
         return UNCERTAIN;
     }
     s->exact |= exact;
+#if WITH_FACETS
+    if ((count != 0u) && (add_facets(s, count, weight, center, reach, facet) != COMPLETE)) {
+        return UNCERTAIN;
+    }
+#endif
     return lanes_alike(sum_together(s->cell, s->lane, s->vertices, weight, center, reach, flags, sums));
 }
+
+// Cuts the cell by the half-spaces of a cone that lane `from` has, the last of them its end: `COMPLETE` where something is left, and whether the end has cut it.
+INLINE uint cut_by_cone(Store *s, const TruncatedCone *cone, uint from, uint *ends) {
+    CELL_SPACE Cell *cell = s->cell;
+    if (s->lane == from) {
+        cell->cone[0] = cone->side_0;
+        cell->cone[1] = cone->side_1;
+        cell->cone[2] = cone->side_2;
+        cell->cone[3] = cone->end;
+    }
+    lanes_wait();
+    uint status = UNTOUCHED;
+    for (uint i = 0; (i < 4u) && ((status == CUT) || (status == UNTOUCHED)); i++) {
+        const Plane plane = cell->cone[i];
+        if (s->lane == 0u) {
+            cell->plane[s->planes] = plane;
+        }
+        lanes_wait();
+        status = clip_together(s, trial_of(s, plane));
+        *ends = (i == 3u) && (status == CUT);
+    }
+    return ((status == CUT) || (status == UNTOUCHED)) ? COMPLETE : status;
+}
+
+#if WITH_FACETS
+// Adds to the boundary's sums the parts within the cell of the triangles, of which each lane has some (`add_surface`): `COMPLETE`, `LEFT` or `OPEN`.
+INLINE uint add_surface_together(
+    Store *s, const uint *triangle, uint count, Voxel lo, V3 center, const Saved *saved, CellSums *sums
+) {
+    CELL_SPACE Cell *cell = s->cell;
+    for (uint word = 0; (word * LANES) < count; word++) {
+        TruncatedCone prism;
+        uint meets = 0;
+        uint is_open = 0;
+        if (((word * LANES) + s->lane) < count) {
+            Store copy = *s;
+            is_open = make_prism(&copy, triangle[word], lo, &prism) != COMPLETE;
+            meets = (is_open == 0u) && (misses_cone(s, &prism, BEYOND_CONE | WITHIN_END) == 0u);
+        }
+        if (lanes_with(is_open) != 0u) {
+            return UNSETTLED;
+        }
+        for (uint left = lanes_with(meets); left != 0u; left &= left - 1u) {
+            const uint from = lowest_bit(left);
+            const real sign = lane_real(prism.sign, from);
+            uint ends = 0;
+            uint status = cut_by_cone(s, &prism, from, &ends);
+            if ((status == COMPLETE) && (ends != 0u)) {
+                const uint end = s->planes - 1u;
+                const Plane plane = cell->cone[3];
+                uint exact = 0;
+                status = lanes_alike(refine_together(cell, s->lane, s->vertices, &exact));
+                s->exact |= exact;
+                // (Each lane its share of the corners.)
+                Store share = share_of(cell, s->lane, s->vertices, 1);
+                FacetSum part;
+                status |= lanes_with(integrate_facet(&share, end, center, REAL(0.0), &part) != COMPLETE);
+                if (status != COMPLETE) {
+                    return UNSETTLED;
+                }
+                const FacetSum facet = (FacetSum){
+                    .area = lanes_sum(part.area), .moment = lanes_sum_of(part.moment), .rounding = lanes_folded(part.rounding, 0u)
+                };
+                add_boundary(facet, plane, -sign, sums);
+            } else if ((status != COMPLETE) && (status != EMPTY)) {
+                return status;
+            }
+            restore_cell(s, saved);
+        }
+    }
+    return COMPLETE;
+}
+#endif
 
 // Subtracts from the integrals of the whole cell, times the winding number of the corner of voxel `lo`, those of its intersections
 // with the truncated cones over the triangles near it (`integrate_restricted`); a lane makes and culls each cone, all lanes cut.
 // `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
-INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums) {
+INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums, FacetSum *facet) {
     CELL_SPACE Cell *cell = s->cell;
 #if COMPACTS
     if ((s->planes + 4u) > LANES_P) {
@@ -132,8 +214,12 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
     for (uint word = 0; word < WORDS; word++) {
         triangle[word] = cell->marked[(word * LANES) + s->lane];
     }
+    const uint base = (WITH_FACETS != 0) ? saved.planes : 0u;
+#if WITH_FACETS
+    clear_facets(facet);
+#endif
     if (winding != REAL(0.0)) {
-        if (add_polytope(s, winding, center, REAL(0.0), flags, sums) != COMPLETE) {
+        if (add_polytope(s, winding, center, REAL(0.0), flags, sums, base, facet) != COMPLETE) {
             return UNSETTLED;
         }
         restore_cell(s, &saved);
@@ -148,7 +234,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
             Store copy = *s;
             is_open = make_cone(&copy, triangle[word], lo, &cone) != COMPLETE;
             is_flat = (is_open == 0u) && (cone.sign == REAL(0.0));
-            meets = ((is_open | is_flat) == 0u) && (misses_cone(s, &cone) == 0u);
+            meets = ((is_open | is_flat) == 0u) && (misses_cone(s, &cone, BEYOND_CONE) == 0u);
         }
         if (lanes_with(is_open) != 0u) {
             return UNSETTLED;
@@ -156,39 +242,31 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         touched |= lanes_with(is_flat);
         for (uint left = lanes_with(meets); left != 0u; left &= left - 1u) {
             const uint from = lowest_bit(left);
-            if (s->lane == from) {
-                cell->cone[0] = cone.side_0;
-                cell->cone[1] = cone.side_1;
-                cell->cone[2] = cone.side_2;
-                cell->cone[3] = cone.end;
-            }
             const real sign = lane_real(cone.sign, from);
             const real reach = lane_real(cone.reach, from);
-            lanes_wait();
-            uint status = UNTOUCHED;
-            for (uint i = 0; (i < 4u) && ((status == CUT) || (status == UNTOUCHED)); i++) {
-                const Plane plane = cell->cone[i];
-                if (s->lane == 0u) {
-                    cell->plane[s->planes] = plane;
-                }
-                lanes_wait();
-                status = clip_together(s, trial_of(s, plane));
-                touched |= (i == 3u) && (status == CUT);
-            }
-            if (((status != CUT) && (status != UNTOUCHED)) && (status != EMPTY)) {
+            uint ends = 0;
+            const uint status = cut_by_cone(s, &cone, from, &ends);
+            touched |= ends;
+            if ((status != COMPLETE) && (status != EMPTY)) {
                 return status;
             }
-            if ((status != EMPTY) && (add_polytope(s, -sign, center, reach, flags, sums) != COMPLETE)) {
+            if ((status != EMPTY) && (add_polytope(s, -sign, center, reach, flags, sums, base, facet) != COMPLETE)) {
                 return UNSETTLED;
             }
             restore_cell(s, &saved);
         }
     }
+#if WITH_FACETS
+    const uint added = add_surface_together(s, triangle, count, lo, center, &saved, sums);
+    if (added != COMPLETE) {
+        return added;
+    }
+#endif
     if (touched == 0u) {
         // No piece ends at its triangle: the surface does not meet the cell.
         CellSums whole = (CellSums){ 0 };
         int inner = 0;
-        if (add_polytope(s, REAL(1.0), center, REAL(0.0), VOLUME_ONLY, &whole) != COMPLETE) {
+        if (add_polytope(s, REAL(1.0), center, REAL(0.0), VOLUME_ONLY, &whole, 0u, facet) != COMPLETE) {
             return UNSETTLED;
         }
         // (Its vertices are in double precision from here on.)
@@ -204,6 +282,12 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
             if (sum_together(cell, s->lane, s->vertices, (real)inner, center, REAL(0.0), flags, sums) != COMPLETE) {
                 return UNSETTLED;
             }
+#if WITH_FACETS
+            clear_facets(facet);
+            if (add_facets(s, base, (real)inner, center, REAL(0.0), facet) != COMPLETE) {
+                return UNSETTLED;
+            }
+#endif
         }
     }
     return settle_sums(s, sums);
@@ -212,7 +296,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
 
 // What becomes of a cell near the surface, whose vertices are in single precision: `UNTOUCHED` where the surface does not meet it, with its
 // winding number; else `COMPLETE` with its integrals, `EMPTY`, `LEFT` or `OPEN`. `is_out`: its site is not strictly inside it.
-OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, real *inner, CellSums *sums) {
+OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, real *inner, CellSums *sums, FacetSum *facet) {
     Store store = *given;
     Store *s = &store;
     s->planes = lanes_alike(s->planes);
@@ -246,7 +330,8 @@ OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, r
     }
 #if WITH_SURFACE
     const V3 center = (outside != 0u) ? middle : v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    const uint status = restrict_together(s, lo, hi, center, winding, flags, sums);
+    const uint status = restrict_together(s, lo, hi, center, winding, flags, sums, facet);
+    given->planes = s->planes;
     given->exact = s->exact;
     given->tried = s->tried;
     return status;

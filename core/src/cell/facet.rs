@@ -1,7 +1,8 @@
 //! Sums over the facets of a convex cell: areas, moments, second moments, and what of them is the domain's boundary.
 
 use super::integrate::{
-    CellSums, Corner, FACET_SECOND_MOMENTS, Side, foot_on_edge, second_diagonal, second_mixed, side,
+    CellSums, Corner, FACET_SECOND_MOMENTS, ROUNDINGS_OF_SURFACE, Side, foot_on_edge, second_diagonal, second_mixed,
+    side,
 };
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
@@ -79,9 +80,9 @@ pub(super) fn area_of_triangle(f: Side, to_foot: V3, to_vertex: V3, sign: Real) 
     return ((0.5 * sign) * dot(normal, f.n)) / f.square.sqrt();
 }
 
-/// The sums of the facet of plane `index` alone.
+/// The sums of the facet of plane `index` alone; `reach` as of `integrate`.
 #[cfg_attr(opencl, outline)]
-pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, sum: &mut FacetSum) -> u32 {
+pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, reach: Real, sum: &mut FacetSum) -> u32 {
     *sum = FacetSum::default();
     let f: Side = side(s, index, center);
     for v in 0..s.vertices() {
@@ -93,8 +94,11 @@ pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, s
         }
         if t.a == index {
             // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
-            let at: Corner =
-                Corner { position: sub(s.position(v), center), distance: norm_1(s.position(v)), radius: s.radius(v) };
+            let at: Corner = Corner {
+                position: sub(s.position(v), center),
+                distance: norm_1(s.position(v)) + reach,
+                radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
+            };
             let b: Side = side(s, t.b, center);
             let c: Side = side(s, t.c, center);
             let mut foot: V3 = v3(0.0, 0.0, 0.0);

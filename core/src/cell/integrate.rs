@@ -61,7 +61,7 @@ const ROUNDINGS_ACROSS: Real = 8.0;
 /// Roundings of the plane of a triangle of the surface, in units of its reach: 1 for each coordinate relative to the site, 5 for the plane. The
 /// planes of two triangles at an edge are not displaced alike, also where both lie in one plane: what a facet loses to one cone it does not gain
 /// from the next. Where a cell is a few roundings wide there is nothing larger.
-const ROUNDINGS_OF_SURFACE: Real = 8.0;
+pub(super) const ROUNDINGS_OF_SURFACE: Real = 8.0;
 
 /// What is positive counts as nothing only below this share of its bound, which is several times what rounding does.
 pub(super) const SHARE_OF_NOTHING: Real = 0.125;

@@ -278,7 +278,7 @@ pub(crate) fn add_surface<S: ClipStore + DomainStore + SignStore>(
     }
     if status == CUT {
         let mut facet: FacetSum = FacetSum::default();
-        status = integrate_facet(s, end_index, center, &mut facet);
+        status = integrate_facet(s, end_index, center, 0.0, &mut facet);
         if status == COMPLETE {
             add_boundary(facet, prism.end, -prism.sign, sums);
         }

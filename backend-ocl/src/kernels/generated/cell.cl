@@ -78,7 +78,7 @@ OUTLINE V3 reference_point(Store *s);
 OUTLINE bool facet_is_above_bound(FacetSum sum);
 INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, FacetSum *sum);
 INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign);
-OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum);
+OUTLINE uint integrate_facet(Store *s, uint index, V3 center, real reach, FacetSum *sum);
 OUTLINE void reset_facets(Store *s, uint flags);
 OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums);
 OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center);

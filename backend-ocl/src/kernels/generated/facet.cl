@@ -28,8 +28,8 @@ INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign) {
     return ((REAL(0.5) * sign) * v3_dot(normal, f.n)) / sqrt(f.square);
 }
 
-// The sums of the facet of plane `index` alone.
-OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum) {
+// The sums of the facet of plane `index` alone; `reach` as of `integrate`.
+OUTLINE uint integrate_facet(Store *s, uint index, V3 center, real reach, FacetSum *sum) {
     *sum = (FacetSum){ 0 };
     const Side f = side(s, index, center);
     for (uint v = 0; v < store_vertices(s); v++) {
@@ -41,7 +41,7 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, FacetSum *sum) {
         }
         if (t.a == index) {
             // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
-            const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)), .radius = store_radius(s, v) };
+            const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
             const Side b = side(s, t.b, center);
             const Side c = side(s, t.c, center);
             V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));

@@ -798,8 +798,9 @@ __kernel void parity_integrate_facet(PARITY_ARGUMENTS) {
     PARITY_STORE;
     const uint index = take_uint(&in);
     const V3 center = take_V3(&in);
+    const real reach = take_real(&in);
     FacetSum sum = take_FacetSum(&in);
-    const uint result = integrate_facet(s, index, center, &sum);
+    const uint result = integrate_facet(s, index, center, reach, &sum);
     give_uint(&out, result);
     give_FacetSum(&out, sum);
     parity_dump(&out, s);

@@ -213,7 +213,7 @@ OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums
     }
     if (status == CUT) {
         FacetSum facet = (FacetSum){ 0 };
-        status = integrate_facet(s, end_index, center, &facet);
+        status = integrate_facet(s, end_index, center, REAL(0.0), &facet);
         if (status == COMPLETE) {
             add_boundary(facet, prism.end, -prism.sign, sums);
         }

@@ -81,7 +81,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!((sum: FacetSum) facet::facet_is_above_bound(sum), []),
     host!((f: Side, foot: V3, off: f64, at: Corner, sign: f64, center: V3, sum: FacetSum) facet::add_triangle(f, foot, off, at, sign, center, &mut sum), [sum]),
     host!((f: Side, to_foot: V3, to_vertex: V3, sign: f64) facet::area_of_triangle(f, to_foot, to_vertex, sign), []),
-    host!(s, (index: u32, center: V3, sum: FacetSum) facet::integrate_facet(&mut s, index, center, &mut sum), [sum]),
+    host!(s, (index: u32, center: V3, reach: f64, sum: FacetSum) facet::integrate_facet(&mut s, index, center, reach, &mut sum), [sum]),
     host!(s, (flags: u32 in FLAGS) facet::reset_facets(&mut s, flags), []),
     host!((sum: FacetSum, plane: Plane, outward: f64, sums: CellSums) facet::add_boundary(sum, plane, outward, &mut sums), [sums]),
     host!(s, (weight: f64, center: V3) facet::add_facet_seconds(&mut s, weight, center), []),

@@ -299,8 +299,7 @@ impl Build {
                             Flag::Weights(*weights),
                             Flag::Far(far),
                             Flag::Exact(exact),
-                            // (Facets of cells that need more room are for one work-item each.)
-                            Flag::Surface(surface && *domain && (asked & FACETS == 0 || room == 0)),
+                            Flag::Surface(surface && *domain),
                             Flag::Room(room),
                         ]
                     }

@@ -173,7 +173,7 @@ impl Device {
         Ok(())
     }
 
-    /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to be near the surface. What
+    /// One pass. The first in two substeps: all cells, `together` if so asked, and then those that turn out to be near the surface, batch by batch. What
     /// needs exact signs, or more than can be done together, is left to the end; what needs more room than a device has for cells that are
     /// computed together is the host's: one such cell took a single work-item 0.45 s (one NVIDIA H200).
     fn pass(
@@ -283,6 +283,13 @@ impl Device {
             let is_shared = matches!(way, Way::Together(..));
             let unended = |c: &Counters| c.surface + c.later + c.full + if is_shared { c.left } else { 0 };
             let before = unended(&self.counters);
+            // (With facets, what is left of these stages is for the next at once, and what that leaves not for it again.)
+            let leaves_cut =
+                request.facets && self.domain.is_some() && matches!(way, Way::Together(_, Stage::First | Stage::Far));
+            let kept = if leaves_cut { std::mem::take(&mut self.counters.left) } else { 0 };
+            if leaves_cut {
+                std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
+            }
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
                 if !request.facets || batch <= FEWEST_CELLS {
@@ -290,6 +297,10 @@ impl Device {
                 }
                 self.memory.facets.free();
                 self.memory.facet_seconds.free();
+                if leaves_cut {
+                    std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
+                    self.counters.left = kept;
+                }
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
@@ -297,16 +308,17 @@ impl Device {
                 (way, self.counters.surface)
             {
                 second.cells += near as usize;
-                second.seconds += self.near_cells(lanes, near as usize)?;
+                second.seconds += self.at_once(lanes, Stage::Surface, near as usize)?;
             }
-            if let (Way::Together(lanes, Stage::First | Stage::Far), true, cut @ 1..) =
-                (way, request.facets && self.domain.is_some(), self.counters.left)
-            {
-                second.cells += cut as usize;
-                second.seconds += self.cut_cells(lanes, cut as usize)?;
+            if let (Way::Together(lanes, _), true) = (way, leaves_cut) {
+                let cut = std::mem::replace(&mut self.counters.left, kept) as usize;
+                std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
+                if cut > 0 {
+                    second.cells += cut;
+                    second.seconds += self.at_once(lanes, Stage::Exact, cut)?;
+                }
             }
-            let not_ended = unended(&self.counters).saturating_sub(before) as usize;
-            request.progress.advance((end - begin).saturating_sub(not_ended));
+            request.progress.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize));
             if request.facets {
                 // Beyond the room there is nothing; a gap at its end belongs to no row.
                 let written = self.counters.facets.min(self.shared.params.facet_room) as usize;
@@ -323,26 +335,13 @@ impl Device {
         Ok(())
     }
 
-    /// The cells of a batch that turn out to be near the surface, while their records are there; returns the seconds it took.
-    fn near_cells(&mut self, lanes: Lanes, count: usize) -> Result<f64> {
+    /// Runs a stage over the cells of a batch, or their records, that stand in the list `surface`; returns the seconds it took.
+    fn at_once(&mut self, lanes: Lanes, stage: Stage, count: usize) -> Result<f64> {
         let begin = self.seconds;
-        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
-        self.counters.surface = 0;
-        let records = Todo::Listed(count);
-        let ran = self.run(Way::Together(lanes, Stage::Surface), &records, 1, 0..count, true);
         // (The list of all cells is for later batches.)
         std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
-        ran?.map_or(Ok(self.seconds - begin), Err)
-    }
-
-    /// Where facets are asked for, the cells of a batch that the surface cuts, and those that were left for other reasons; returns the seconds it took.
-    fn cut_cells(&mut self, lanes: Lanes, count: usize) -> Result<f64> {
-        let begin = self.seconds;
-        // (The list of all cells is for later batches; what is left is another list then.)
-        std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
-        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
-        self.counters.left = 0;
-        let ran = self.run(Way::Together(lanes, Stage::Exact), &Todo::Listed(count), 1, 0..count, false);
+        self.counters.surface = 0;
+        let ran = self.run(Way::Together(lanes, stage), &Todo::Listed(count), 1, 0..count, false);
         std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
         ran?.map_or(Ok(self.seconds - begin), Err)
     }

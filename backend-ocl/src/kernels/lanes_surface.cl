@@ -86,8 +86,7 @@ INLINE uint gather_triangles(Store *s, Voxel lo, Voxel hi) {
     return found;
 }
 
-// Of some bits, those that are so: all vertices of the cell are certainly in conflict with one of the cone's half-spaces, a bit each; its end certainly
-// keeps all.
+// Which of `bits` hold: all vertices of the cell are certainly in conflict with one of the cone's half-spaces, a bit each; its end certainly keeps all.
 #define BEYOND_CONE 15u
 #define WITHIN_END 16u
 INLINE uint misses_cone(Store *s, const TruncatedCone *cone, uint bits) {

@@ -11,8 +11,8 @@
 // inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the inner loop in the cache
 // of instructions. WITH_SURFACE is for those (where facets are asked for, with WITH_EXACT), WITH_FAR for cells that are completed by their vertices
 // (`lanes_tree.cl`), WITH_EXACT for what is open in either, WITH_ROOM for what needs more room: such a cell has TEAMS of LANES work-items, which ask
-// for its vertices and wait for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8
-// %. WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
+// for its vertices and wait for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
+// WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
 
 #import "lanes_table.cl"
 #import "lanes_near.cl"

@@ -23,11 +23,11 @@ pub(crate) struct Args {
 
 const EXAMPLES: &str = "\
 Examples:
-  laguerre demo                                                    10,000 cells in a bunny, with a picture
-  laguerre sample white 100000 --domain bunny.obj -o sites.xyz     sites in the bunny's box
-  laguerre integrate sites.xyz --domain bunny.obj -o cells.csv     volume and barycenter of every cell
-  laguerre verify cells.csv sites.xyz --domain bunny.obj           whether they are right
-  laguerre bench                                                   how fast, on this machine
+  laguerre demo                                                      10,000 cells in a swan, with a picture
+  laguerre sample white 100000 --domain out/swan.off -o sites.xyz    sites in the swan's box
+  laguerre integrate sites.xyz --domain out/swan.off -o cells.csv    volume and barycenter of every cell
+  laguerre verify cells.csv sites.xyz --domain out/swan.off          whether they are right
+  laguerre bench                                                     how fast, on this machine
 
 Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified, or wrong; 130 interrupted.";
 
@@ -87,9 +87,9 @@ pub(crate) struct IntegrateArgs {
 
 const INTEGRATE_EXAMPLES: &str = "\
 Examples:
-  laguerre integrate sites.xyz --domain bunny.obj -o cells.csv --facets facets.csv
+  laguerre integrate sites.xyz --domain out/swan.off -o cells.csv --facets facets.csv
   laguerre integrate sites.npy --weights weights.npy --box 0,0,0,1,1,1 --json
-  generate | laguerre integrate - --domain bunny.stl -o cells.vtu";
+  generate | laguerre integrate - --domain part.stl -o cells.vtu";
 
 /// Whether a result file, whoever wrote it, is right: its sums, its cells, its facets.
 ///
@@ -132,7 +132,7 @@ pub(crate) struct VerifyArgs {
 
 const VERIFY_EXAMPLES: &str = "\
 Examples:
-  laguerre verify cells.csv sites.xyz --domain bunny.obj --facets facets.csv
+  laguerre verify cells.csv sites.xyz --domain out/swan.off --facets facets.csv
   laguerre verify theirs.npy sites.npy --box 0,0,0,1,1,1 --tolerance 1e-6 --cells 1000";
 
 /// Sites to compute with: they fill the box of the domain, or are one of the uneven inputs of `bench --uneven`.
@@ -167,8 +167,8 @@ pub(crate) struct SampleArgs {
 
 const SAMPLE_EXAMPLES: &str = "\
 Examples:
-  laguerre sample white 100000 --domain bunny.obj -o sites.xyz
-  laguerre sample blue 10000 --domain bunny.obj --inside --seed 7 -o sites.npy
+  laguerre sample white 100000 --domain out/swan.off -o sites.xyz
+  laguerre sample blue 10000 --domain out/swan.off --inside --seed 7 -o sites.npy
   laguerre sample lattice 64000 --box 0,0,0,1,1,1 -o lattice.xyz
   laguerre sample plummer 100000 -o halo.npy";
 
@@ -210,9 +210,9 @@ pub(crate) enum Distribution {
     Mirrored,
 }
 
-/// The main job on built-in input: the cells of 10,000 sites in the Stanford bunny.
+/// The main job on built-in input: the cells of 10,000 sites in a swan.
 ///
-/// Prints the summary and writes cells.csv, cells.vtu (for ParaView) and cells.png, a slice through the bunny.
+/// Prints the summary and writes swan.off (the domain), cells.csv, cells.vtu (for ParaView) and cells.png, a slice through the swan.
 #[derive(ClapArgs, Debug)]
 pub(crate) struct DemoArgs {
     /// Where to write the files; made if it is not there
@@ -251,7 +251,7 @@ pub(crate) struct TuneArgs {
 
 const TUNE_EXAMPLES: &str = "\
 Examples:
-  laguerre tune sites.xyz --domain bunny.obj -o counts.svg
+  laguerre tune sites.xyz --domain out/swan.off -o counts.svg
   laguerre tune sites.npy --weights weights.npy --box 0,0,0,1,1,1 --share 99 --json";
 
 /// How fast the backends are on this machine: backend × distribution × number of sites × domain.
@@ -272,8 +272,9 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "DIST,…", value_delimiter = ',', default_values = ["white", "perturbed", "blue", "lattice"])]
     pub(crate) distributions: Vec<Distribution>,
 
-    /// What cuts the cells: box, the domains bunny, trefoil, torus, double-torus, sphere, cavity, or mesh files
-    #[arg(long, value_name = "NAME|MESH,…", value_delimiter = ',', default_values = ["box", "bunny"])]
+    /// What cuts the cells: box, the domains swan, trefoil, torus, double-torus, sphere, cavity, bunny (in a checkout of the sources), or mesh
+    /// files
+    #[arg(long, value_name = "NAME|MESH,…", value_delimiter = ',', default_values = ["box", "swan"])]
     pub(crate) domains: Vec<String>,
 
     /// Uneven inputs in the unit cube, as `sample` knows them, instead: all unless named (--uneven=plummer,line). The time of a site

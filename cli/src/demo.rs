@@ -1,9 +1,10 @@
 //! `laguerre demo`: the main job on built-in input.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::time::Instant;
 
-use laguerre::{Error, ErrorKind, PowerDiagram, Request, Result};
+use laguerre::{Domain, Error, ErrorKind, PowerDiagram, Request, Result, io};
 
 use crate::args::{Corners, DemoArgs};
 use crate::container::Whole;
@@ -18,11 +19,8 @@ use crate::slice::SlicePlane;
 
 /// Lloyd steps from random sites: cells of different sizes still, but no slivers.
 const STEPS: usize = 3;
-/// Where the picture cuts the bunny: across its z axis, turned and tilted (degrees) so as to meet nose, one whole ear,
-/// foot and tail.
-const CUT_AT: [f64; 3] = [0.0, 4.83, 0.34];
-const CUT_TURNED: f64 = -8.0;
-const CUT_TILTED: f64 = -11.0;
+/// Where the picture cuts the swan: in the plane that mirrors it, from beak to tail.
+const CUT: SlicePlane = SlicePlane { origin: [0.0; 3], u: [1.0, 0.0, 0.0], v: [0.0, 1.0, 0.0] };
 /// Width of the picture in pixels.
 const WIDTH: u32 = 1200;
 
@@ -30,7 +28,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let backend = open_default()?;
     let mut seconds = Seconds::default();
     let start = Instant::now();
-    let domain = domains::bunny()?;
+    let domain = domains::swan()?;
     let (lo, hi) = domain.bounding_box();
     seconds.read = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -47,11 +45,13 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let folder = &args.out_dir;
     fs::create_dir_all(folder)
         .map_err(|e| Error::new(ErrorKind::Io, format!("{}: cannot make this folder: {e}", folder.display())))?;
-    let names = ["cells.csv", "cells.vtu", "cells.png"].map(|name| folder.join(name));
-    for path in &names[..2] {
+    let names = ["swan.off", "cells.csv", "cells.vtu", "cells.png"].map(|name| folder.join(name));
+    let mesh = off(&domain);
+    io::write_whole(&names[0], |w| w.write_all(mesh.as_bytes()))?;
+    for path in &names[1..3] {
         write_cells(path, backend.as_ref(), &diagram, &output)?;
     }
-    draw(&names[2], &diagram, &output, &cut(), WIDTH)?;
+    draw(&names[3], &diagram, &output, &CUT, WIDTH)?;
     seconds.write = start.elapsed().as_secs_f64();
 
     let report = Report::new(&output, &Whole::of(&diagram)?, backend.info(), seconds);
@@ -60,12 +60,14 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     Ok(outcome(&report))
 }
 
-fn cut() -> SlicePlane {
-    let (sin_turn, cos_turn) = CUT_TURNED.to_radians().sin_cos();
-    let (sin_tilt, cos_tilt) = CUT_TILTED.to_radians().sin_cos();
-    SlicePlane {
-        origin: CUT_AT,
-        u: [cos_turn, 0.0, sin_turn],
-        v: [-sin_tilt * sin_turn, cos_tilt, sin_tilt * cos_turn],
+/// A domain as the text of an OFF file; `{:?}` is the shortest text that reads back to the same number.
+fn off(domain: &Domain) -> String {
+    let mut text = format!("OFF\n{} {} 0\n", domain.vertices().len(), domain.triangles().len());
+    for [x, y, z] in domain.vertices() {
+        let _ = writeln!(text, "{x:?} {y:?} {z:?}");
     }
+    for [a, b, c] in domain.triangles() {
+        let _ = writeln!(text, "3 {a} {b} {c}");
+    }
+    text
 }

@@ -58,7 +58,7 @@ pub(crate) struct FluidArgs {
     #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = parse_finite)]
     gravity: Option<f64>,
 
-    /// A closed triangle mesh that the fluid fills, instead of the scene's box or bunny: .obj, .off, .ply or .stl
+    /// A closed triangle mesh that the fluid fills, instead of the scene's box or swan: .obj, .off, .ply or .stl
     #[arg(long, value_name = "MESH")]
     domain: Option<PathBuf>,
 
@@ -102,7 +102,7 @@ pub(crate) struct FluidArgs {
 const EXAMPLES: &str = "\
 Examples:
   laguerre fluid rayleigh-taylor --film plumes.gif
-  laguerre fluid snow-globe --domain bunny.obj --particles 20000 --out-dir globe --frames png,vtu --checkpoint globe.fluid
+  laguerre fluid snow-globe --domain part.stl --particles 20000 --out-dir globe --frames png,vtu --checkpoint globe.fluid
   laguerre fluid --resume globe.fluid --steps 400 --out-dir globe --checkpoint globe.fluid";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -115,7 +115,7 @@ enum SceneName {
     TaylorGreen,
     /// One steady vortex, to measure by
     Beltrami,
-    /// Snow in a shaken globe: a bunny, or --domain
+    /// Snow in a shaken globe: a swan, or --domain
     SnowGlobe,
 }
 
@@ -250,7 +250,7 @@ fn begin(args: &FluidArgs, backend: &dyn Backend) -> Result<(Scene, Container, F
             domain.notes().iter().for_each(|remark| note(&format!("{}: {remark}", path.display())));
             Some(domain)
         }
-        (None, None) => Some(domains::bunny()?),
+        (None, None) => Some(domains::swan()?),
         (None, Some(_)) => None,
     };
     let count = args.particles as usize;

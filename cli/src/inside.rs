@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn as_many_points_are_inside_as_the_volume_says() {
-        let domain = Domain::from_obj(include_bytes!("../../fixtures/meshes/bunny.obj")).unwrap();
+        let domain = laguerre::shapes::swan().domain();
         let test = InsideTest::new(&domain);
         let (lo, hi) = domain.bounding_box();
         // A lattice whose spacing has no relation to the mesh: the share of points inside is that of the volume, but for the

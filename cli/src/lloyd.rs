@@ -58,7 +58,7 @@ pub(crate) struct LloydArgs {
 
 const EXAMPLES: &str = "\
 Examples:
-  laguerre lloyd sites.xyz --domain bunny.obj -o even.xyz
+  laguerre lloyd sites.xyz --domain out/swan.off -o even.xyz
   laguerre lloyd sites.npy --box 0,0,0,1,1,1 --method lloyd --iterations 20 --json";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

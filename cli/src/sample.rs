@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     fn inside_means_inside_and_as_many_as_asked_for() {
-        let domain = Domain::from_obj(include_bytes!("../../fixtures/meshes/bunny.obj")).unwrap();
+        let domain = laguerre::shapes::swan().domain();
         let (lo, hi) = domain.bounding_box();
         let mut sampler = Sampler::new(Corners { lo, hi }, Some(&domain), 1);
         let white = sampler.white(500).unwrap();

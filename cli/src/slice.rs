@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn slices_add_up_to_the_volume() {
-        let domain = Domain::from_obj(include_bytes!("../../fixtures/meshes/bunny.obj")).unwrap();
+        let domain = laguerre::shapes::swan().domain();
         let (lo, hi) = domain.bounding_box();
         let n = 400;
         let step = (hi[2] - lo[2]) / f64::from(n);

@@ -66,8 +66,8 @@ pub(crate) struct TransportArgs {
 
 const EXAMPLES: &str = "\
 Examples:
-  laguerre transport sites.xyz --domain bunny.obj -o weights.txt
-  laguerre integrate sites.xyz --weights weights.txt --domain bunny.obj -o cells.csv
+  laguerre transport sites.xyz --domain out/swan.off -o weights.txt
+  laguerre integrate sites.xyz --weights weights.txt --domain out/swan.off -o cells.csv
   laguerre transport sites.npy --box 0,0,0,1,1,1 --density 1,0,0,0.5 --masses masses.npy --json";
 
 /// The object of `--json`.

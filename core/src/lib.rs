@@ -26,7 +26,7 @@ pub mod request;
 #[cfg(any(test, feature = "test-util"))]
 pub mod required;
 pub mod search;
-#[cfg(any(test, feature = "test-util"))]
+#[cfg(any(test, feature = "shapes"))]
 pub mod shapes;
 pub mod site_tree;
 pub mod summation;

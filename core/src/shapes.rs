@@ -1,9 +1,10 @@
-//! Closed, outward oriented triangle meshes made by code: the domains of tests and benches.
+//! Closed, outward oriented triangle meshes made by code: the domains of tests, benches, examples and of the program's demo.
 //!
 //! Where a shape has a formula for its volume, the tests below hold the mesh against it; [`Domain::new`] checks closedness
 //! and orientation once more.
 
 mod folded;
+mod swan;
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -13,6 +14,7 @@ use glam::{DMat3, DVec3};
 use crate::Domain;
 
 pub use folded::{Section, folded_prism};
+pub use swan::swan;
 
 /// A triangle mesh as arrays. Triangles are counterclockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -322,6 +324,7 @@ mod tests {
             ("plate", plate(), 2),
             ("long box", long_box(), 2),
             ("double torus", double_torus(), -2),
+            ("swan", swan(), 2),
         ] {
             assert_closed(&mesh);
             assert!(volume(&mesh) > 0.0, "{name} is turned inward");

@@ -6,6 +6,9 @@ use laguerre_cpu::Cpu;
 use laguerre_solvers::density::Density;
 use laguerre_solvers::transport::{End, Iteration, Options, Solution, solve, targets};
 
+/// Not in the package of this crate (`fixtures/meshes/README.md`).
+const BUNNY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/meshes/bunny.obj");
+
 /// White noise in a box: a linear congruential generator (Knuth's MMIX) is random enough.
 fn white(count: usize, lo: [f64; 3], hi: [f64; 3], seed: u64) -> Vec<[f64; 3]> {
     let mut state = seed;
@@ -41,10 +44,6 @@ fn check(diagram: &PowerDiagram, solution: &Solution, masses: &[f64], density: &
     assert!(sum.abs() <= 1e-12 * solution.weights.iter().map(|w| w.abs()).sum::<f64>());
 }
 
-fn bunny() -> Domain {
-    Domain::from_obj(include_bytes!("../../fixtures/meshes/bunny.obj")).unwrap()
-}
-
 #[test]
 fn weights_of_a_known_diagram_are_recovered() {
     let n = 2000;
@@ -69,7 +68,7 @@ fn weights_of_a_known_diagram_are_recovered() {
 
 #[test]
 fn cells_of_equal_mass_in_a_bunny_and_the_end_is_quadratic() {
-    let domain = bunny();
+    let domain = Domain::load(BUNNY).unwrap();
     let (lo, hi) = domain.bounding_box();
     let all = white(4000, lo, hi, 3);
     let cells = cpu().evaluate(&PowerDiagram::new(&all, &[]).unwrap().restricted_to(&domain), &Request::moments());

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{SEED, Table, UNIT_CUBE, backends};
 use crate::args::{BenchArgs, Distribution};
-use crate::outcome::{Outcome, print, print_json, say};
+use crate::outcome::{Outcome, note, print, print_json, say};
 use crate::report::{grouped, machine};
 use crate::sample::Sampler;
 use crate::timing::{Timing, measure};
@@ -50,6 +50,7 @@ struct Verdict {
 
 /// `chosen` inputs, or all, and white noise of each number of sites before.
 pub(super) fn run(args: &BenchArgs, chosen: &[&'static Uneven]) -> Result<Outcome> {
+    let chosen = available(chosen)?;
     let backends = backends(args)?;
     let (machine, threads) = machine();
     let mut table = Table { machine, threads: args.threads.unwrap_or(threads), rows: Vec::new() };
@@ -62,7 +63,6 @@ pub(super) fn run(args: &BenchArgs, chosen: &[&'static Uneven]) -> Result<Outcom
             RULE
         ))?;
     }
-    let chosen = if chosen.is_empty() { INPUTS.iter().collect() } else { chosen.to_vec() };
     for &count in &args.sites {
         for input in &chosen {
             let count = count.min(input.most.unwrap_or(count));
@@ -79,6 +79,23 @@ pub(super) fn run(args: &BenchArgs, chosen: &[&'static Uneven]) -> Result<Outcom
         print_json(&table)?;
     }
     Ok(outcome(&table.rows))
+}
+
+/// Those of `chosen`; where none is, all, but for such as cannot be made here: one needs a file that is no part of the program.
+fn available(chosen: &[&'static Uneven]) -> Result<Vec<&'static Uneven>> {
+    if !chosen.is_empty() {
+        chosen.iter().try_for_each(|input| input.sites(1, SEED).map(drop))?;
+        return Ok(chosen.to_vec());
+    }
+    let mut inputs: Vec<&Uneven> = INPUTS.iter().collect();
+    inputs.retain(|input| match input.sites(1, SEED) {
+        Ok(_) => true,
+        Err(error) => {
+            note(&format!("{} is left out: {error}", input.name));
+            false
+        }
+    });
+    Ok(inputs)
 }
 
 /// A row of each backend for an input, white noise where there is none.

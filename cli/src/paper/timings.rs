@@ -16,7 +16,7 @@ pub(super) fn run(lab: &mut Lab, count: u32) -> Result<String> {
     for distribution in [Distribution::Blue, Distribution::Perturbed, Distribution::White] {
         let sites = lab.sites(distribution, count)?;
         let mut none = None;
-        for name in std::iter::once("none").chain(domains::names()) {
+        for name in std::iter::once("none").chain(domains::OF_THE_PAPER) {
             let domain = if name == "none" { None } else { Some(domain(name)?) };
             let diagram = diagram(&sites, &[], domain.as_ref())?;
             let (timing, output) = measure(lab.backend.as_ref(), &diagram, &Request::moments(), lab.repetitions)?;

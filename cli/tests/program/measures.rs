@@ -1,11 +1,12 @@
 //! What cells need, and how fast they are: `tune`, `bench`, and the paper's experiments.
 
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
 
-use crate::support::{PROGRAM, UNIT_BOX, failed, fails, inputs, json, runs};
+use crate::support::{PROGRAM, UNIT_BOX, failed, fails, inputs, json, notes, runs};
 
 /// The cells of a histogram: `[[value, cells], …]`.
 fn cells(histogram: &Value) -> u64 {
@@ -111,6 +112,7 @@ fn bench_holds_uneven_inputs_to_white_noise_and_to_the_oracle() {
 #[test]
 fn bench_has_a_row_for_each_uneven_input() {
     let folder = inputs();
+    put_bunny(folder.path());
     let args = ["bench", "--uneven", "--sites", "50", "--backends", "cpu", "--repetitions", "1", "--json"];
     let report = json(&runs(folder.path(), &args));
     let rows = report["rows"].as_array().unwrap();
@@ -149,7 +151,7 @@ fn uneven_inputs_are_sampled_with_their_weights() {
 fn bench_says_what_it_does_not_know() {
     let folder = inputs();
     let line = fails(folder.path(), 2, &["bench", "--domains", "box,hare"]);
-    assert!(line.contains("--domains hare: not one of box, bunny, trefoil"), "{line}");
+    assert!(line.contains("--domains hare: not one of box, swan, trefoil"), "{line}");
     assert!(fails(folder.path(), 2, &["bench", "--domains", "none.off"]).contains("none.off: cannot open"));
     assert!(fails(folder.path(), 2, &["bench", "--sites", "0"]).contains('0'));
     assert!(fails(folder.path(), 2, &["bench", "--uneven=flat"]).contains("not one of plummer, clusters, nfw"));
@@ -165,9 +167,42 @@ fn bench_says_what_it_does_not_know() {
     failed(&command.output().unwrap(), 3, &args);
 }
 
+/// Puts the bunny where the program looks for it.
+fn put_bunny(folder: &Path) {
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/meshes/bunny.obj");
+    fs::create_dir_all(folder.join("fixtures/meshes")).unwrap();
+    fs::copy(kept, folder.join("fixtures/meshes/bunny.obj")).unwrap();
+}
+
+#[test]
+fn the_bunny_is_a_file_and_what_can_do_without_it_does() {
+    let folder = inputs();
+    let bench = |what: &[&'static str]| {
+        [&["bench"], what, &["--sites", "20", "--backends", "cpu", "--repetitions", "1"]].concat()
+    };
+    let sample = ["sample", "scanned", "500", "-o", "scanned.xyz"];
+    for args in [&sample[..], &bench(&["--domains", "bunny"]), &bench(&["--uneven=plummer,scanned"]), &["paper"]] {
+        let line = fails(folder.path(), 2, args);
+        assert!(line.starts_with("fixtures/meshes/bunny.obj is not here: the bunny is no part"), "{line}");
+    }
+    assert_eq!(notes(folder.path(), &bench(&["--distributions", "white"])), [""; 0]);
+    let left_out = notes(folder.path(), &bench(&["--uneven"]));
+    assert!(left_out.len() == 1 && left_out[0].starts_with("scanned is left out: fixtures/"), "{left_out:?}");
+
+    put_bunny(folder.path());
+    runs(folder.path(), &bench(&["--domains", "bunny"]));
+    runs(folder.path(), &sample);
+    let sites = fs::read_to_string(folder.path().join("scanned.xyz")).unwrap();
+    let inside = |x: &str| x.parse().is_ok_and(|x: f64| (0.0..=1.0).contains(&x));
+    assert!(sites.lines().count() == 500 && sites.split_whitespace().all(inside));
+    // What a seed gives is not to change.
+    assert_eq!(sites.lines().next(), Some("0.19312484984101302 0.8041087169217613 0.5484783714469996"));
+}
+
 #[test]
 fn the_papers_experiments_are_text_between_markers() {
     let folder = inputs();
+    put_bunny(folder.path());
     let args = ["paper", "--sites", "300", "--backend", "cpu", "--repetitions", "1"];
     runs(folder.path(), &[&args[..], &["--markdown", "paper.md", "--picture", "counts.svg"]].concat());
     assert!(folder.path().join("counts.svg").exists());

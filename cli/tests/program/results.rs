@@ -109,7 +109,13 @@ fn the_demo_does_the_main_job() {
     assert!(summary.contains("relative error") && summary.contains("cells.png"), "{summary}");
     let written = folder.path().join("a/b");
     assert_eq!(fs::read_to_string(written.join("cells.csv")).unwrap().lines().count(), 301);
+    let domain = fs::read_to_string(written.join("swan.off")).unwrap();
+    assert!(domain.starts_with("OFF\n2018 4032 0\n"));
+    runs(&written, &["sample", "white", "200", "--domain", "swan.off", "-o", "sites.xyz"]);
+    let report = json(&runs(&written, &["integrate", "sites.xyz", "--domain", "swan.off", "--json"]));
+    assert!(report["domain_volume"].as_f64().is_some_and(|volume| (volume - 15.87).abs() < 0.01), "{report}");
+    fs::remove_file(written.join("sites.xyz")).unwrap();
     assert!(fs::read(written.join("cells.vtu")).unwrap().starts_with(b"<?xml"));
     assert!(fs::read(written.join("cells.png")).unwrap().starts_with(b"\x89PNG"));
-    assert_eq!(fs::read_dir(&written).unwrap().count(), 3, "nothing half-written is left");
+    assert_eq!(fs::read_dir(&written).unwrap().count(), 4, "nothing half-written is left");
 }

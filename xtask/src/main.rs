@@ -21,8 +21,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
                    into target/ (225 MB from PyPI; needs Python and an x86-64; 13 minutes on 2 cores)
   count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
                    --write makes that anew
-  check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; generated text as it
-                   should be
+  check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; every crate packs;
+                   generated text as it should be
   codegen          the OpenCL C of core/src/cell/ and of backend-ocl/src/interface/; with --check only says whether it is up to date
   fixtures         makes the CGAL fixtures anew (needs g++ and libcgal-dev) and fails if any changed; with --worst holds the
                    backends to those that are there and prints the largest errors
@@ -93,5 +93,8 @@ fn check() -> Result<(), String> {
     cargo(&doc, &[("RUSTDOCFLAGS", "-D warnings")])?;
     // A workspace of its own, which nothing else builds; its targets proper need libFuzzer, a C++ compiler and time.
     cargo(&["check", "--locked", "--manifest-path", "fuzz/Cargo.toml", "--no-default-features"], &[])?;
+    // Versions and files are there; without building what was packed, which takes five minutes (`cargo package --workspace` does).
+    let package = ["package", "--locked", "--offline", "--workspace", "--no-verify", "--allow-dirty", "--quiet"];
+    cargo(&package, &[])?;
     codegen::run(true)
 }

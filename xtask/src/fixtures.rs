@@ -12,8 +12,8 @@ use crate::run::{root, succeed, target};
 /// What `fixtures/` holds that is made here.
 const MADE: [&str; 3] = ["sites", "meshes", "answers"];
 
-/// The one mesh that is not made but found.
-const BUNNY: &str = "meshes/bunny.obj";
+/// What is not made but found: one mesh, and its terms.
+const FOUND: [&str; 2] = ["meshes/bunny.obj", "meshes/README.md"];
 
 /// Lines that `--worst` prints.
 const WORST: usize = 20;
@@ -28,7 +28,9 @@ pub(crate) fn run() -> Result<(), String> {
     for folder in MADE {
         fs::create_dir_all(made.join(folder)).map_err(|error| failed(&made.join(folder), &error))?;
     }
-    fs::copy(kept.join(BUNNY), made.join(BUNNY)).map_err(|error| failed(&kept.join(BUNNY), &error))?;
+    for file in FOUND {
+        fs::copy(kept.join(file), made.join(file)).map_err(|error| failed(&kept.join(file), &error))?;
+    }
     let program = compile(&kept.join("cells.cpp"), &made)?;
     let list = inputs(&made)?;
     answers(&program, &made, &list)?;

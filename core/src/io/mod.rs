@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{Error, ErrorKind, Result};
 
-pub use atomic::{abandon_writing, write_whole};
+pub use atomic::{abandon_writing, destination, write_whole};
 pub use geometry::cell_meshes;
 pub use mesh::{Mesh, parse_mesh, read_mesh};
 pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, read_cells, read_facets};
@@ -57,13 +57,30 @@ pub fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
     })
 }
 
+/// The ending that decides how `path` is written: its own, as [`ending`] tells it, and `.csv` for `-`, standard output.
+///
+/// # Errors
+/// `Input`, listing what is known.
+pub fn output_ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
+    let csv = known.iter().copied().find(|&k| k == ".csv");
+    csv.filter(|_| is_standard(path)).map_or_else(|| ending(path, known), Ok)
+}
+
+/// Whether `path` is `-`, which is standard input or standard output.
+pub(crate) fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
 /// Checks, before hours of work, that a result could be written to `path`: its ending is one of `known`, its folder
-/// exists, and a file can be made there.
+/// exists, and a file can be made there. `-` is standard output where `.csv` is known.
 ///
 /// # Errors
 /// `Input` for the ending, `Io` for the folder.
 pub fn check_output(path: &Path, known: &[&'static str]) -> Result<()> {
-    ending(path, known)?;
+    output_ending(path, known)?;
+    if is_standard(path) {
+        return Ok(());
+    }
     let folder = folder_of(path);
     if folder.is_dir() {
         return atomic::check_writable(path);
@@ -133,6 +150,8 @@ mod tests {
         assert!(check_output(&folder.join("cells.csv"), CELLS_ENDINGS).is_ok());
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0, "looking leaves nothing");
         assert!(check_output(Path::new("cells.csv"), CELLS_ENDINGS).is_ok());
+        assert!(check_output(Path::new("-"), CELLS_ENDINGS).is_ok());
+        assert!(check_output(Path::new("-"), MESH_ENDINGS).is_err(), "no csv");
         let missing = check_output(&folder.join("nowhere/cells.csv"), CELLS_ENDINGS).unwrap_err();
         assert_eq!(missing.kind(), ErrorKind::Io);
         assert!(missing.to_string().contains("there is no folder"), "{missing}");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::lines::{Lines, finite, is_name, shown};
 use super::npy::{self, Array};
-use super::{SITES_ENDINGS, atomic, ending, open, ply};
+use super::{SITES_ENDINGS, atomic, ending, is_standard, open, output_ending, ply};
 use crate::{Error, Result, memory};
 
 /// What a file of sites holds. Every number is finite.
@@ -29,7 +29,7 @@ pub struct SitesFile {
 /// not finite, where rows differ in length, where the count is wrong, and where there is no site.
 pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
     let path = path.as_ref();
-    if path.as_os_str() == "-" {
+    if is_standard(path) {
         return parse(io::stdin().lock(), 0, ".txt").map_err(|e| e.at("standard input"));
     }
     let format = ending(path, SITES_ENDINGS)?;
@@ -47,7 +47,7 @@ pub fn parse_sites(bytes: &[u8], name: impl AsRef<Path>) -> Result<SitesFile> {
 }
 
 /// Writes sites by the file's ending, as [`read_sites`] reads them back, to the last bit; without weights where `weights`
-/// is empty.
+/// is empty. `-` is standard output, as `.csv`.
 ///
 /// # Errors
 /// `Input` for an unknown ending, or where weights are given but not one for each site; `Io` where writing failed
@@ -57,7 +57,7 @@ pub fn write_sites(path: impl AsRef<Path>, positions: &[[f64; 3]], weights: &[f6
     if !weights.is_empty() && weights.len() != positions.len() {
         return Err(Error::input(format!("{} weights for {} sites", weights.len(), positions.len())));
     }
-    let format = ending(path, SITES_ENDINGS)?;
+    let format = output_ending(path, SITES_ENDINGS)?;
     let rows = positions.iter().enumerate().map(|(i, &[x, y, z])| ([x, y, z, 0.0], weights.get(i)));
     let columns = if weights.is_empty() { 3 } else { 4 };
     let mut rows = rows.map(|(row, weight)| weight.map_or(row, |&w| [row[0], row[1], row[2], w]));

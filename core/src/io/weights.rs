@@ -7,7 +7,7 @@ use npyz::WriterBuilder;
 
 use super::lines::{Lines, finite, is_name};
 use super::npy::Array;
-use super::{WEIGHTS_ENDINGS, atomic, ending, open};
+use super::{WEIGHTS_ENDINGS, atomic, ending, open, output_ending};
 use crate::{Error, Result, memory};
 
 /// Reads weights (length²), one for each site and in the order of the sites, by the file's ending.
@@ -34,13 +34,13 @@ pub fn parse_weights(bytes: &[u8], name: impl AsRef<Path>) -> Result<Vec<f64>> {
     parse(bytes, bytes.len() as u64, ending(name, WEIGHTS_ENDINGS)?).map_err(|e| e.at(name.display()))
 }
 
-/// Writes weights (length²), by the file's ending, so that [`read_weights`] reads the same numbers.
+/// Writes weights (length²), by the file's ending, so that [`read_weights`] reads the same numbers. `-` is standard output, as text.
 ///
 /// # Errors
 /// `Input` for an unknown ending; `Io` where writing failed (nothing is left then).
 pub fn write_weights(path: impl AsRef<Path>, weights: &[f64]) -> Result<()> {
     let path = path.as_ref();
-    let format = ending(path, WEIGHTS_ENDINGS)?;
+    let format = output_ending(path, WEIGHTS_ENDINGS)?;
     atomic::write_whole(path, |w| {
         if format == ".npy" {
             let options = npyz::WriteOptions::<f64>::new().default_dtype();

@@ -14,7 +14,16 @@ pub enum CellStatus {
 }
 
 impl CellStatus {
-    /// The word that result files use.
+    /// The number that result files use: 0 complete, 1 empty, 2 not certified.
+    pub fn number(self) -> u8 {
+        match self {
+            Self::Complete => 0,
+            Self::Empty => 1,
+            Self::Uncertified => 2,
+        }
+    }
+
+    /// The word that messages use, and files of results may.
     pub fn word(self) -> &'static str {
         match self {
             Self::Complete => "complete",

@@ -29,7 +29,7 @@ pub use atomic::{abandon_writing, destination, write_whole};
 pub use geometry::cell_meshes;
 pub use mesh::{Mesh, parse_mesh, read_mesh};
 pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, read_cells, read_facets};
-pub use results::{write_cells, write_facets};
+pub use results::{FacetValues, facet_count, facet_rows, write_cells, write_facets};
 pub use sites::{SitesFile, parse_sites, read_sites, write_sites};
 pub use vtu::{CellMesh, write_vtu};
 pub use weights::{parse_weights, read_weights, write_weights};
@@ -43,7 +43,7 @@ pub const MESH_ENDINGS: &[&str] = &[".obj", ".off", ".ply", ".stl"];
 /// Endings that [`write_cells`] knows.
 pub const CELLS_ENDINGS: &[&str] = &[".csv", ".npy"];
 /// Endings that [`write_facets`] knows.
-pub const FACETS_ENDINGS: &[&str] = &[".csv"];
+pub const FACETS_ENDINGS: &[&str] = &[".csv", ".npy"];
 
 /// The ending of `path`, with its dot, in lower case, if it is one of `known`.
 ///

@@ -1,4 +1,4 @@
-//! Results read back, whoever wrote them: cells (`.csv`, `.npy`) and facets (`.csv`), as [`write_cells`](super::write_cells) and
+//! Results read back, whoever wrote them: cells and facets, each `.csv` or `.npy`, as [`write_cells`](super::write_cells) and
 //! [`write_facets`](super::write_facets) describe them.
 
 use std::io::BufRead;
@@ -44,16 +44,16 @@ pub struct FacetRow {
     pub area: f64,
     /// Barycenter.
     pub barycenter: [f64; 3],
-    /// Distance between the two sites; `None` where the field is empty.
+    /// Distance between the two sites; `None` where the field is empty or NaN.
     pub distance: Option<f64>,
-    /// Its line in the file, from 1.
+    /// Its line in the file, or its row in an array, from 1.
     pub line: usize,
 }
 
 /// Reads a file of cells by its ending.
 ///
 /// * `.csv`: header `site,volume,x,y,z,facets,status`, of which the last two may be missing; a row a cell. An empty field is NaN in
-///   x, y, z, and "not said" in `facets` and `status`.
+///   x, y, z, and "not said" in `facets` and `status`, as is NaN in `facets`. A status is 0, 1, 2 or `complete`, `empty`, `uncertified`.
 /// * `.npy`: shape (N, 4), 32- or 64-bit floats: volume and barycenter.
 ///
 /// # Errors
@@ -74,14 +74,16 @@ pub fn parse_cells(bytes: &[u8], name: impl AsRef<Path>) -> Result<CellsFile> {
     cells(bytes, bytes.len() as u64, ending(name, CELLS_ENDINGS)?).map_err(|e| e.at(name.display()))
 }
 
-/// Reads a file of facets: `.csv` with header `site,neighbor,area,x,y,z,distance`, neighbor −1 for the boundary.
+/// Reads a file of facets by its ending: `.csv` with header `site,neighbor,area,x,y,z,distance`, or `.npy` of shape (M, 7) with those columns;
+/// neighbor −1 for the boundary.
 ///
 /// # Errors
 /// `Io` where the file cannot be read; `Input`, with file and line, where it is no such file.
 pub fn read_facets(path: impl AsRef<Path>) -> Result<Vec<FacetRow>> {
     let path = path.as_ref();
-    ending(path, FACETS_ENDINGS)?;
-    facets(open(path)?.0).map_err(|e| e.at(path.display()))
+    let format = ending(path, FACETS_ENDINGS)?;
+    let (reader, length) = open(path)?;
+    facets(reader, length, format).map_err(|e| e.at(path.display()))
 }
 
 /// Reads facets from the bytes of a file called `name`, as [`read_facets`] does.
@@ -90,8 +92,7 @@ pub fn read_facets(path: impl AsRef<Path>) -> Result<Vec<FacetRow>> {
 /// `Input`, as [`read_facets`].
 pub fn parse_facets(bytes: &[u8], name: impl AsRef<Path>) -> Result<Vec<FacetRow>> {
     let name = name.as_ref();
-    ending(name, FACETS_ENDINGS)?;
-    facets(bytes).map_err(|e| e.at(name.display()))
+    facets(bytes, bytes.len() as u64, ending(name, FACETS_ENDINGS)?).map_err(|e| e.at(name.display()))
 }
 
 fn cells(reader: impl BufRead, length: u64, format: &str) -> Result<CellsFile> {
@@ -131,7 +132,7 @@ fn cells_csv(reader: impl BufRead) -> Result<CellsFile> {
                 site: whole(f[0])?,
                 volume: number(f[1])?,
                 barycenter: point(&f[2..5])?,
-                facets: optional(f.get(5), whole)?,
+                facets: optional(f.get(5), count)?.flatten(),
                 status: optional(f.get(6), status)?,
             })
         });
@@ -140,7 +141,41 @@ fn cells_csv(reader: impl BufRead) -> Result<CellsFile> {
     Ok(CellsFile { rows, single: false })
 }
 
-fn facets(reader: impl BufRead) -> Result<Vec<FacetRow>> {
+fn facets(reader: impl BufRead, length: u64, format: &str) -> Result<Vec<FacetRow>> {
+    match format {
+        ".npy" => facets_npy(reader, length),
+        _ => facets_csv(reader),
+    }
+}
+
+fn facets_npy(reader: impl BufRead, length: u64) -> Result<Vec<FacetRow>> {
+    let array = Array::open(reader, length, "(M, 7), the columns of .csv,", |shape| match *shape {
+        [rows, 7] => Some((rows, 7)),
+        _ => None,
+    })?;
+    let none = FacetRow { site: 0, neighbor: None, area: 0.0, barycenter: [0.0; 3], distance: None, line: 0 };
+    let mut rows = memory::filled(none, array.rows, "facets")?;
+    array.for_each_number(|row, column, x| {
+        let site = || {
+            let is_site = x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0;
+            let wrong = || Error::input(format!("row {row}, column {column} (from 0): {x} is no number of a site"));
+            is_site.then_some(x as u32).ok_or_else(wrong)
+        };
+        let facet: &mut FacetRow = &mut rows[row];
+        facet.line = row + 1;
+        match column {
+            0 => facet.site = site()?,
+            1 => facet.neighbor = if x == -1.0 { None } else { Some(site()?) },
+            2 => facet.area = x,
+            6 => facet.distance = (!x.is_nan()).then_some(x),
+            _ => facet.barycenter[column - 3] = x,
+        }
+        Ok(())
+    })?;
+    Ok(rows)
+}
+
+fn facets_csv(reader: impl BufRead) -> Result<Vec<FacetRow>> {
     const HEADER: [&str; 7] = ["site", "neighbor", "area", "x", "y", "z", "distance"];
     let mut lines = Lines::new(reader);
     let columns = header(&mut lines, &HEADER, HEADER.len())?;
@@ -152,7 +187,7 @@ fn facets(reader: impl BufRead) -> Result<Vec<FacetRow>> {
                 neighbor: if f[1] == "-1" { None } else { Some(whole(f[1])?) },
                 area: number(f[2])?,
                 barycenter: point(&f[3..6])?,
-                distance: optional(f.get(6), number)?,
+                distance: optional(f.get(6), number)?.filter(|distance| !distance.is_nan()),
                 line: 0,
             })
         });
@@ -203,10 +238,16 @@ fn whole<T: std::str::FromStr>(word: &str) -> Field<T> {
     word.parse().map_err(|_| format!("'{}' is no index or count", shown(word)))
 }
 
+/// A number of facets; `None` where it is NaN, which says that they were not counted.
+fn count(word: &str) -> Field<Option<u64>> {
+    if word.eq_ignore_ascii_case("nan") { Ok(None) } else { whole(word).map(Some) }
+}
+
+/// A number, or the word that older files have.
 fn status(word: &str) -> Field<CellStatus> {
     let known = [CellStatus::Complete, CellStatus::Empty, CellStatus::Uncertified];
-    known.into_iter().find(|s| s.word() == word).ok_or_else(|| {
-        let words = known.map(CellStatus::word).join(", ");
+    known.into_iter().find(|s| s.word() == word || s.number().to_string() == word).ok_or_else(|| {
+        let words = known.map(|s| format!("{} {}", s.number(), s.word())).join(", ");
         format!("status '{}'; known here: {words}", shown(word))
     })
 }
@@ -245,16 +286,32 @@ mod tests {
                 assert_eq!(row.status, Some(output.status[i]).filter(|_| name == "cells.csv"));
             }
         }
-        write_facets(folder.join("facets.csv"), &diagram, &output).unwrap();
-        let facets = read_facets(folder.join("facets.csv")).unwrap();
-        let list = output.facets.unwrap();
-        let inner: Vec<&FacetRow> = facets.iter().filter(|f| f.neighbor.is_some()).collect();
-        assert_eq!(inner.len(), list.area.len());
-        for (k, row) in inner.iter().enumerate() {
-            assert_eq!((row.neighbor, row.area), (Some(list.neighbor[k].site), list.area[k]));
-            assert_eq!((row.barycenter, row.distance), (list.barycenter[k], Some(list.distance[k])));
+        let list = output.facets.as_ref().unwrap();
+        for (name, first) in [("facets.csv", 2), ("facets.npy", 1)] {
+            write_facets(folder.join(name), &diagram, &output).unwrap();
+            let facets = read_facets(folder.join(name)).unwrap();
+            let inner: Vec<&FacetRow> = facets.iter().filter(|f| f.neighbor.is_some()).collect();
+            assert_eq!(inner.len(), list.area.len());
+            for (k, row) in inner.iter().enumerate() {
+                assert_eq!((row.neighbor, row.area), (Some(list.neighbor[k].site), list.area[k]));
+                assert_eq!((row.barycenter, row.distance), (list.barycenter[k], Some(list.distance[k])));
+            }
+            assert!(facets.iter().any(|f| f.neighbor.is_none() && f.distance.is_none()));
+            assert!(facets.iter().enumerate().all(|(k, row)| row.line == k + first));
         }
-        assert!(facets.iter().any(|f| f.neighbor.is_none() && f.distance.is_none()));
+    }
+
+    #[test]
+    fn a_status_is_a_number_or_a_word() {
+        let numbers = "site,volume,x,y,z,facets,status\n0,1,2,3,4,NaN,0\n1,0,NaN,NaN,NaN,0,1\n2,1,2,3,4,5,2\n";
+        let words = "site,volume,x,y,z,facets,status\n0,1,2,3,4,,complete\n1,0,NaN,NaN,NaN,0,empty\n2,1,2,3,4,5,uncertified\n";
+        let said = |text: &str| {
+            let rows = parse_cells(text.as_bytes(), "c.csv").unwrap().rows;
+            rows.iter().map(|row| (row.facets, row.status)).collect::<Vec<_>>()
+        };
+        assert_eq!(said(numbers), said(words));
+        let statuses = [CellStatus::Complete, CellStatus::Empty, CellStatus::Uncertified].map(Some);
+        assert_eq!(said(numbers), [None, Some(0), Some(5)].into_iter().zip(statuses).collect::<Vec<_>>());
     }
 
     #[test]
@@ -277,12 +334,20 @@ mod tests {
         assert_eq!(wrong(&format!("{header}0,1,2,3,4,5,empty,7\n")), "c.csv: line 2: 8 columns, but the header has 7");
         assert_eq!(wrong(&format!("{header}0,one,2,3,4,5,empty\n")), "c.csv: line 2: 'one' is not a number");
         assert_eq!(wrong(&format!("{header}-1,1,2,3,4,5,empty\n")), "c.csv: line 2: '-1' is no index or count");
-        let known = "known here: complete, empty, uncertified";
+        let known = "known here: 0 complete, 1 empty, 2 uncertified";
         assert_eq!(wrong(&format!("{header}0,1,2,3,4,5,fine\n")), format!("c.csv: line 2: status 'fine'; {known}"));
         let facets = "site,neighbor,area,x,y,z,distance\n0,-2,1,2,3,4,5\n";
         let error = parse_facets(facets.as_bytes(), "f.csv").unwrap_err().to_string();
         assert_eq!(error, "f.csv: line 2: '-2' is no index or count");
         assert!(parse_cells(b"junk", "c.npy").unwrap_err().to_string().starts_with("c.npy: not a .npy file"));
         assert!(parse_facets(b"", "f.npy").is_err());
+        let folder = scratch("read-facets");
+        let said = |numbers: [f64; 7]| {
+            let path = folder.join("f.npy");
+            super::super::write_whole(&path, |w| super::super::npy::write_rows(w, 1, 7, numbers.into_iter())).unwrap();
+            read_facets(path).unwrap_err().to_string()
+        };
+        assert!(said([0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0]).ends_with("row 0, column 1 (from 0): 0.5 is no number of a site"));
+        assert!(said([-1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]).ends_with("row 0, column 0 (from 0): -1 is no number of a site"));
     }
 }

@@ -1,25 +1,27 @@
-//! Results: cells (`.csv`, `.npy`) and facets (`.csv`).
+//! Results: cells and facets, each `.csv` or `.npy`.
 
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::{CELLS_ENDINGS, FACETS_ENDINGS, atomic, ending, npy};
-use crate::{Error, Output, PowerDiagram, Result};
+use super::{CELLS_ENDINGS, FACETS_ENDINGS, atomic, npy, output_ending};
+use crate::{Boundary, Error, Neighbor, Output, PowerDiagram, Result};
 
 /// Writes one row for each site, in the caller's order, by the file's ending.
 ///
 /// * `.csv`: header `site,volume,x,y,z,facets,status`: the volume and barycenter of the restricted cell, the number of its
-///   facets (with other sites and with the boundary; empty where facets were not asked for), and the word of its
-///   [`CellStatus`](crate::CellStatus). Numbers read back to the same bits; the barycenter of an empty cell is `NaN`.
+///   facets (with other sites and with the boundary; `NaN` where facets were not asked for), and the number of its
+///   [`CellStatus`](crate::CellStatus): 0 complete, 1 empty, 2 not certified. Numbers read back to the same bits; the barycenter of an empty
+///   cell is `NaN`.
 /// * `.npy`: shape (N, 4), 64-bit floats: volume and barycenter; an empty cell is volume 0 and NaN barycenter.
 ///
-/// The file appears whole or not at all.
+/// Below the header all are numbers, for `np.loadtxt(file, delimiter=",", skiprows=1)`. `-` is standard output, as `.csv`. The file appears whole
+/// or not at all.
 ///
 /// # Errors
 /// `Input` for an unknown ending or an output of another diagram; `Io` where writing failed.
 pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
     let path = path.as_ref();
-    let format = ending(path, CELLS_ENDINGS)?;
+    let format = output_ending(path, CELLS_ENDINGS)?;
     check_fit(diagram, output)?;
     match format {
         ".npy" => {
@@ -30,10 +32,13 @@ pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Outp
     }
 }
 
-/// Writes one row for each facet and direction, sorted by site and then neighbour: header
+/// Writes one row for each facet and direction, sorted by site and then neighbour: seven columns
 /// `site,neighbor,area,x,y,z,distance`, with area and barycenter of the facet within the domain, and the distance between the
 /// two sites. An interior facet stands once in each direction. Neighbour −1 is the boundary of the domain or box: the
-/// area and barycenter of the piece of it that lies in the cell, the distance being an empty field, since there is no second site.
+/// area and barycenter of the piece of it that lies in the cell, the distance being `NaN`, since there is no second site.
+///
+/// * `.csv`: with those names as its header. `-` is standard output in this form.
+/// * `.npy`: shape (M, 7), 64-bit floats, which hold every number of a site.
 ///
 /// The file appears whole or not at all.
 ///
@@ -41,16 +46,70 @@ pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Outp
 /// `Input` for an unknown ending, an output of another diagram, or one without facets; `Io` where writing failed.
 pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
     let path = path.as_ref();
-    ending(path, FACETS_ENDINGS)?;
+    let format = output_ending(path, FACETS_ENDINGS)?;
     check_fit(diagram, output)?;
     if output.facets.is_none() {
         return Err(Error::input("this output has no facets: ask for them with Request::with_facets"));
     }
-    atomic::write_whole(path, |w| facets_csv(w, output))
+    let rows = || facet_rows(output);
+    atomic::write_whole(path, |w| match format {
+        ".npy" => npy::write_rows(w, rows().count(), 7, rows().flat_map(FacetValues::numbers)),
+        _ => facets_csv(w, rows()),
+    })
+}
+
+/// A facet as files of facets have it, seen from one side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacetValues {
+    /// The site on this side.
+    pub site: u32,
+    /// The site beyond it; `None` for the boundary.
+    pub neighbor: Option<Neighbor>,
+    /// Area (length²).
+    pub area: f64,
+    /// Barycenter.
+    pub barycenter: [f64; 3],
+    /// Distance between the two sites; NaN at the boundary.
+    pub distance: f64,
+}
+
+impl FacetValues {
+    /// The number of the site beyond it, −1 for the boundary.
+    pub fn neighbor_number(&self) -> i64 {
+        self.neighbor.map_or(-1, |neighbor| i64::from(neighbor.site))
+    }
+
+    fn numbers(self) -> [f64; 7] {
+        let [x, y, z] = self.barycenter;
+        [f64::from(self.site), self.neighbor_number() as f64, self.area, x, y, z, self.distance]
+    }
+}
+
+/// The facets of an output in the order of files: site by site, the piece of the boundary before the facets with other sites. None where
+/// facets were not asked for.
+pub fn facet_rows(output: &Output) -> impl Iterator<Item = FacetValues> {
+    let facets = output.facets.iter();
+    facets.flat_map(move |facets| {
+        facets.offsets.windows(2).enumerate().flat_map(move |(i, row)| {
+            let site = i as u32;
+            let piece = output.boundary.as_ref().map(|b| &b[i]).filter(|b| b.area > 0.0);
+            let boundary = piece.map(|piece| {
+                let Boundary { area, barycenter, .. } = *piece;
+                FacetValues { site, neighbor: None, area, barycenter, distance: f64::NAN }
+            });
+            boundary.into_iter().chain((row[0]..row[1]).map(move |k| FacetValues {
+                site,
+                neighbor: Some(facets.neighbor[k]),
+                area: facets.area[k],
+                barycenter: facets.barycenter[k],
+                distance: facets.distance[k],
+            }))
+        })
+    })
 }
 
 /// Number of facets of the cell of site `i`, its piece of the boundary counting as one; `None` where not asked for.
-pub(super) fn facet_count(output: &Output, i: usize) -> Option<usize> {
+pub fn facet_count(output: &Output, i: usize) -> Option<usize> {
     let facets = output.facets.as_ref()?;
     let boundary = output.boundary.as_ref().is_some_and(|b| b[i].area > 0.0);
     Some(facets.offsets[i + 1] - facets.offsets[i] + usize::from(boundary))
@@ -81,35 +140,28 @@ fn cells_csv(w: &mut dyn Write, output: &Output) -> io::Result<()> {
     for (i, (volume, [x, y, z])) in output.volume.iter().zip(&output.barycenter).enumerate() {
         // `{:?}` is the shortest text that reads back to the same number.
         write!(w, "{i},{volume:?},{x:?},{y:?},{z:?},")?;
-        if let Some(count) = facet_count(output, i) {
-            write!(w, "{count}")?;
+        match facet_count(output, i) {
+            Some(count) => write!(w, "{count}")?,
+            None => write!(w, "NaN")?,
         }
-        writeln!(w, ",{}", output.status[i].word())?;
+        writeln!(w, ",{}", output.status[i].number())?;
     }
     Ok(())
 }
 
-fn facets_csv(w: &mut dyn Write, output: &Output) -> io::Result<()> {
+fn facets_csv(w: &mut dyn Write, mut rows: impl Iterator<Item = FacetValues>) -> io::Result<()> {
     writeln!(w, "site,neighbor,area,x,y,z,distance")?;
-    let Some(facets) = &output.facets else { return Ok(()) };
-    for (i, row) in facets.offsets.windows(2).enumerate() {
-        if let Some(boundary) = output.boundary.as_ref().map(|b| &b[i]).filter(|b| b.area > 0.0) {
-            let [x, y, z] = boundary.barycenter;
-            writeln!(w, "{i},-1,{:?},{x:?},{y:?},{z:?},", boundary.area)?;
-        }
-        for k in row[0]..row[1] {
-            let ([x, y, z], distance) = (facets.barycenter[k], facets.distance[k]);
-            writeln!(w, "{i},{},{:?},{x:?},{y:?},{z:?},{distance:?}", facets.neighbor[k].site, facets.area[k])?;
-        }
-    }
-    Ok(())
+    rows.try_for_each(|row| {
+        let FacetValues { site, area, barycenter: [x, y, z], distance, .. } = row;
+        writeln!(w, "{site},{},{area:?},{x:?},{y:?},{z:?},{distance:?}", row.neighbor_number())
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::scratch;
     use super::*;
-    use crate::{Boundary, CellStatus, FacetList, Neighbor};
+    use crate::{CellStatus, FacetList};
 
     /// Two sites with a facet between them, and a third that is hidden.
     fn three() -> (PowerDiagram, Output) {
@@ -147,14 +199,14 @@ mod tests {
         let text = std::fs::read_to_string(&csv).unwrap();
         assert_eq!(
             text,
-            "site,volume,x,y,z,facets,status\n0,0.3333333333333333,0.1,-0.2,1e17,2,complete\n\
-             1,1e-300,0.75,0.5,0.5,1,uncertified\n2,0.0,NaN,NaN,NaN,0,empty\n"
+            "site,volume,x,y,z,facets,status\n0,0.3333333333333333,0.1,-0.2,1e17,2,0\n\
+             1,1e-300,0.75,0.5,0.5,1,2\n2,0.0,NaN,NaN,NaN,0,1\n"
         );
         let volume: f64 = text.lines().nth(1).unwrap().split(',').nth(1).unwrap().parse().unwrap();
         assert_eq!(volume, output.volume[0]);
         (output.facets, output.boundary) = (None, None);
         write_cells(&csv, &diagram, &output).unwrap();
-        assert!(std::fs::read_to_string(&csv).unwrap().contains("\n2,0.0,NaN,NaN,NaN,,empty\n"));
+        assert!(std::fs::read_to_string(&csv).unwrap().contains("\n2,0.0,NaN,NaN,NaN,NaN,1\n"));
 
         let path = folder.join("cells.npy");
         write_cells(&path, &diagram, &output).unwrap();
@@ -173,10 +225,19 @@ mod tests {
         write_facets(&path, &diagram, &output).unwrap();
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
-            "site,neighbor,area,x,y,z,distance\n0,-1,3.0,0.125,0.5,0.5,\n0,1,0.7,0.5,0.5,0.5,0.5\n\
+            "site,neighbor,area,x,y,z,distance\n0,-1,3.0,0.125,0.5,0.5,NaN\n0,1,0.7,0.5,0.5,0.5,0.5\n\
              1,0,0.7,0.5,0.5,0.5,0.5\n"
         );
+        let array = path.with_extension("npy");
+        write_facets(&array, &diagram, &output).unwrap();
+        let npy = npyz::NpyFile::new(std::io::BufReader::new(std::fs::File::open(array).unwrap())).unwrap();
+        assert_eq!(npy.shape(), [3, 7]);
+        let numbers: Vec<f64> = npy.into_vec().unwrap();
+        assert_eq!(numbers[..6], [0.0, -1.0, 3.0, 0.125, 0.5, 0.5]);
+        assert!(numbers[6].is_nan());
+        assert_eq!(numbers[7..14], [0.0, 1.0, 0.7, 0.5, 0.5, 0.5, 0.5]);
         output.facets = None;
+        assert_eq!(facet_rows(&output).count(), 0);
         assert!(write_facets(&path, &diagram, &output).unwrap_err().to_string().contains("has no facets"));
     }
 

@@ -81,7 +81,8 @@ pub struct DeviceInfo {
 /// nor on what was evaluated before.
 ///
 /// *Which errors can reach the caller.* `Input`, only from `prepare` (sites out of range of the domain) and for an integrand (a function
-/// on a device, an integral that is not finite); `Device` for device, driver and memory. Never a partial result passed as whole.
+/// on a device, an integral that is not finite); `Device` for device, driver and memory. Never a partial result passed as whole. A backend that
+/// wraps another one, to watch it, may say `Interrupted`: the solvers then end with the best that they have.
 ///
 /// *Reuse.* Evaluating again with the same backend reuses its buffers; with the same domain, its grid.
 pub trait Backend: Send + Sync {

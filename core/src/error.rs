@@ -14,6 +14,9 @@ pub enum ErrorKind {
     Device,
     /// Reading or writing failed in the operating system.
     Io,
+    /// Someone wants the work to stop: said by a [`Backend`](crate::Backend) around another one, to a solver that then ends with what it has.
+    /// Exit code 130.
+    Interrupted,
 }
 
 /// An error in one line: what, where (file, line, face, site) and what to do.

@@ -82,6 +82,8 @@ pub struct Relaxation {
     pub iterations: Vec<Iteration>,
     /// Whether the gradient is within the bound.
     pub converged: bool,
+    /// Whether the backend said that someone wants this to stop: what is here is then of the last iteration.
+    pub interrupted: bool,
     /// The last evaluation: volumes, barycenters, second moments.
     pub output: Output,
 }
@@ -93,8 +95,11 @@ pub struct Relaxation {
 /// Lloyd, which it falls back on, may where weights differ. Sites stay where they are while their cells are empty. A site may leave a domain that is not convex: it goes where
 /// the barycenter of its cell is. A diagram without a domain or box keeps the bounding box of its sites at the start.
 ///
+/// A backend that says [`ErrorKind::Interrupted`] ends it: the diagram is then that of the last iteration, and
+/// [`Relaxation::interrupted`] is true.
+///
 /// # Errors
-/// `Input` where the tolerance is no number from 0; else as [`Backend::evaluate`].
+/// `Interrupted` where there is not even the diagram at the start; `Input` where the tolerance is no number from 0; else as [`Backend::evaluate`].
 pub fn relax(
     backend: &dyn Backend,
     diagram: &mut PowerDiagram,
@@ -121,20 +126,29 @@ pub fn relax(
         iterations.push(done);
         let converged = done.gradient <= options.tolerance;
         if converged || iterations.len() > options.most_iterations {
-            return Ok(Relaxation { iterations, converged, output: here.output });
+            return Ok(Relaxation { iterations, converged, interrupted: false, output: here.output });
         }
-        let next = match options.method {
-            Method::Lloyd => None,
-            Method::Lbfgs => descend(diagram, &here, &mut memory, &mut look)?,
-        };
-        (here, evaluated) = match next {
-            Some(next) => next,
-            None => {
-                memory.clear();
-                move_to(diagram, &barycenters(diagram, &here.output, |_| true))?;
-                look(diagram)?
+        let start = diagram.positions().to_vec();
+        let mut next = || {
+            let next = match options.method {
+                Method::Lloyd => None,
+                Method::Lbfgs => descend(diagram, &here, &mut memory, &mut look)?,
+            };
+            if let Some(next) = next {
+                return Ok(next);
             }
+            memory.clear();
+            move_to(diagram, &barycenters(diagram, &here.output, |_| true))?;
+            look(diagram)
         };
+        match next() {
+            Ok(next) => (here, evaluated) = next,
+            Err(error) if error.kind() == ErrorKind::Interrupted => {
+                move_to(diagram, &start)?;
+                return Ok(Relaxation { iterations, converged, interrupted: true, output: here.output });
+            }
+            Err(error) => return Err(error),
+        }
     }
 }
 

@@ -75,6 +75,8 @@ pub enum End {
     Stalled,
     /// The number of steps was not enough.
     MostIterations,
+    /// The backend said that someone wants this to stop.
+    Interrupted,
 }
 
 /// Weights, and the cells that they make.
@@ -82,7 +84,7 @@ pub enum End {
 pub struct Solution {
     /// One for each site (length²); their mean is 0.
     pub weights: Vec<f64>,
-    /// The diagram of these weights, with facets.
+    /// The diagram of these weights, with facets; without where [`End::Interrupted`], for they may be used up by then.
     pub output: Output,
     /// Mass of each cell.
     pub masses: Vec<f64>,
@@ -90,7 +92,8 @@ pub struct Solution {
     pub iterations: Vec<Iteration>,
     /// Largest `|mass_i / target_i − 1|`.
     pub residual: f64,
-    /// `Σ_i ∫_i ρ(x) ‖x − p_i‖² dx` (mass·length²), the transport cost; `None` where the options did not ask for second moments.
+    /// `Σ_i ∫_i ρ(x) ‖x − p_i‖² dx` (mass·length²), the transport cost; `None` where the options did not ask for second moments,
+    /// and where it was interrupted with a density that takes another diagram.
     pub cost: Option<f64>,
     /// How the iteration ended.
     pub end: End,
@@ -102,8 +105,10 @@ pub struct Solution {
 ///
 /// The result does not depend on the number of threads.
 ///
+/// A backend that says [`ErrorKind::Interrupted`] ends it, with the weights of the last step.
+///
 /// # Errors
-/// `Input` where the masses are not positive, or do not sum to the domain's (by more than the tolerance; by less they are scaled), where
+/// `Interrupted` where there are not even first weights; `Input` where the masses are not positive, or do not sum to the domain's (by more than the tolerance; by less they are scaled), where
 /// two sites coincide, the density is not positive, or no first weights without empty cells are found. What
 /// [`Backend::evaluate`] says.
 pub fn solve(
@@ -129,17 +134,11 @@ pub fn solve(
             break End::MostIterations;
         }
         let begin = Instant::now();
-        let (step, linear_iterations, next) = match problem.direction(&mut state)? {
-            Direction::Newton(system) => {
-                let Some((step, linear_iterations, next)) = problem.advance(&state, &system)? else {
-                    break End::Stalled;
-                };
-                (step, linear_iterations, next)
-            }
-            Direction::Apart(part) => {
-                let Some(next) = bridge::bridge(&mut problem, &state, &part)? else { break End::Stalled };
-                (0.0, 0, next)
-            }
+        let (step, linear_iterations, next) = match problem.next(&mut state) {
+            Ok(Some(next)) => next,
+            Ok(None) => break End::Stalled,
+            Err(error) if error.kind() == ErrorKind::Interrupted => break End::Interrupted,
+            Err(error) => return Err(error),
         };
         state = next;
         let number = iteration.number + 1;
@@ -148,12 +147,16 @@ pub fn solve(
     };
     let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
     diagram.set_sites(&positions, &state.weights)?;
-    if state.output.facets.is_none() {
+    if state.output.facets.is_none() && end != End::Interrupted {
         // A stalled step has taken them apart.
         state.output = backend.evaluate(diagram, &problem_request(options))?;
     }
+    let cost = match end {
+        End::Interrupted => density.cost(diagram.positions(), &state.output),
+        _ => density.transport_cost(backend, diagram, &state.output)?,
+    };
     Ok(Solution {
-        cost: density.transport_cost(backend, diagram, &state.output)?,
+        cost,
         weights: state.weights,
         output: state.output,
         masses: state.masses.iter().map(|mass| mass * unit).collect(),
@@ -281,6 +284,15 @@ impl<'a> Problem<'a> {
             evaluations: 0,
             seconds: 0.0,
         })
+    }
+
+    /// The state after a step from `state`, which loses its facets, with the part of the step that leads there and the iterations that it took;
+    /// `None` where no step makes the error smaller.
+    fn next(&mut self, state: &mut State) -> Result<Option<(f64, usize, State)>> {
+        match self.direction(state)? {
+            Direction::Newton(system) => self.advance(state, &system),
+            Direction::Apart(part) => Ok(bridge::bridge(self, state, &part)?.map(|next| (0.0, 0, next))),
+        }
     }
 
     /// The diagram of some weights.

@@ -304,7 +304,8 @@ mod tests {
     #[test]
     fn a_status_is_a_number_or_a_word() {
         let numbers = "site,volume,x,y,z,facets,status\n0,1,2,3,4,NaN,0\n1,0,NaN,NaN,NaN,0,1\n2,1,2,3,4,5,2\n";
-        let words = "site,volume,x,y,z,facets,status\n0,1,2,3,4,,complete\n1,0,NaN,NaN,NaN,0,empty\n2,1,2,3,4,5,uncertified\n";
+        let words =
+            "site,volume,x,y,z,facets,status\n0,1,2,3,4,,complete\n1,0,NaN,NaN,NaN,0,empty\n2,1,2,3,4,5,uncertified\n";
         let said = |text: &str| {
             let rows = parse_cells(text.as_bytes(), "c.csv").unwrap().rows;
             rows.iter().map(|row| (row.facets, row.status)).collect::<Vec<_>>()
@@ -347,7 +348,11 @@ mod tests {
             super::super::write_whole(&path, |w| super::super::npy::write_rows(w, 1, 7, numbers.into_iter())).unwrap();
             read_facets(path).unwrap_err().to_string()
         };
-        assert!(said([0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0]).ends_with("row 0, column 1 (from 0): 0.5 is no number of a site"));
-        assert!(said([-1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]).ends_with("row 0, column 0 (from 0): -1 is no number of a site"));
+        assert!(
+            said([0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0]).ends_with("row 0, column 1 (from 0): 0.5 is no number of a site")
+        );
+        assert!(
+            said([-1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]).ends_with("row 0, column 0 (from 0): -1 is no number of a site")
+        );
     }
 }

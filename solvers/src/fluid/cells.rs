@@ -5,7 +5,7 @@ use laguerre_core::{Backend, Error, ErrorKind, FacetList, Output, PowerDiagram, 
 
 use super::StepReport;
 use crate::density::Density;
-use crate::transport;
+use crate::transport::{self, End, Solution};
 
 /// Largest relative error of a volume that a step is content with.
 pub const VOLUME_TOLERANCE: f64 = 1e-6;
@@ -31,7 +31,7 @@ pub fn settle(
     let mut diagram = within(PowerDiagram::new(&positions, &[])?, container)?;
     for _ in 0..rounds {
         let options = transport::Options { tolerance: SETTLED, second_moments: false, ..Default::default() };
-        let solved = transport::solve(backend, &mut diagram, &[], &options, &mut |_| {})?;
+        let solved = solved(backend, &mut diagram, &options)?;
         positions = solved.output.barycenter;
         diagram.set_sites(&positions, &solved.weights)?;
     }
@@ -83,7 +83,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
         most_iterations: MOST_ITERATIONS,
         ..transport::Options::default()
     };
-    let solved = transport::solve(backend, diagram, &[], &options, &mut |_| {})?;
+    let solved = solved(backend, diagram, &options)?;
     let report = StepReport {
         time_step: 0.0,
         residual: solved.residual,
@@ -97,6 +97,15 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
         )));
     }
     Ok((Cells::of(solved.output, solved.cost)?, report))
+}
+
+/// Weights for equal volumes; half of the way there is of no use here.
+fn solved(backend: &dyn Backend, diagram: &mut PowerDiagram, options: &transport::Options) -> Result<Solution> {
+    let solved = transport::solve(backend, diagram, &[], options, &mut |_| {})?;
+    match solved.end {
+        End::Interrupted => Err(Error::new(ErrorKind::Interrupted, "interrupted before all volumes are equal")),
+        _ => Ok(solved),
+    }
 }
 
 /// Restricts a diagram to a container.

@@ -1,0 +1,103 @@
+//! The law of interrupts: whenever one comes, what is left is the diagram of the last iteration, whole.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use laguerre_core::{Backend, BackendInfo, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_cpu::Cpu;
+use laguerre_solvers::density::Density;
+use laguerre_solvers::lloyd::{self, Method, relax};
+use laguerre_solvers::transport::{self, End, solve};
+
+/// A backend that someone interrupts after some diagrams.
+struct Interrupted {
+    backend: Cpu,
+    left: AtomicUsize,
+}
+
+impl Interrupted {
+    fn after(diagrams: usize) -> Self {
+        Self { backend: Cpu::new(Some(1)).unwrap(), left: AtomicUsize::new(diagrams) }
+    }
+}
+
+impl Backend for Interrupted {
+    fn info(&self) -> BackendInfo {
+        self.backend.info()
+    }
+
+    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        match self.left.load(Ordering::Relaxed) {
+            0 => Err(Error::new(ErrorKind::Interrupted, "enough")),
+            left => {
+                self.left.store(left - 1, Ordering::Relaxed);
+                self.backend.evaluate(diagram, request)
+            }
+        }
+    }
+}
+
+/// Sites in the unit cube, crowded in a corner, so that steps have to be tried more than once.
+fn crowded() -> PowerDiagram {
+    let steps = [0.819_172_513_396_164_5, 0.671_043_606_703_789_2, 0.549_700_477_901_970_4];
+    let sites: Vec<[f64; 3]> =
+        (0..80).map(|i| steps.map(|s| ((i * i + 7 * i) as f64 * s + 0.37).fract().powi(3))).collect();
+    PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap()
+}
+
+/// That an output is that of a diagram.
+fn check(diagram: &PowerDiagram, output: &Output) {
+    let again = Cpu::new(Some(1)).unwrap().evaluate(diagram, &Request::moments()).unwrap();
+    assert_eq!(again.volume, output.volume);
+}
+
+#[test]
+fn a_relaxation_keeps_its_last_iteration() {
+    for method in [Method::Lbfgs, Method::Lloyd] {
+        let options = lloyd::Options::default().by(method).until(6, 0.0);
+        let whole = relax(&Interrupted::after(usize::MAX), &mut crowded(), &options, &mut |_| {}).unwrap();
+        assert!(!whole.interrupted);
+        let diagrams = whole.iterations.last().unwrap().evaluations;
+        let mut diagram = crowded();
+        let error = relax(&Interrupted::after(0), &mut diagram, &options, &mut |_| {}).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Interrupted);
+        for count in 1..diagrams {
+            let mut diagram = crowded();
+            let relaxed = relax(&Interrupted::after(count), &mut diagram, &options, &mut |_| {}).unwrap();
+            assert!(relaxed.interrupted && !relaxed.converged);
+            let done = relaxed.iterations.len();
+            assert_eq!(relaxed.iterations, whole.iterations[..done]);
+            assert!(whole.iterations[done].evaluations > count, "the last that was finished");
+            check(&diagram, &relaxed.output);
+        }
+    }
+}
+
+#[test]
+fn a_transport_keeps_its_last_step() {
+    for density in [Density::Uniform, Density::Linear { value: 1.0, gradient: [0.0, 0.0, 2.0] }] {
+        let options = transport::Options { density, ..transport::Options::default() };
+        let whole = solve(&Interrupted::after(usize::MAX), &mut crowded(), &[], &options, &mut |_| {}).unwrap();
+        assert_eq!(whole.end, End::Converged);
+        let of = |steps: &[transport::Iteration]| steps.iter().map(|step| step.diagram_evaluations).sum::<usize>();
+        let first = of(&whole.iterations[..1]);
+        for count in 0..of(&whole.iterations) {
+            let mut diagram = crowded();
+            let mut told = Vec::new();
+            let found =
+                solve(&Interrupted::after(count), &mut diagram, &[], &options, &mut |step| told.push(step.residual));
+            if count < first {
+                assert_eq!(found.unwrap_err().kind(), ErrorKind::Interrupted);
+                assert!(told.is_empty());
+                continue;
+            }
+            let solution = found.unwrap();
+            assert_eq!(solution.end, End::Interrupted);
+            let residuals: Vec<f64> = whole.iterations[..told.len()].iter().map(|step| step.residual).collect();
+            assert_eq!(told, residuals);
+            assert!(of(&whole.iterations[..=told.len()]) > count, "the last that was finished");
+            assert_eq!(told.last(), Some(&solution.residual));
+            assert_eq!(diagram.weights(), solution.weights);
+            check(&diagram, &solution.output);
+        }
+    }
+}

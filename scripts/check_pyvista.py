@@ -59,8 +59,8 @@ def convex_volumes(grid):
 
 
 def read_cells(name):
-    rows = np.genfromtxt(name, delimiter=",", names=True, dtype=None, encoding="ascii")
-    return rows[rows["status"] != "empty"]
+    rows = np.genfromtxt(name, delimiter=",", names=True)
+    return rows[rows["status"] != 1]
 
 
 def check_results(container, label):

@@ -15,7 +15,7 @@ use crate::uneven::{self, Uneven};
 /// The power cell of site i is where ‖x − p_i‖² − w_i is least; a larger weight is a larger cell. Every cell is complete by
 /// proof, and every sign exact.
 #[derive(Debug, Parser)]
-#[command(name = "laguerre", version, after_help = EXAMPLES)]
+#[command(name = "laguerre", version, after_help = EXAMPLES, arg_required_else_help = true)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -29,7 +29,8 @@ Examples:
   laguerre verify cells.csv sites.xyz --domain out/swan.off          whether they are right
   laguerre bench                                                     how fast, on this machine
 
-Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified, or wrong; 130 interrupted.";
+Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified, or wrong, or a solver is not within
+its tolerance; 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -48,7 +49,11 @@ pub(crate) enum Command {
 
 /// What can compute on this machine, and why what cannot, cannot.
 #[derive(ClapArgs, Debug)]
-pub(crate) struct DevicesArgs {}
+pub(crate) struct DevicesArgs {
+    /// Print one JSON object instead of the list
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 /// Volume and barycenter of the power cell of every site, cut by a domain.
 ///
@@ -64,13 +69,21 @@ pub(crate) struct IntegrateArgs {
     #[command(flatten)]
     pub(crate) container: ContainerArgs,
 
-    /// Where to write the cells: .csv (site,volume,x,y,z,facets,status), .npy (volume, barycenter) or .vtu (for ParaView)
+    /// Where to write the cells: .csv (site,volume,x,y,z,facets,status, the status 0 complete, 1 empty, 2 not certified; NaN for what there
+    /// is not), .npy (N×4: volume, barycenter), .npz (arrays volume, barycenter, status, facets, second_moment), .vtu (for ParaView) or - for
+    /// standard output, as .csv
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Where to write the facets: .csv (site,neighbor,area,x,y,z,distance), each once from each side, neighbor -1 for the boundary
+    /// Where to write the facets, each once from each side, neighbor -1 and distance NaN for the boundary: .csv
+    /// (site,neighbor,area,x,y,z,distance), .npy (those columns), .npz (arrays offsets, site, neighbor, area, barycenter, distance; those of site
+    /// i are offsets[i] to offsets[i + 1]) or - for standard output, as .csv
     #[arg(long, value_name = "FILE")]
     pub(crate) facets: Option<PathBuf>,
+
+    /// Also the second moments of each cell about its barycenter, 3×3, for an .npz of cells
+    #[arg(long)]
+    pub(crate) second_moments: bool,
 
     #[command(flatten)]
     pub(crate) backend: BackendArgs,
@@ -89,17 +102,18 @@ const INTEGRATE_EXAMPLES: &str = "\
 Examples:
   laguerre integrate sites.xyz --domain out/swan.off -o cells.csv --facets facets.csv
   laguerre integrate sites.npy --weights weights.npy --box 0,0,0,1,1,1 --json
+  laguerre integrate sites.npy --domain out/swan.off -o cells.npz --facets facets.npz      NumPy: np.load
   generate | laguerre integrate - --domain part.stl -o cells.vtu";
 
 /// Whether a result file, whoever wrote it, is right: its sums, its cells, its facets.
 ///
-/// RESULTS is .csv (site,volume,x,y,z and, if known, facets,status; a row for each site, in their order) or .npy (N×4: volume,
-/// barycenter), as integrate writes it. Every cell is computed anew; a sample of them, and those that seem wrong, also without a
+/// RESULTS is .csv (site,volume,x,y,z and, if known, facets,status; a row for each site, in their order), .npy (N×4: volume,
+/// barycenter) or .npz (arrays volume, barycenter and, if known, facets, status), as integrate writes it. Every cell is computed anew; a sample of them, and those that seem wrong, also without a
 /// search, by cutting with all sites. Says which cells and facets are wrong, and exits with 4 if any is.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = VERIFY_EXAMPLES)]
 pub(crate) struct VerifyArgs {
-    /// The cells to check: .csv or .npy
+    /// The cells to check: .csv, .npy or .npz
     pub(crate) results: PathBuf,
 
     #[command(flatten)]
@@ -108,7 +122,7 @@ pub(crate) struct VerifyArgs {
     #[command(flatten)]
     pub(crate) container: ContainerArgs,
 
-    /// The facets to check: .csv (site,neighbor,area,x,y,z,distance), as integrate writes them
+    /// The facets to check: .csv (site,neighbor,area,x,y,z,distance), .npy or .npz, as integrate writes them
     #[arg(long, value_name = "FILE")]
     pub(crate) facets: Option<PathBuf>,
 
@@ -145,8 +159,8 @@ pub(crate) struct SampleArgs {
     #[arg(value_name = "DIST")]
     pub(crate) distribution: Spread,
 
-    /// Number of sites (lattice, perturbed and mirrored come as near as they can)
-    #[arg(value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 31))]
+    /// Number of sites, such as 100000, 100_000 or 1e5 (lattice, perturbed and mirrored come as near as they can)
+    #[arg(value_name = "N", value_parser = parse_count::<1, MOST_SITES>)]
     pub(crate) count: u32,
 
     #[command(flatten)]
@@ -160,9 +174,13 @@ pub(crate) struct SampleArgs {
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply
+    /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply; - for standard output, as .csv
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
+
+    /// Print one JSON object that says what was made
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 const SAMPLE_EXAMPLES: &str = "\
@@ -220,7 +238,7 @@ pub(crate) struct DemoArgs {
     pub(crate) out_dir: PathBuf,
 
     /// Number of sites
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = parse_count::<1, 10_000_000>)]
     pub(crate) sites: u32,
 }
 
@@ -265,7 +283,7 @@ Examples:
 pub(crate) struct BenchArgs {
     /// Numbers of sites (each distribution comes as near as it can)
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [10_000, 100_000],
-          value_parser = clap::value_parser!(u32).range(1..=1 << 31))]
+          value_parser = parse_count::<1, MOST_SITES>)]
     pub(crate) sites: Vec<u32>,
 
     /// Distributions, as `sample` knows them
@@ -333,7 +351,7 @@ pub(crate) enum BenchBackend {
 #[command(hide = true)]
 pub(crate) struct PaperArgs {
     /// Number of sites
-    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(100..=1 << 31))]
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = parse_count::<100, MOST_SITES>)]
     pub(crate) sites: u32,
 
     #[command(flatten)]
@@ -434,6 +452,25 @@ pub(crate) enum Precision {
     F32,
 }
 
+/// Sites that the program makes at most.
+const MOST_SITES: u32 = 1 << 31;
+
+/// A count as people write it: 100000, 100_000 or 1e5.
+pub(crate) fn parse_count<const LEAST: u32, const MOST: u32>(text: &str) -> Result<u32, String> {
+    let digits = text.replace('_', "");
+    let is_number = text.starts_with(|c: char| c.is_ascii_digit()) && !text.ends_with('_') && !text.contains("__");
+    let count = match digits.parse::<u32>() {
+        Ok(count) => Some(count),
+        Err(_) if !digits.contains(['e', 'E']) => None,
+        Err(_) => {
+            digits.parse::<f64>().ok().filter(|x| x.fract() == 0.0 && *x <= f64::from(u32::MAX)).map(|x| x as u32)
+        }
+    };
+    count
+        .filter(|count| is_number && (LEAST..=MOST).contains(count))
+        .ok_or_else(|| format!("a whole number from {LEAST} to {MOST} is needed, such as 100000, 100_000 or 1e5"))
+}
+
 fn parse_box(text: &str) -> Result<Corners, String> {
     let numbers: Vec<f64> = text
         .split(',')
@@ -494,6 +531,36 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Args::command().debug_assert();
+    }
+
+    #[test]
+    fn counts_are_written_as_people_do() {
+        let count = parse_count::<1, MOST_SITES>;
+        for text in ["100000", "100_000", "1e5", "1E5", "1.0e5", "10e+4", "1_000e2"] {
+            assert_eq!(count(text), Ok(100_000), "{text}");
+        }
+        assert_eq!((count("1"), count("2147483648"), count("1.5e1")), (Ok(1), Ok(MOST_SITES), Ok(15)));
+        for text in [
+            "",
+            "0",
+            "1.5",
+            "1.55e1",
+            "1e-1",
+            "1e10",
+            "2147483649",
+            "-1e5",
+            "_1",
+            "1_",
+            "1__0",
+            "nan",
+            "inf",
+            "1e",
+            "e5",
+            "1,000",
+        ] {
+            let said = count(text).unwrap_err();
+            assert_eq!(said, "a whole number from 1 to 2147483648 is needed, such as 100000, 100_000 or 1e5", "{text}");
+        }
     }
 
     #[test]

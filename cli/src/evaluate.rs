@@ -69,7 +69,7 @@ pub(crate) fn evaluate(backend: &dyn Backend, diagram: &PowerDiagram, request: &
     }
     let (done, wait) = mpsc::channel::<()>();
     thread::scope(|scope| {
-        let progress = request.progress.clone();
+        let progress = Since::now(&request.progress);
         let cells = diagram.positions().len();
         // Without a second thread there is no bar, and nothing else is lost.
         let drawing = thread::Builder::new().spawn_scoped(scope, move || draw(&progress, cells, &wait));
@@ -80,7 +80,23 @@ pub(crate) fn evaluate(backend: &dyn Backend, diagram: &PowerDiagram, request: &
     })
 }
 
-fn draw(progress: &Progress, cells: usize, wait: &mpsc::Receiver<()>) {
+/// A counter that a solver's requests share, from where it stands now: the cells of one diagram.
+struct Since {
+    progress: Progress,
+    before: usize,
+}
+
+impl Since {
+    fn now(progress: &Progress) -> Self {
+        Self { progress: progress.clone(), before: progress.finished() }
+    }
+
+    fn finished(&self) -> usize {
+        self.progress.finished().saturating_sub(self.before)
+    }
+}
+
+fn draw(progress: &Since, cells: usize, wait: &mpsc::Receiver<()>) {
     let bar = ProgressBar::new(cells as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} cells, {eta}") {
         bar.set_style(style);
@@ -89,4 +105,22 @@ fn draw(progress: &Progress, cells: usize, wait: &mpsc::Receiver<()>) {
         bar.set_position(progress.finished() as u64);
     }
     bar.finish_and_clear();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bar_of_each_diagram_begins_at_none() {
+        let (backend, request) = (open_default().unwrap(), Request::moments());
+        let diagram = PowerDiagram::new(&[[0.2; 3], [0.7; 3]], &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        // One request for both, as a solver has it.
+        for _ in 0..2 {
+            let since = Since::now(&request.progress);
+            assert_eq!(since.finished(), 0);
+            evaluate(backend.as_ref(), &diagram, &request).unwrap();
+            assert_eq!(since.finished(), 2);
+        }
+    }
 }

@@ -2,7 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
-use laguerre::{Error, Result};
+use laguerre::{Error, Result, io};
+
+use crate::outcome::print_beside_results;
+
+/// Lets standard output have the results where an output is `-`: what is printed goes to standard error then.
+///
+/// # Errors
+/// `Input` where more than one thing would be written there.
+pub(crate) fn share_standard_output<'a>(outputs: impl IntoIterator<Item = &'a PathBuf>, json: bool) -> Result<()> {
+    match outputs.into_iter().filter(|path| path.as_os_str() == "-").count() {
+        0 => return Ok(()),
+        1 if !json => {}
+        1 => return Err(Error::input("-: --json prints to standard output, too; name a file for the results")),
+        _ => return Err(Error::input("-: named for two outputs, but standard output is one; name a file")),
+    }
+    print_beside_results();
+    Ok(())
+}
 
 /// Refuses an output that is also read.
 pub(crate) fn refuse_inputs(output: &Path, inputs: &[Option<&PathBuf>]) -> Result<()> {
@@ -15,8 +32,10 @@ pub(crate) fn refuse_inputs(output: &Path, inputs: &[Option<&PathBuf>]) -> Resul
 
 /// Whether two paths name one file, be it there or not.
 pub(crate) fn names_same_file(one: &Path, other: &Path) -> bool {
+    // A link is the file that it leads to, also where that is still to be made.
+    let [one, other] = [one, other].map(|path| io::destination(path).unwrap_or_else(|_| path.to_path_buf()));
     let folder = |path: &Path| Path::new(".").join(path).parent().and_then(|folder| folder.canonicalize().ok());
-    same_file(one, other) || (one.file_name() == other.file_name() && folder(one) == folder(other))
+    same_file(&one, &other) || (one.file_name() == other.file_name() && folder(&one) == folder(&other))
 }
 
 /// Whether two paths name one file that is there.

@@ -13,7 +13,7 @@ use laguerre::solvers::density::Density;
 use laguerre::solvers::fluid::{Fluid, Scene, lattice, settle};
 use laguerre::{Backend, Domain, Error, Result, io};
 
-use crate::args::{BackendArgs, Corners};
+use crate::args::{BackendArgs, Corners, parse_count};
 use crate::domains;
 use crate::outcome::{Outcome, end_well_when_interrupted, is_interrupted, note, print, print_json, say};
 use crate::sample::Sampler;
@@ -34,7 +34,7 @@ pub(crate) struct FluidArgs {
     scene: Option<SceneName>,
 
     /// Number of particles, or as near to it as a lattice comes in a box
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = parse_count::<2, 100_000_000>)]
     particles: u32,
 
     /// End after step N, counted from the scene's beginning
@@ -82,11 +82,11 @@ pub(crate) struct FluidArgs {
     #[arg(long, value_name = "FILE")]
     film: Option<PathBuf>,
 
-    /// Where to write, with every frame and at the end, what is needed to go on
+    /// Where to write, with every frame and at the end, what is needed to go on: .fluid
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
 
-    /// Go on from a checkpoint, to the same bits as if it had not been interrupted
+    /// Go on from a checkpoint, a .fluid, to the same bits as if it had not been interrupted
     #[arg(long, value_name = "FILE",
           conflicts_with_all = ["scene", "particles", "dt", "epsilon", "viscosity", "gravity", "domain", "seed"])]
     resume: Option<PathBuf>,
@@ -156,6 +156,10 @@ fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
     end_well_when_interrupted();
     frames.add(&fluid, args.resume.is_none())?;
     let mut report = Report::new(scene, &fluid, backend.info());
+    if args.out_dir.is_none() && args.film.is_none() && args.checkpoint.is_none() && !args.json {
+        // Not before: what is wrong is said in one line.
+        note("only energies are printed; name --film, --out-dir or --checkpoint to keep the motion");
+    }
     if !args.json {
         print(&report.header())?;
     }
@@ -233,9 +237,6 @@ fn check(args: &FluidArgs) -> Result<()> {
     }
     if let (Some(name), Some(_)) = (vortex, args.gravity) {
         note(&format!("{} has one density: gravity moves nothing there", scene_name(scene_of(name))));
-    }
-    if args.out_dir.is_none() && args.film.is_none() && args.checkpoint.is_none() && !args.json {
-        note("only energies are printed; name --film, --out-dir or --checkpoint to keep the motion");
     }
     Ok(())
 }

@@ -9,7 +9,8 @@ use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Requ
 use crate::args::IntegrateArgs;
 use crate::container::{Container, Whole, note_if_merged};
 use crate::evaluate::{evaluate, open};
-use crate::files::{names_same_file, refuse_inputs};
+use crate::files::{names_same_file, refuse_inputs, share_standard_output};
+use crate::npz;
 use crate::outcome::{Outcome, note, print, print_json, say};
 use crate::report::{Report, Seconds};
 use crate::sites;
@@ -39,6 +40,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
 
     let request = Request::moments();
     let request = if args.facets.is_some() { request.with_facets() } else { request };
+    let request = if args.second_moments { request.with_second_moments() } else { request };
     let request = args.epsilon.into_iter().fold(request, Request::with_epsilon);
     let start = Instant::now();
     // What is wrong with valid input only now is a site out of the container's range.
@@ -51,7 +53,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
         write_cells(path, backend.as_ref(), &diagram, &output)?;
     }
     if let Some(path) = &args.facets {
-        io::write_facets(path, &diagram, &output)?;
+        npz::write_facets(path, &diagram, &output)?;
     }
     seconds.write = start.elapsed().as_secs_f64();
 
@@ -60,6 +62,9 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
         print_json(&report)?;
     } else {
         print(&report.summary())?;
+    }
+    if args.output.is_none() && args.facets.is_none() && !args.json && report.uncertified == 0 {
+        note("only the summary is printed; name a file with -o to keep the cells");
     }
     Ok(outcome(&report))
 }
@@ -79,7 +84,10 @@ pub(crate) fn outcome(report: &Report) -> Outcome {
 
 /// Writes the cells by the file's ending.
 pub(crate) fn write_cells(path: &Path, backend: &dyn Backend, diagram: &PowerDiagram, output: &Output) -> Result<()> {
-    if io::ending(path, CELLS_ENDINGS).is_ok() {
+    if io::ending(path, &[npz::ENDING]).is_ok() {
+        return npz::write_cells(path, output);
+    }
+    if io::output_ending(path, CELLS_ENDINGS).is_ok() {
         return io::write_cells(path, diagram, output);
     }
     // The geometry is that of the convex cells, in the box of the domain: those have to be computed once more, for their
@@ -94,21 +102,22 @@ pub(crate) fn write_cells(path: &Path, backend: &dyn Backend, diagram: &PowerDia
 /// What can be said before the work.
 fn check(args: &IntegrateArgs) -> Result<()> {
     if let Some(path) = &args.output {
-        let known: Vec<&'static str> = CELLS_ENDINGS.iter().copied().chain([VTU]).collect();
+        let known: Vec<&'static str> = CELLS_ENDINGS.iter().copied().chain([npz::ENDING, VTU]).collect();
         io::check_output(path, &known)?;
     }
     if let Some(path) = &args.facets {
-        io::check_output(path, FACETS_ENDINGS)?;
+        io::check_output(path, &npz::with_npz(FACETS_ENDINGS))?;
         if args.output.as_ref().is_some_and(|cells| names_same_file(cells, path)) {
             return Err(Error::input(format!("{}: named for cells and for facets; give two files", path.display())));
         }
     }
+    let has_room = args.output.as_ref().is_some_and(|path| io::ending(path, &[npz::ENDING]).is_ok());
+    if args.second_moments && !has_room {
+        return Err(Error::input("--second-moments: only .npz has room for them; name one with -o"));
+    }
     let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
     args.output.iter().chain(&args.facets).try_for_each(|path| refuse_inputs(path, &inputs))?;
-    if args.output.is_none() && args.facets.is_none() && !args.json {
-        note("only the summary is printed; name a file with -o to keep the cells");
-    }
-    Ok(())
+    share_standard_output(args.output.iter().chain(&args.facets), args.json)
 }
 
 /// Every point of a domain belongs to some cell, so sites that are all elsewhere give an answer; it is seldom the one wanted.

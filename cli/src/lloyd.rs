@@ -11,18 +11,19 @@ use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::{Container, Whole};
-
-use crate::files::refuse_inputs;
-use crate::outcome::{Outcome, note, print, print_json};
+use crate::files::{refuse_inputs, share_standard_output};
+use crate::outcome::{Outcome, end_well_when_interrupted, note, print, print_json, say};
 use crate::report::grouped;
 use crate::sites;
-use crate::solver::{WithBar, open_for_solver, parse_from_zero};
+use crate::solver::{WithBar, interrupted, open_for_solver, parse_from_zero};
 
 /// Moves sites until each is the barycenter of its cell: a centroidal tessellation. Weights stay as they are.
 ///
 /// The energy is the sum over all cells of the integral of ‖x − p_i‖² − w_i. The gradient that --tolerance bounds has no scale: it is
 /// the mean distance (root of the mean square, by volume) of sites from barycenters over the size of the mean cell.
-/// Without --domain or --box, the cells are cut by the bounding box that the sites have at the start.
+/// Without --domain or --box, the cells are cut by the bounding box that the sites have at the start. Exits with 4 where the gradient is not
+/// within the tolerance at the end; the sites are still written. Ctrl-C ends after the diagram that is on its way, and writes the sites of the
+/// last iteration; a second one ends at once.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct LloydArgs {
@@ -40,11 +41,11 @@ pub(crate) struct LloydArgs {
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     iterations: u32,
 
-    /// Stop where the gradient is not above G
+    /// The gradient that is good enough
     #[arg(long, value_name = "G", default_value_t = 1e-3, allow_hyphen_values = true, value_parser = parse_from_zero)]
     tolerance: f64,
 
-    /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply
+    /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply; - for standard output, as .csv
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -112,8 +113,13 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     };
     let options = Options::default().by(method).until(args.iterations as usize, args.tolerance);
     let start = Instant::now();
+    end_well_when_interrupted();
     let mut count = 0;
     let mut table = |done: &Iteration| {
+        if count == 0 && args.output.is_none() && !args.json {
+            // Not before: what is wrong is said in one line.
+            note("only the energies are printed; name a file with -o to keep the sites");
+        }
         if !args.json {
             let header = if count == 0 { "iteration  diagrams        energy      gradient\n" } else { "" };
             let Iteration { energy, gradient, evaluations } = *done;
@@ -139,18 +145,24 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     if report.empty > 0 {
         note(&format!("{} of {} sites have empty cells, and stayed where they were", report.empty, report.sites));
     }
-    Ok(Outcome::Done)
+    if relaxed.interrupted {
+        return Ok(interrupted(report.iterations, "sites", args.output.as_ref()));
+    }
+    if report.converged {
+        return Ok(Outcome::Done);
+    }
+    say(&format!(
+        "the gradient is {:.1e} of a cell and not within the tolerance of {:.1e}; give more --iterations, or these sites back",
+        report.residual, args.tolerance
+    ));
+    Ok(Outcome::Uncertified)
 }
 
 /// What can be said before the work.
 fn check(args: &LloydArgs) -> Result<()> {
-    let Some(path) = &args.output else {
-        if !args.json {
-            note("only the energies are printed; name a file with -o to keep the sites");
-        }
-        return Ok(());
-    };
+    let Some(path) = &args.output else { return Ok(()) };
     io::check_output(path, SITES_ENDINGS)?;
+    share_standard_output([path], args.json)?;
     refuse_inputs(path, &[Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()])
 }
 
@@ -187,7 +199,7 @@ impl Report {
 
     /// A few lines for people.
     fn summary(&self) -> String {
-        let end = if self.converged { "the gradient is within its bound" } else { "no more iterations" };
+        let end = if self.converged { "within the tolerance" } else { "not within the tolerance" };
         format!(
             "sites        {}\n\
              energy       {:e}, {:.6} for cells of size 1\n\

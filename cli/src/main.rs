@@ -13,6 +13,7 @@ mod fluid;
 mod inside;
 mod integrate;
 mod lloyd;
+mod npz;
 mod outcome;
 mod paper;
 mod picture;
@@ -47,7 +48,7 @@ fn main() -> ExitCode {
             Command::Fluid(args) => fluid::run(&args),
             Command::Tune(args) => tune::run(&args),
             Command::Bench(args) => bench::run(&args),
-            Command::Devices(_) => devices::run(),
+            Command::Devices(args) => devices::run(&args),
             Command::Paper(args) => paper::run(&args),
         },
         Err(error) => return outcome::command_line(&error),

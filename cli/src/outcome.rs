@@ -4,15 +4,19 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use clap::CommandFactory;
+use clap::error::ErrorKind as ClapErrorKind;
 use laguerre::{Error, ErrorKind, Result};
 use serde::Serialize;
+
+use crate::args::Args;
 
 /// How a command ended that was not prevented from its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// Everything asked for was done.
     Done,
-    /// Results were written, but some cells are marked as not certified.
+    /// Results were written, but some cells are marked as not certified, or a solver is not within its tolerance.
     Uncertified,
     /// Results were looked at, and some cells are wrong.
     Refuted,
@@ -36,6 +40,7 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
             say(&error.to_string());
             match error.kind() {
                 ErrorKind::Unavailable | ErrorKind::Device => UNAVAILABLE.into(),
+                ErrorKind::Interrupted => INTERRUPTED.into(),
                 _ => WRONG_INPUT.into(),
             }
         }
@@ -73,6 +78,11 @@ pub(crate) fn is_interrupted() -> bool {
 
 /// What clap has to say: help and version as they are, errors in one line.
 pub(crate) fn command_line(error: &clap::Error) -> ExitCode {
+    if error.kind() == ClapErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        // Who says nothing asks what there is to say.
+        let _ = write!(io::stdout(), "{}", error.render());
+        return ExitCode::SUCCESS;
+    }
     if !error.use_stderr() {
         // Nothing is lost where the reader of a help text has gone.
         let _ = error.print();
@@ -85,8 +95,14 @@ pub(crate) fn command_line(error: &clap::Error) -> ExitCode {
     let words: Vec<&str> = said.split_whitespace().collect();
     let line = words.join(" ");
     let line = line.strip_prefix("error: ").unwrap_or(&line);
-    say(&format!("{line}; see laguerre --help"));
+    say(&format!("{line}; see laguerre {}--help", command_named()));
     WRONG_INPUT.into()
+}
+
+/// The command that the command line names, with a blank behind it, if it names one.
+fn command_named() -> String {
+    let named = std::env::args().nth(1).unwrap_or_default();
+    if Args::command().find_subcommand(&named).is_some() { format!("{named} ") } else { String::new() }
 }
 
 /// Says one line on standard error.
@@ -100,11 +116,24 @@ pub(crate) fn note(line: &str) {
     say(&format!("note: {line}"));
 }
 
+/// Whether standard output has results, and is not for words.
+static HAS_RESULTS: AtomicBool = AtomicBool::new(false);
+
+/// From now on [`print`] prints to standard error, for a command that writes results to standard output.
+pub(crate) fn print_beside_results() {
+    HAS_RESULTS.store(true, Ordering::SeqCst);
+}
+
 /// Prints to standard output. Where its reader has gone, the rest of the work is still wanted: that is no error.
 ///
 /// # Errors
 /// `Io` where it cannot be written for another reason.
 pub(crate) fn print(text: &str) -> Result<()> {
+    if HAS_RESULTS.load(Ordering::SeqCst) {
+        // Where standard error is closed there is nobody left to tell.
+        let _ = io::stderr().write_all(text.as_bytes());
+        return Ok(());
+    }
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {

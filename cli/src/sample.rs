@@ -1,19 +1,24 @@
 //! `laguerre sample`: sites to compute with.
 
+use clap::ValueEnum;
 use laguerre::io::{self, SITES_ENDINGS};
 use laguerre::solvers::lloyd::{Equalized, equalize};
 use laguerre::{Backend, Domain, Error, PowerDiagram, Result, memory};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::Serialize;
 
 use crate::args::{Corners, Distribution, SampleArgs, Spread};
 use crate::container::Container;
 use crate::evaluate::open_default;
+use crate::files::share_standard_output;
 use crate::inside::InsideTest;
-use crate::outcome::{Outcome, note};
+use crate::outcome::{Outcome, note, print_json};
 use crate::solver::WithBar;
 use crate::uneven::{Cloud, Uneven};
 
+/// What sites fill unless something else is given.
+const UNIT_CUBE: Corners = Corners { lo: [0.0; 3], hi: [1.0; 3] };
 /// Blue noise: the volumes vary by less than this.
 const BLUE_SPREAD: f64 = 0.1;
 /// Lloyd steps after which blue noise is taken as it is; some 15 are usual.
@@ -23,8 +28,39 @@ const TILES: u32 = 5;
 /// Points that are tried at most in search of those inside: more would seem to hang.
 const MOST_TRIES: f64 = 1e10;
 
+/// The object of `--json`.
+#[derive(Serialize)]
+struct Report {
+    /// Sites that were made, and those asked for.
+    sites: usize,
+    asked: u32,
+    distribution: String,
+    seed: u64,
+    /// The box that they fill, its minimum corner and its maximum corner.
+    r#box: [[f64; 3]; 2],
+    /// Whether they have weights.
+    weights: bool,
+    file: String,
+}
+
+impl Report {
+    fn of(args: &SampleArgs, corners: &Corners, sites: usize, weights: bool) -> Self {
+        let value = args.distribution.to_possible_value();
+        Self {
+            sites,
+            asked: args.count,
+            distribution: value.map(|value| value.get_name().to_owned()).unwrap_or_default(),
+            seed: args.seed,
+            r#box: [corners.lo, corners.hi],
+            weights,
+            file: args.output.display().to_string(),
+        }
+    }
+}
+
 pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
     io::check_output(&args.output, SITES_ENDINGS)?;
+    share_standard_output([&args.output], args.json)?;
     let distribution = match args.distribution {
         Spread::Filling(distribution) => distribution,
         Spread::Uneven(input) => return uneven(args, input),
@@ -36,7 +72,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
             Corners { lo, hi }
         }
         Container::Box(corners) => *corners,
-        Container::Default => Corners { lo: [0.0; 3], hi: [1.0; 3] },
+        Container::Default => UNIT_CUBE,
     };
     let domain = container.domain().filter(|_| args.inside);
     let mut sampler = Sampler::new(corners, domain, args.seed);
@@ -48,6 +84,9 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
         note(&format!("{} sites, as near to {} as this distribution comes", positions.len(), args.count));
     }
     io::write_sites(&args.output, &positions, &[])?;
+    if args.json {
+        print_json(&Report::of(args, &corners, positions.len(), false))?;
+    }
     Ok(Outcome::Done)
 }
 
@@ -64,6 +103,10 @@ fn uneven(args: &SampleArgs, input: &Uneven) -> Result<Outcome> {
         stretch(&mut cloud, corners);
     }
     io::write_sites(&args.output, &cloud.positions, &cloud.weights)?;
+    if args.json {
+        let corners = args.container.r#box.unwrap_or(UNIT_CUBE);
+        print_json(&Report::of(args, &corners, cloud.positions.len(), !cloud.weights.is_empty()))?;
+    }
     Ok(Outcome::Done)
 }
 

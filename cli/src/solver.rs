@@ -1,10 +1,13 @@
 //! What the commands `lloyd`, `transport` and `fluid` share.
 
+use std::path::PathBuf;
+
 use laguerre::diagram::LARGEST_COORDINATE;
 use laguerre::{Backend, BackendInfo, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::args::{BackendArgs, Precision};
 use crate::evaluate::{evaluate, open};
+use crate::outcome::{Outcome, is_interrupted, say};
 
 /// The backend for a solver, and the threads of the solver's own work: as many as the backend's.
 pub(crate) fn open_for_solver(args: &BackendArgs) -> Result<(Box<dyn Backend>, rayon::ThreadPool)> {
@@ -19,7 +22,7 @@ pub(crate) fn open_for_solver(args: &BackendArgs) -> Result<(Box<dyn Backend>, r
     Ok((backend, pool))
 }
 
-/// A backend that draws its progress, where there is a terminal.
+/// A backend that draws its progress, where there is a terminal, and that a Ctrl-C stops from the next diagram on, if it is to end well.
 pub(crate) struct WithBar<'a>(pub(crate) &'a dyn Backend);
 
 impl Backend for WithBar<'_> {
@@ -28,8 +31,29 @@ impl Backend for WithBar<'_> {
     }
 
     fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        if is_interrupted() {
+            // What a solver has by then it returns; this is said where it has nothing.
+            return Err(Error::new(
+                ErrorKind::Interrupted,
+                "interrupted before there was a result; nothing is written",
+            ));
+        }
         evaluate(self.0, diagram, request)
     }
+}
+
+/// Says what an interrupt has left, and how the program is to end.
+pub(crate) fn interrupted(iterations: usize, what: &str, output: Option<&PathBuf>) -> Outcome {
+    let kept = output.map_or_else(
+        || format!("no file was named with -o to keep the {what}"),
+        |path| match path.as_os_str() == "-" {
+            true => format!("the {what} as they were then are written"),
+            false => format!("the {what} as they were then are in {}", path.display()),
+        },
+    );
+    let iterations = if iterations == 1 { "1 iteration".into() } else { format!("{iterations} iterations") };
+    say(&format!("interrupted after {iterations}; {kept}"));
+    Outcome::Interrupted
 }
 
 /// Numbers of the solvers' command lines are within this, as coordinates are: their squares are in range.

@@ -12,17 +12,18 @@ use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::Container;
-use crate::files::{names_same_file, refuse_inputs};
-use crate::outcome::{Outcome, note, print, print_json, say};
+use crate::files::{names_same_file, refuse_inputs, share_standard_output};
+use crate::outcome::{Outcome, end_well_when_interrupted, note, print, print_json, say};
 use crate::report::grouped;
 use crate::sites;
-use crate::solver::{LARGEST, WithBar, open_for_solver, parse_number};
+use crate::solver::{LARGEST, WithBar, interrupted, open_for_solver, parse_number};
 
 /// Finds weights such that each cell has the mass asked for: semi-discrete optimal transport, by a damped Newton.
 ///
 /// What the sites or --weights give is where it starts. The residual is the largest relative error of a cell's mass.
 /// Without --domain or --box, the cells are cut by the bounding box of the sites. Exits with 4 where the residual is not within the
-/// tolerance at the end; the weights are still written.
+/// tolerance at the end; the weights are still written. Ctrl-C ends after the diagram that is on its way, and writes the weights of the last
+/// step; a second one ends at once.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct TransportArgs {
@@ -48,11 +49,11 @@ pub(crate) struct TransportArgs {
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     iterations: u32,
 
-    /// Where to write the weights: .txt or .csv (one a line) or .npy; integrate and transport read them with --weights
+    /// Where to write the weights: .txt or .csv (one a line), .npy, or - for standard output; integrate and transport read them with --weights
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Where to write the cells: .csv (site,volume,x,y,z,facets,status) or .npy (volume, barycenter)
+    /// Where to write the cells: .csv (site,volume,x,y,z,facets,status), .npy (volume, barycenter) or - for standard output
     #[arg(long, value_name = "FILE")]
     cells: Option<PathBuf>,
 
@@ -121,6 +122,10 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
         transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
     }
     let mut row = |done: &Iteration| {
+        if done.number == 0 && args.output.is_none() && !args.json {
+            // Not before: what is wrong is said in one line.
+            note("the weights are not kept; name a file with -o for them");
+        }
         if !args.json {
             let header = if done.number == 0 { HEADER } else { "" };
             // Where nobody reads, the work goes on.
@@ -128,6 +133,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
         }
     };
     let start = Instant::now();
+    end_well_when_interrupted();
     let solution = pool
         .install(|| transport::solve(&WithBar(backend.as_ref()), &mut diagram, &masses, &options, &mut row))
         .map_err(of_sites)?;
@@ -150,6 +156,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
         End::Stalled => {
             "no shorter step makes it smaller: rounding is all that is left, or the masses are out of reach"
         }
+        End::Interrupted => return Ok(interrupted(report.iterations, "weights", args.output.as_ref())),
         End::MostIterations => "give more --iterations, or these weights back with --weights",
     };
     let Solution { residual, .. } = solution;
@@ -171,10 +178,7 @@ fn check(args: &TransportArgs) -> Result<()> {
     for path in args.output.iter().chain(&args.cells) {
         refuse_inputs(path, &inputs)?;
     }
-    if args.output.is_none() && !args.json {
-        note("the weights are not kept; name a file with -o for them");
-    }
-    Ok(())
+    share_standard_output(args.output.iter().chain(&args.cells), args.json)
 }
 
 impl Report {

@@ -10,7 +10,7 @@ mod wrong;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-use laguerre::io::{self, CellRow};
+use laguerre::io::CellRow;
 use laguerre::oracle::Naive;
 use laguerre::summation::Sum;
 use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
@@ -22,6 +22,7 @@ use serde::Serialize;
 use crate::args::VerifyArgs;
 use crate::container::{Container, Whole, note_if_merged};
 use crate::evaluate::{evaluate, open_default};
+use crate::npz;
 use crate::outcome::{Outcome, print, print_json, say};
 use crate::report::{Report, Seconds, grouped};
 use crate::sites;
@@ -74,10 +75,10 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
     let whole = Whole::of(&diagram).map_err(of_sites)?;
     note_if_merged(&diagram)?;
     let n = diagram.positions().len();
-    let file = io::read_cells(&args.results)?;
+    let file = npz::read_cells(&args.results)?;
     check_rows(&file.rows, n).map_err(|e| e.at(args.results.display()))?;
     let facets = args.facets.as_ref().map(|path| {
-        let rows = io::read_facets(path)?;
+        let rows = npz::read_facets(path)?;
         FacetsFile::new(rows, n).map_err(|e| e.at(path.display()))
     });
     let facets = facets.transpose()?;

@@ -152,9 +152,12 @@ impl PowerDiagram {
         }
         let (lo, hi) = bounding_box(&self.positions);
         if (0..3).any(|k| hi[k] - lo[k] <= 1.0 / LARGEST_COORDINATE) {
+            let (whose, cells) = match self.positions.len() {
+                1 => ("one site".into(), "its cell"),
+                n => (format!("the {n} sites"), "their cells"),
+            };
             return Err(Error::input(format!(
-                "the bounding box of the {} sites is flat: give a box or a domain to restrict their cells to",
-                self.positions.len()
+                "the bounding box of {whose} is flat: give a box or a domain to restrict {cells} to"
             )));
         }
         Ok(Container::Box(lo, hi))

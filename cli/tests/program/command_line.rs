@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::support::{PROGRAM, UNIT_BOX, failed, fails, inputs, json, runs};
+use crate::support::{PROGRAM, UNIT_BOX, failed, fails, inputs, json, laguerre, notes, runs};
 
 #[test]
 fn help_and_version_are_no_errors() {
@@ -15,6 +15,8 @@ fn help_and_version_are_no_errors() {
         &["demo", "--help"],
         &["tune", "--help"],
         &["bench", "--help"],
+        // Who says nothing asks what there is to say.
+        &[],
     ] {
         assert!(runs(folder.path(), command).contains("Usage: laguerre"));
     }
@@ -24,9 +26,10 @@ fn help_and_version_are_no_errors() {
 fn a_wrong_command_line_is_said_in_one_line() {
     let folder = inputs();
     let wrong = |args: &[&str]| fails(folder.path(), 2, args);
-    assert!(wrong(&[]).contains("see laguerre --help"));
-    assert!(wrong(&["integrate"]).contains("<SITES>"));
-    assert!(wrong(&["fly"]).contains("'fly'"));
+    let line = wrong(&["integrate"]);
+    assert!(line.contains("<SITES>") && line.ends_with("; see laguerre integrate --help"), "{line}");
+    let line = wrong(&["fly"]);
+    assert!(line.contains("'fly'") && line.ends_with("; see laguerre --help"), "{line}");
     assert!(wrong(&["integrate", "none.xyz"]).contains("none.xyz: cannot open"));
     assert!(wrong(&["integrate", "white.pdf"]).contains("known here: .xyz, .txt, .csv, .npy, .ply"));
     assert!(
@@ -34,18 +37,74 @@ fn a_wrong_command_line_is_said_in_one_line() {
     );
     assert!(wrong(&["integrate", "white.xyz", "--epsilon", "-1"]).contains("0 or larger"));
     assert!(wrong(&["integrate", "white.xyz", "--threads", "0"]).contains("from 1 to"));
-    assert!(wrong(&["integrate", "white.xyz", "-o", "cells.xls"]).contains("known here: .csv, .npy, .vtu"));
+    assert!(wrong(&["integrate", "white.xyz", "-o", "cells.xls"]).contains("known here: .csv, .npy, .npz, .vtu"));
     assert!(wrong(&["integrate", "white.xyz", "-o", "a.csv", "--facets", "a.csv"]).contains("give two files"));
     assert!(wrong(&["integrate", "white.xyz", "-o", "a.csv", "--facets", "./a.csv"]).contains("give two files"));
-    assert!(wrong(&["sample", "white", "0", "-o", "a.xyz"]).contains("0"));
+    let count = |text: &str| wrong(&["sample", "white", text, "-o", "a.xyz"]);
+    for text in ["0", "1e3.5", "1,000", "3e9", "many"] {
+        let needed = "a whole number from 1 to 2147483648 is needed, such as 100000, 100_000 or 1e5";
+        assert_eq!(count(text), format!("invalid value '{text}' for '<N>': {needed}; see laguerre sample --help"));
+    }
+    let line = wrong(&["integrate", "white.xyz", "--second-moments", "-o", "a.csv"]);
+    assert_eq!(line, "--second-moments: only .npz has room for them; name one with -o");
     assert!(wrong(&["sample", "white", "9", "--inside", "-o", "a.xyz"]).contains("--domain"));
+}
+
+/// An error is alone, whatever a success would add.
+#[test]
+fn what_is_wrong_comes_without_a_note() {
+    let folder = inputs();
+    std::fs::write(folder.path().join("one.xyz"), "1 2 3\n").unwrap();
+    for command in ["integrate", "lloyd", "transport"] {
+        for (sites, line) in [
+            ("gone.xyz", "gone.xyz: cannot open: "),
+            (
+                "one.xyz",
+                "one.xyz: the bounding box of one site is flat: give a box or a domain to restrict its cell to",
+            ),
+        ] {
+            let output = laguerre(folder.path(), &[command, sites]);
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{command}: {said}");
+            assert!(said.starts_with(&format!("laguerre: {line}")), "{command}: {said}");
+        }
+    }
+    let output = laguerre(folder.path(), &["fluid", "snow-globe", "--domain", "gone.off"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.starts_with("laguerre: gone.off: cannot open: ") && said.lines().count() == 1, "{said}");
+    let said = notes(folder.path(), &["integrate", "white.xyz"]);
+    assert_eq!(said, ["only the summary is printed; name a file with -o to keep the cells"]);
+}
+
+#[test]
+fn counts_are_written_as_people_do() {
+    let folder = inputs();
+    let made = |text: &str| json(&runs(folder.path(), &["sample", "white", text, "-o", "a.xyz", "--json"]));
+    for text in ["1000", "1e3", "1_000"] {
+        let made = made(text);
+        assert_eq!((&made["sites"], &made["asked"], &made["file"]), (&1000.into(), &1000.into(), &"a.xyz".into()));
+        assert_eq!((&made["distribution"], &made["weights"]), (&"white".into(), &false.into()));
+    }
+}
+
+#[test]
+fn devices_are_an_object_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let (lines, object) = (runs(folder.path(), &["devices"]), json(&runs(folder.path(), &["devices", "--json"])));
+    assert!(lines.contains(object["cpu"]["name"].as_str().unwrap()), "{lines}");
+    let devices = object["ocl"]["devices"].as_array().unwrap();
+    assert_eq!(devices.is_empty(), object["ocl"]["unusable"].is_string(), "{object}");
+    for (i, device) in devices.iter().enumerate() {
+        assert_eq!(device["number"], i);
+        assert!(lines.contains(device["name"].as_str().unwrap()), "{lines}");
+    }
 }
 
 #[test]
 fn boxes_are_six_numbers_in_order_within_range() {
     let folder = inputs();
     let wrong = |corners: &str| fails(folder.path(), 2, &["integrate", "white.xyz", "--box", corners, "-o", "a.csv"]);
-    let empty = "range is empty: give the minimum corner, then the maximum corner; see laguerre --help";
+    let empty = "range is empty: give the minimum corner, then the maximum corner; see laguerre integrate --help";
     assert!(wrong("1,0,0,0,1,1").ends_with(&format!("its x {empty}")));
     assert!(wrong("0,0,0.5,1,1,0.5").ends_with(&format!("its z {empty}")));
     assert!(wrong("0,0,0,1,1,1e-70").contains("its z range 0e0..1e-70 is empty or flat"));

@@ -86,8 +86,8 @@ fn a_mesh_may_hold_the_fluid() {
     assert_eq!(
         said,
         [
-            "only energies are printed; name --film, --out-dir or --checkpoint to keep the motion",
-            "27 particles, as near to 30 as a lattice comes in this box"
+            "27 particles, as near to 30 as a lattice comes in this box",
+            "only energies are printed; name --film, --out-dir or --checkpoint to keep the motion"
         ]
     );
 }

@@ -2,18 +2,22 @@
 
 use std::fs;
 
-use crate::support::{UNIT_BOX, fails, inputs, json, notes, runs};
+#[cfg(target_os = "linux")]
+use crate::outputs::interrupted_at;
+use crate::support::{UNIT_BOX, fails, files, inputs, json, laguerre, notes, runs};
 
 #[test]
 fn it_lowers_the_energy_and_writes_the_sites() {
     let folder = inputs();
-    let run = |more: &[&str]| {
-        let mut args = vec!["lloyd", "white.xyz", "--box", UNIT_BOX, "--json"];
+    let run = |sites: &str, more: &[&str]| {
+        let mut args = vec!["lloyd", sites, "--box", UNIT_BOX, "--tolerance", "0", "--json"];
         args.extend_from_slice(more);
-        json(&runs(folder.path(), &args))
+        let output = laguerre(folder.path(), &args);
+        assert_eq!(output.status.code(), Some(4), "no gradient is within a tolerance of 0");
+        json(&String::from_utf8(output.stdout).unwrap())
     };
-    let lloyd = run(&["--method", "lloyd", "--iterations", "40", "--tolerance", "0"]);
-    let lbfgs = run(&["--iterations", "15", "--tolerance", "0", "-o", "even.xyz", "--threads", "1"]);
+    let lloyd = run("white.xyz", &["--method", "lloyd", "--iterations", "40"]);
+    let lbfgs = run("white.xyz", &["--iterations", "15", "-o", "even.xyz", "--threads", "1"]);
     assert_eq!(
         (&lloyd["iterations"], &lloyd["evaluations"], &lloyd["converged"]),
         (&40.into(), &41.into(), &false.into())
@@ -25,10 +29,10 @@ fn it_lowers_the_energy_and_writes_the_sites() {
     let normalized = lbfgs["normalized_energy"].as_f64().unwrap();
     assert!(0.0785 < normalized && normalized < 0.0850, "{normalized}");
     // What was written is what was computed: its energy at the start is that of the end.
-    let again = json(&runs(folder.path(), &["lloyd", "even.xyz", "--box", UNIT_BOX, "--json", "--iterations", "0"]));
+    let again = run("even.xyz", &["--iterations", "0"]);
     assert_eq!((&again["energy"], &again["evaluations"]), (&lbfgs["energy"], &1.into()));
     let first = fs::read(folder.path().join("even.xyz")).unwrap();
-    run(&["--iterations", "15", "--tolerance", "0", "-o", "even.xyz", "--threads", "2"]);
+    run("white.xyz", &["--iterations", "15", "-o", "even.xyz", "--threads", "2"]);
     assert!(first == fs::read(folder.path().join("even.xyz")).unwrap(), "the same bits for any number of threads");
 }
 
@@ -37,11 +41,53 @@ fn it_stops_on_the_bound_and_says_what_it_did() {
     let folder = inputs();
     let args = ["lloyd", "strong.xyz", "--domain", "cube.off", "--tolerance", "0.05", "-o", "even.npy"];
     let text = runs(folder.path(), &args);
-    assert!(text.starts_with("iteration  diagrams") && text.contains("the gradient is within its bound"), "{text}");
+    assert!(text.starts_with("iteration  diagrams") && text.contains(" of a cell: within the tolerance"), "{text}");
     let said = notes(folder.path(), &args);
     assert!(said.iter().any(|line| line.ends_with("have empty cells, and stayed where they were")), "{said:?}");
-    let said = notes(folder.path(), &["lloyd", "white.xyz", "--iterations", "1"]);
+    let said = notes(folder.path(), &["lloyd", "white.xyz", "--tolerance", "0.2"]);
     assert_eq!(said, ["only the energies are printed; name a file with -o to keep the sites"]);
+}
+
+#[test]
+fn what_does_not_converge_is_written_and_said() {
+    let folder = inputs();
+    let folder = folder.path();
+    let args = ["lloyd", "white.xyz", "--box", UNIT_BOX, "--iterations", "1", "-o", "even.xyz"];
+    let output = laguerre(folder, &args);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    assert!(said.starts_with("laguerre: the gradient is ") && said.contains("give more --iterations"), "{said}");
+    assert_eq!(said.lines().count(), 1);
+    assert_eq!(fs::read_to_string(folder.join("even.xyz")).unwrap().lines().count(), 2000);
+}
+
+/// The first interrupt keeps what was printed last; a second one leaves all of it or nothing.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_keeps_the_last_iteration() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    runs(folder, &["sample", "white", "1e4", "-o", "white.npy"]);
+    let args =
+        ["lloyd", "white.npy", "--box", UNIT_BOX, "--tolerance", "0", "--iterations", "1000000", "-o", "even.npy"];
+    let (output, table) = interrupted_at(folder, &args, 3, 1);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.starts_with("sites")).collect();
+    let last: Vec<&str> = rows[rows.len() - 1].split_whitespace().collect();
+    assert_eq!(
+        said,
+        format!("laguerre: interrupted after {} iterations; the sites as they were then are in even.npy\n", last[0])
+    );
+    let again = laguerre(folder, &["lloyd", "even.npy", "--box", UNIT_BOX, "--json", "--iterations", "0"]);
+    let energy = json(&String::from_utf8(again.stdout).unwrap())["energy"].as_f64().unwrap();
+    assert_eq!(format!("{energy:.6e}"), last[2]);
+    fs::remove_file(folder.join("even.npy")).unwrap();
+    let (output, _) = interrupted_at(folder, &args, 3, 2);
+    assert_eq!(output.status.code(), Some(130));
+    let left = files(folder);
+    assert!(left.keys().all(|path| path.extension() != Some("part".as_ref())), "{:?}", left.keys());
+    assert!(left.get(&folder.join("even.npy")).is_none_or(|bytes| bytes.len() > 24 * 10_000));
 }
 
 #[test]

@@ -11,7 +11,9 @@ mod lloyd;
 mod measures;
 #[cfg(target_os = "linux")]
 mod memory;
+mod numpy;
 mod outputs;
 mod results;
+mod standard_output;
 mod support;
 mod transport;

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use crate::support::{PROGRAM, UNIT_BOX, failed, fails, files, inputs, laguerre, runs};
 
-const RESULTS: [&str; 4] = ["cells.csv", "cells.npy", "cells.vtu", "facets.csv"];
+const RESULTS: [&str; 7] =
+    ["cells.csv", "cells.npy", "cells.npz", "cells.vtu", "facets.csv", "facets.npy", "facets.npz"];
 
 /// The arguments that write one of [`RESULTS`].
 fn writing(name: &str) -> Vec<&str> {
@@ -36,7 +37,34 @@ fn where_no_file_can_be_is_said_before_the_work() {
     }
     let args = ["sample", "white", "9", "-o", "nowhere/s.xyz"];
     assert_eq!(fails(folder, 2, &args), "nowhere/s.xyz: there is no folder 'nowhere'; make it first");
-    assert_eq!(fails(folder, 2, &["integrate", "white.xyz", "-o", "-"]), "-: no ending; known here: .csv, .npy, .vtu");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_keeps_its_mode_and_a_link_what_it_names() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = inputs();
+    let folder = folder.path();
+    for name in RESULTS {
+        let path = folder.join(name);
+        fs::write(&path, "old results").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
+        runs(folder, &writing(name));
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600, "{name}");
+        let whole = fs::read(&path).unwrap();
+        assert_ne!(whole, b"old results", "{name}");
+        fs::remove_file(&path).unwrap();
+        // What the link names is not there yet.
+        let target = folder.join(format!("target-{name}"));
+        symlink(target.file_name().unwrap(), &path).unwrap();
+        runs(folder, &writing(name));
+        assert!(fs::symlink_metadata(&path).unwrap().is_symlink(), "{name}");
+        assert!(fs::read(&target).unwrap() == whole, "{name}");
+        fs::remove_file(target).unwrap();
+    }
+    // Two names of one file that is still to be made.
+    let line = fails(folder, 2, &["integrate", "white.xyz", "-o", "target-facets.csv", "--facets", "facets.csv"]);
+    assert_eq!(line, "facets.csv: named for cells and for facets; give two files");
 }
 
 #[cfg(unix)]
@@ -145,6 +173,32 @@ pub(crate) fn interrupted(
     }
     assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
     child.wait_with_output().unwrap()
+}
+
+/// Starts the program with its table going to a file, interrupts it so many times once the table has so many lines, and returns how it ended,
+/// and the table.
+#[cfg(target_os = "linux")]
+pub(crate) fn interrupted_at(
+    folder: &Path,
+    args: &[&str],
+    lines: usize,
+    times: usize,
+) -> (std::process::Output, String) {
+    let path = folder.join("table.txt");
+    let mut command = Command::new("env");
+    command.args(["--default-signal=INT,TERM,HUP", PROGRAM]).current_dir(folder).args(args);
+    let mut child = command.stdout(fs::File::create(&path).unwrap()).stderr(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    while fs::read_to_string(&path).unwrap().lines().count() < lines {
+        assert!(start.elapsed() < Duration::from_secs(60), "{args:?}: never ready");
+        assert!(child.try_wait().unwrap().is_none(), "{args:?}: ended too soon");
+        sleep(Duration::from_millis(1));
+    }
+    for _ in 0..times {
+        // By the second it may have ended.
+        let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    }
+    (child.wait_with_output().unwrap(), fs::read_to_string(path).unwrap())
 }
 
 /// Whether a file is being written.

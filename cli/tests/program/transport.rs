@@ -2,6 +2,8 @@
 
 use std::fs;
 
+#[cfg(target_os = "linux")]
+use crate::outputs::interrupted_at;
 use crate::support::{UNIT_BOX, fails, inputs, json, laguerre, notes, runs};
 
 /// The numbers of one column of a text file, after `skip` lines.
@@ -91,6 +93,28 @@ fn what_does_not_converge_is_written_and_said() {
     assert_eq!(fs::read_to_string(folder.join("w.txt")).unwrap().lines().count(), 2000);
     let said = notes(folder, &["transport", "white.xyz", "--tolerance", "0.5"]);
     assert_eq!(said, ["the weights are not kept; name a file with -o for them"]);
+}
+
+/// The weights that an interrupt leaves have the residual that was printed last.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_keeps_the_last_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    runs(folder, &["sample", "white", "3e4", "-o", "white.npy"]);
+    let args = ["transport", "white.npy", "--box", UNIT_BOX, "-o", "w.npy", "--cells", "cells.csv"];
+    let (output, table) = interrupted_at(folder, &args, 3, 1);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.starts_with("sites")).collect();
+    let last: Vec<&str> = rows[rows.len() - 1].split_whitespace().collect();
+    let iterations = if last[0] == "1" { "1 iteration".into() } else { format!("{} iterations", last[0]) };
+    assert_eq!(said, format!("laguerre: interrupted after {iterations}; the weights as they were then are in w.npy\n"));
+    let args = ["transport", "white.npy", "--weights", "w.npy", "--box", UNIT_BOX, "--iterations", "0", "--json"];
+    let again = json(&String::from_utf8(laguerre(folder, &args).stdout).unwrap());
+    assert_eq!(format!("{:.2e}", again["residual"].as_f64().unwrap()), last[1]);
+    let cells = column(&fs::read_to_string(folder.join("cells.csv")).unwrap(), 1, 1);
+    assert!(cells.len() == 30_000 && (cells.iter().sum::<f64>() - 1.0).abs() < 1e-10);
 }
 
 #[test]

@@ -16,6 +16,8 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod auto;
+
 pub use laguerre_core::*;
 /// What the diagrams are for, on any backend.
 #[cfg(feature = "solvers")]
@@ -25,7 +27,8 @@ pub use laguerre_solvers as solvers;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Selection {
-    /// The CPU if it was built, else OpenCL.
+    /// The fastest that is there: the first OpenCL GPU that can be used, if the feature `ocl` is built and one is found, with the CPU for what no
+    /// device can do (functions of the caller's); else the CPU. Without the feature `cpu`, any OpenCL device. Doubles in each case.
     #[default]
     Auto,
     /// The CPU, with the given number of threads or one for each core.
@@ -48,8 +51,7 @@ pub enum Selection {
 /// `Unavailable` where the backend was not built or has no device.
 pub fn open(selection: Selection) -> Result<Box<dyn Backend>> {
     match selection {
-        Selection::Auto if cfg!(feature = "cpu") || !cfg!(feature = "ocl") => open_cpu(None),
-        Selection::Auto => open_ocl(DeviceChoice::First, Precision::F64),
+        Selection::Auto => auto::open(),
         Selection::Cpu { threads } => open_cpu(threads),
         Selection::Ocl { devices, precision } => open_ocl(devices, precision),
     }

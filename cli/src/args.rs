@@ -436,7 +436,7 @@ pub(crate) struct BackendArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BackendChoice {
-    /// The fastest that is there
+    /// The fastest that is there: a GPU if this build has OpenCL and one can be used, else the CPU; the CPU with --threads
     Auto,
     /// All cores, with SIMD
     Cpu,

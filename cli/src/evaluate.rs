@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use laguerre::{Backend, Error, Output, PowerDiagram, Progress, Request, Result, Selection, memory};
+use laguerre::{Backend, Error, ErrorKind, Output, PowerDiagram, Progress, Request, Result, Selection, memory};
 
 use crate::args::{BackendArgs, BackendChoice, Precision};
 
@@ -44,6 +44,12 @@ pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
 /// The default backend, for commands without the options of `integrate`.
 pub(crate) fn open_default() -> Result<Box<dyn Backend>> {
     open(&BackendArgs { backend: BackendChoice::Auto, device: None, precision: Precision::F64, threads: None })
+}
+
+/// The backend for what a seed has to make again, to the bit, on any machine: the CPU, or what was built instead.
+pub(crate) fn open_for_samples() -> Result<Box<dyn Backend>> {
+    let cpu = laguerre::open(Selection::Cpu { threads: None });
+    cpu.or_else(|error| if error.kind() == ErrorKind::Unavailable { open_default() } else { Err(error) })
 }
 
 /// Bytes for each cell: the sites as they are sorted and their grid, the cell's sums, and its part of the output.

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::args::{Corners, Distribution, SampleArgs, Spread};
 use crate::container::Container;
-use crate::evaluate::open_default;
+use crate::evaluate::open_for_samples;
 use crate::files::share_standard_output;
 use crate::inside::InsideTest;
 use crate::outcome::{Outcome, note, print_json};
@@ -129,7 +129,7 @@ pub(crate) struct Sampler<'a> {
     /// Where the sites must be inside the domain.
     inside: Option<(&'a Domain, InsideTest<'a>)>,
     random: ChaCha8Rng,
-    /// What relaxes sites; the default backend where there is none.
+    /// What relaxes sites; the CPU where there is none.
     backend: Option<&'a dyn Backend>,
 }
 
@@ -191,7 +191,7 @@ impl<'a> Sampler<'a> {
         let accept = |p: [f64; 3]| self.accepts(p);
         let done = match self.backend {
             Some(backend) => equalize(&WithBar(backend), &mut diagram, spread, most_steps, accept)?,
-            None => equalize(&WithBar(open_default()?.as_ref()), &mut diagram, spread, most_steps, accept)?,
+            None => equalize(&WithBar(open_for_samples()?.as_ref()), &mut diagram, spread, most_steps, accept)?,
         };
         Ok((diagram.positions().to_vec(), done))
     }

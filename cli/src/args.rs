@@ -57,8 +57,9 @@ pub(crate) struct DevicesArgs {
 
 /// Volume and barycenter of the power cell of every site, cut by a domain.
 ///
-/// SITES is .xyz, .txt or .csv (3 or 4 columns, the fourth the weight; the first line may be the count or the columns' names),
-/// .npy (N×3 or N×4), .ply (its vertices, with a property w or weight), or - for text on standard input.
+/// SITES is .xyz, .txt or .csv (3 or 4 columns, the fourth the weight; the first line may be the count or the columns' names; or as chemists
+/// have it: a count, a comment, rows of a name and x y z), .npy (N×3 or N×4), .ply (its vertices, with a property w or weight), .dump or .lammpstrj
+/// (a snapshot of LAMMPS as text), or - for text on standard input.
 /// Without --domain or --box, the cells are cut by the bounding box of the sites.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = INTEGRATE_EXAMPLES)]
@@ -388,7 +389,7 @@ pub(crate) enum Experiment {
 
 #[derive(ClapArgs, Debug)]
 pub(crate) struct SitesArgs {
-    /// Sites, with weights in a fourth column: .xyz, .txt, .csv, .npy, .ply, or - for text on standard input
+    /// Sites, with weights in a fourth column: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, or - for text on standard input
     #[arg(value_name = "SITES")]
     pub(crate) path: PathBuf,
 

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod frames;
 mod report;
+mod series;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -74,7 +75,7 @@ pub(crate) struct FluidArgs {
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     every: u64,
 
-    /// What a frame is: vtu and ply have the particles, png is a slice through the cells
+    /// What a frame is: vtu and ply have the particles, png is a slice through the cells; frames.pvd has the times of the .vtu, for ParaView
     #[arg(long, value_name = "KIND,…", value_delimiter = ',', default_values = ["png"], requires = "out_dir")]
     frames: Vec<FrameKind>,
 
@@ -151,7 +152,9 @@ fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
     if let (Some(path), true) = (&args.resume, first >= args.steps) {
         note(&format!("{} is at step {first} already; give --steps beyond that to go on", path.display()));
     }
-    let mut frames = Frames::new(args.out_dir.as_deref(), &args.frames, args.film.as_deref(), scene, &container)?;
+    let resumed = args.resume.as_ref().map(|_| first);
+    let mut frames =
+        Frames::new(args.out_dir.as_deref(), &args.frames, args.film.as_deref(), scene, &container, resumed)?;
     // Until now there was nothing to lose.
     end_well_when_interrupted();
     frames.add(&fluid, args.resume.is_none())?;

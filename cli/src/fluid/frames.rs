@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use gif::{Encoder, Frame, Repeat};
 use laguerre::diagram::Container;
-use laguerre::solvers::fluid::{Fluid, Scene};
+use laguerre::solvers::fluid::{Fluid, Scene, State};
 use laguerre::{Domain, Error, ErrorKind, Result, io};
 use tiny_skia::Pixmap;
 
 use super::extents;
+use super::series::Series;
 use crate::picture::{mixed, paint, save};
 use crate::slice::SlicePlane;
 
@@ -54,6 +55,8 @@ pub(super) struct Frames {
     domain: Domain,
     plane: SlicePlane,
     film: Option<Film>,
+    /// The times of the frames that are `.vtu`, where there are any.
+    series: Option<Series>,
 }
 
 struct Film {
@@ -62,7 +65,7 @@ struct Film {
 }
 
 impl Frames {
-    /// Makes the folder.
+    /// Makes the folder. Frames follow those up to step `resumed` there, if the motion goes on.
     ///
     /// # Errors
     /// `Io` where it cannot.
@@ -72,6 +75,7 @@ impl Frames {
         film: Option<&Path>,
         scene: Scene,
         container: &Container,
+        resumed: Option<u64>,
     ) -> Result<Self> {
         if let Some(folder) = folder {
             let failed = |e| Error::new(ErrorKind::Io, format!("{}: cannot make this folder: {e}", folder.display()));
@@ -83,7 +87,9 @@ impl Frames {
             Container::Box(..) => cuboid(lo, hi)?,
         };
         let origin = [0.0, 0.0, lo[2] + SLICE_AT * (hi[2] - lo[2])];
+        let has_series = kinds.contains(&FrameKind::Vtu);
         Ok(Self {
+            series: folder.filter(|_| has_series).map(|folder| Series::new(folder, resumed)),
             folder: folder.map(Path::to_path_buf),
             kinds: kinds.to_vec(),
             scene,
@@ -104,10 +110,14 @@ impl Frames {
             .then(|| paint(&self.domain, fluid.diagram(), &colors(self.scene, fluid), &self.plane, WIDTH))
             .transpose()?;
         if let Some(folder) = folder {
-            let name = |ending: &str| folder.join(format!("frame-{:06}.{ending}", fluid.state().steps));
+            let State { steps, time, .. } = *fluid.state();
+            let name = |ending: &str| folder.join(format!("frame-{steps:06}.{ending}"));
             for kind in &self.kinds {
                 match (kind, &picture) {
-                    (FrameKind::Vtu, _) => write_vtu(&name("vtu"), fluid)?,
+                    (FrameKind::Vtu, _) => {
+                        write_vtu(&folder.join(Series::name(steps)), fluid)?;
+                        self.series.iter_mut().try_for_each(|series| series.add(steps, time))?;
+                    }
                     (FrameKind::Ply, _) => write_ply(&name("ply"), fluid)?,
                     (FrameKind::Png, Some(picture)) => save(&name("png"), picture)?,
                     (FrameKind::Png, None) => {}

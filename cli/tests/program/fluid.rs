@@ -52,6 +52,15 @@ fn a_scene_flows_and_is_filmed() {
         let end = "\n</AppendedData>\n</VTKFile>\n".len();
         assert_eq!(vtu.len() - data - end, 7 * 8 + particles * (8 * 8 + 2 * 8 + 1));
     }
+    // The times of the frames, for ParaView.
+    let series = fs::read_to_string(folder.path().join("out/frames.pvd")).unwrap();
+    let times: Vec<f64> =
+        series.split("timestep=\"").skip(1).map(|s| s.split('"').next().unwrap().parse().unwrap()).collect();
+    assert!(times.len() == 3 && times[0] == 0.0 && times[0] < times[1] && times[1] < times[2], "{series}");
+    assert_eq!(Some(times[2]), found["time"].as_f64());
+    for step in ["000000", "000002", "000004"] {
+        assert!(series.contains(&format!("file=\"frame-{step}.vtu\"/>")), "{series}");
+    }
     let film = fs::read(folder.path().join("film.gif")).unwrap();
     let mut film = gif::DecodeOptions::new().read_info(film.as_slice()).unwrap();
     let mut frames = 0;

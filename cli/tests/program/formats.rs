@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{CUBE, files, json, laguerre_with, notes, runs};
+use crate::support::{CUBE, fails, files, json, laguerre_with, notes, runs};
 
 /// Sites in the unit cube and their weights; exact in 32 bits.
 const SITES: [[f64; 4]; 5] = [
@@ -258,4 +258,34 @@ fn meshes_are_the_same_in_every_format() {
         }
     }
     assert!(!files(folder).keys().any(|path| path.to_string_lossy().ends_with(".part")));
+}
+
+/// Atoms are sites: the chemists' rows and LAMMPS's dump give the cells of their positions.
+#[test]
+fn atoms_are_sites() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let rows = ["0.5 0.25 0.125", "0.75 0.5 0.5", "0.25 0.75 0.875"];
+    fs::write(folder.join("sites.xyz"), rows.join("\n")).unwrap();
+    let expected = cells(folder, &["sites.xyz"]);
+    let dump = |columns: &str, between: &str| {
+        let rows: Vec<String> = rows.iter().enumerate().map(|(i, row)| format!("{}{between}{row}\n", i + 1)).collect();
+        let bounds = "ITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n";
+        format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n3\n{bounds}ITEM: ATOMS {columns}\n{}", rows.concat())
+    };
+    for (name, text) in [
+        ("atoms.xyz", format!("3\nwater\nO {}\nH {}\nH {}\n", rows[0], rows[1], rows[2])),
+        ("a.dump", dump("id type x y z", " 1 ")),
+        ("a.lammpstrj", dump("id xs ys zs", " ")),
+    ] {
+        fs::write(folder.join(name), &text).unwrap();
+        assert_eq!(cells(folder, &[name]), expected, "{name}");
+        let args = ["integrate", "-", "--box", "0,0,0,1,1,1", "-o", "-"];
+        assert_eq!(laguerre_with(folder, &args, text.as_bytes()).stdout, expected.as_bytes(), "{name}");
+    }
+    fs::write(folder.join("film.xyz"), "1\n\nHe 1 2 3\n1\n\nHe 1 2 3\n").unwrap();
+    let line = fails(folder, 2, &["integrate", "film.xyz"]);
+    assert_eq!(line, "film.xyz: line 4: more rows than the 1 that line 1 says; give one frame alone");
+    let line = fails(folder, 2, &["sample", "white", "9", "-o", "a.dump"]);
+    assert!(line.ends_with("unknown ending '.dump'; known here: .xyz, .txt, .csv, .npy, .ply"), "{line}");
 }

@@ -1,5 +1,6 @@
 //! Text read line by line, each with its number, so that errors can name it.
 
+use std::collections::VecDeque;
 use std::io::{BufRead, Read};
 
 use crate::{Error, ErrorKind, Result};
@@ -13,16 +14,30 @@ pub(super) struct Lines<R> {
     reader: R,
     number: usize,
     buffer: Vec<u8>,
+    /// Lines that were read, and are to be read again.
+    again: VecDeque<Vec<u8>>,
+    at_end: bool,
 }
 
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(reader: R) -> Self {
-        Self { reader, number: 0, buffer: Vec::new() }
+        Self { reader, number: 0, buffer: Vec::new(), again: VecDeque::new(), at_end: false }
     }
 
     /// Number of the line that was read last, from 1.
     pub(super) fn number(&self) -> usize {
         self.number
+    }
+
+    /// Whether there was no further line when one was wanted last.
+    pub(super) fn is_at_end(&self) -> bool {
+        self.at_end
+    }
+
+    /// The same lines once more, after line `number`, which they follow.
+    pub(super) fn read_again(&mut self, number: usize, lines: impl IntoIterator<Item = Vec<u8>>) {
+        self.number = number;
+        self.again.extend(lines);
     }
 
     /// An `Input` error about the line that was read last.
@@ -49,8 +64,12 @@ impl<R: BufRead> Lines<R> {
 
     /// Fills the buffer with the next line as it stands, its end and a byte order mark cut off; false at the end.
     pub(super) fn read_raw(&mut self) -> Result<bool> {
-        self.buffer.clear();
         self.number += 1;
+        if let Some(line) = self.again.pop_front() {
+            self.buffer = line;
+            return Ok(true);
+        }
+        self.buffer.clear();
         let read = Read::take(&mut self.reader, LONGEST_LINE).read_until(b'\n', &mut self.buffer);
         let read = read.map_err(|e| Error::new(ErrorKind::Io, format!("line {}: cannot read: {e}", self.number)))?;
         if read as u64 == LONGEST_LINE && self.buffer.last() != Some(&b'\n') {
@@ -62,6 +81,7 @@ impl<R: BufRead> Lines<R> {
         while matches!(self.buffer.last(), Some(b'\n' | b'\r')) {
             self.buffer.pop();
         }
+        self.at_end = read == 0;
         Ok(read > 0)
     }
 

@@ -5,6 +5,7 @@
 //! error, with memory of the order of the bytes: each binary form is held against its length, each text form read line by line.
 
 mod atomic;
+mod atoms;
 mod geometry;
 mod lines;
 mod mesh;
@@ -34,8 +35,10 @@ pub use sites::{SitesFile, parse_sites, read_sites, write_sites};
 pub use vtu::{CellMesh, write_vtu};
 pub use weights::{parse_weights, read_weights, write_weights};
 
-/// Endings that [`read_sites`] and [`write_sites`] know.
+/// Endings that [`write_sites`] knows.
 pub const SITES_ENDINGS: &[&str] = &[".xyz", ".txt", ".csv", ".npy", ".ply"];
+/// Endings that [`read_sites`] knows.
+pub const SITES_INPUT_ENDINGS: &[&str] = &[".xyz", ".txt", ".csv", ".npy", ".ply", ".dump", ".lammpstrj"];
 /// Endings that [`read_weights`] and [`write_weights`] know.
 pub const WEIGHTS_ENDINGS: &[&str] = &[".txt", ".csv", ".npy"];
 /// Endings that [`Domain::load`](crate::Domain::load) knows.

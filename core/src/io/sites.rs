@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::lines::{Lines, finite, is_name, shown};
 use super::npy::{self, Array};
-use super::{SITES_ENDINGS, atomic, ending, is_standard, open, output_ending, ply};
+use super::{SITES_ENDINGS, SITES_INPUT_ENDINGS, atomic, atoms, ending, is_standard, open, output_ending, ply};
 use crate::{Error, Result, memory};
 
 /// What a file of sites holds. Every number is finite.
@@ -21,6 +21,10 @@ pub struct SitesFile {
 ///
 /// * `.xyz`, `.txt`, `.csv`: a site a line, 3 or 4 numbers parted by blanks or by commas, the fourth the weight (length²). The first
 ///   line may be the number of sites, or the names of the columns. Blank lines and `#` comments are skipped.
+/// * The same as chemists have them: the number of atoms, a line of comment, then rows `Fe x y z`; of an extended `.xyz` the columns that
+///   `Properties=` names.
+/// * `.dump`, `.lammpstrj`, or one of the above: a snapshot that LAMMPS dumped as text, with columns `x y z`, `xu yu zu` or `xs ys zs`, in the order
+///   of its rows.
 /// * `.npy`: shape (N, 3) or (N, 4), 32- or 64-bit floats, C or Fortran order.
 /// * `.ply`: the vertices, text or binary: properties `x`, `y`, `z`, and the weight if there is a property `w` or `weight`.
 ///
@@ -32,7 +36,7 @@ pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
     if is_standard(path) {
         return parse(io::stdin().lock(), 0, ".txt").map_err(|e| e.at("standard input"));
     }
-    let format = ending(path, SITES_ENDINGS)?;
+    let format = ending(path, SITES_INPUT_ENDINGS)?;
     let (reader, length) = open(path)?;
     parse(reader, length, format).map_err(|e| e.at(path.display()))
 }
@@ -43,7 +47,7 @@ pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
 /// `Input`, as [`read_sites`].
 pub fn parse_sites(bytes: &[u8], name: impl AsRef<Path>) -> Result<SitesFile> {
     let name = name.as_ref();
-    parse(bytes, bytes.len() as u64, ending(name, SITES_ENDINGS)?).map_err(|e| e.at(name.display()))
+    parse(bytes, bytes.len() as u64, ending(name, SITES_INPUT_ENDINGS)?).map_err(|e| e.at(name.display()))
 }
 
 /// Writes sites by the file's ending, as [`read_sites`] reads them back, to the last bit; without weights where `weights`
@@ -112,6 +116,14 @@ fn parse_npy(reader: impl BufRead, length: u64) -> Result<SitesFile> {
 /// Reads the text format; errors name the line.
 fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
     let mut lines = Lines::new(reader);
+    let first = lines.next_line()?.filter(|line| atoms::is_dump(line)).map(str::to_owned);
+    if let Some(first) = first {
+        return atoms::parse_dump(&mut lines, &first);
+    }
+    if !lines.is_at_end() {
+        let line = lines.raw().to_vec();
+        lines.read_again(lines.number() - 1, [line]);
+    }
     let mut sites = SitesFile::default();
     // (number of its line, what it says); never used to allocate.
     let mut count: Option<(usize, u64)> = None;
@@ -121,7 +133,22 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
     while let Some(row) = lines.next_line()?.map(parse_row) {
         let number = lines.number();
         match row {
-            Row::Count(n) if shape.is_none() && count.is_none() => count = Some((number, n)),
+            Row::Count(n) if shape.is_none() && count.is_none() => {
+                count = Some((number, n));
+                // Of chemists the next line is a comment, and the first row begins with a name.
+                let mut next = Vec::new();
+                while next.len() < 2 && lines.read_raw()? {
+                    next.push(lines.raw().to_vec());
+                }
+                let [comment, first] = [0, 1].map(|k| next.get(k).map_or(&[][..], Vec::as_slice));
+                let column = atoms::xyz_column(comment, first);
+                let column = column.map_err(|what| Error::input(format!("line {}: {what}", number + 1)))?;
+                if let Some(column) = column {
+                    lines.read_again(number + 1, next.into_iter().skip(1));
+                    return atoms::parse_xyz(&mut lines, (number, n), column);
+                }
+                lines.read_again(number, next);
+            }
             Row::Names(wrong) if shape.is_none() && !named => {
                 named = true;
                 wrong.map_or(Ok(()), |what| Err(lines.wrong(what)))?;

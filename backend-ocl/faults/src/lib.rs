@@ -22,6 +22,8 @@ type Size = *mut usize;
 /// What functions return where there is no real loader: no platform.
 const NO_PLATFORM: i32 = -1001;
 
+const DEVICE_TYPE: u32 = 0x1000;
+const DEVICE_TYPE_GPU: u64 = 1 << 2;
 const DOUBLE_FP_CONFIG: u32 = 0x1032;
 const MAX_WORK_GROUP_SIZE: u32 = 0x1004;
 const KERNEL_WORK_GROUP_SIZE: u32 = 0x11B0;
@@ -169,6 +171,10 @@ pub unsafe extern "C" fn clGetDeviceInfo(device: Any, name: u32, size: usize, va
     if status == 0 && name == DOUBLE_FP_CONFIG && plan::no_doubles() {
         // SAFETY: this value is 64 bits, and the real function has written them here unless the pointer is null.
         unsafe { set(value.cast(), 0_u64) };
+    }
+    if status == 0 && name == DEVICE_TYPE && plan::gpu() {
+        // SAFETY: this value is 64 bits, likewise.
+        unsafe { set(value.cast(), DEVICE_TYPE_GPU) };
     }
     if let (0, MAX_WORK_GROUP_SIZE, Some(largest)) = (status, name, plan::largest_group()) {
         // SAFETY: this value is a `size_t`, likewise.

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
 /// | `clFinish:3+:-5` | so do the third and all later ones |
 /// | `clCreateBuffer:>9999:-4` | so do those that ask for more than so many bytes, or move them |
 /// | `lost:clFinish:3:-36` | the third call fails so, and after it every call of every function |
+/// | `gpu` | devices say that they are GPUs |
 /// | `no-doubles` | devices have no double precision |
 /// | `no-build` | programs are built without their options, so that the compiler has something to say |
 /// | `groups-of:16` | work-groups are of at most 16 |
@@ -22,6 +23,7 @@ use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
 /// does: the function, and the bytes that it asks for or moves.
 struct Plan {
     faults: Vec<Fault>,
+    gpu: bool,
     no_doubles: bool,
     no_build: bool,
     largest_group: Option<usize>,
@@ -74,6 +76,11 @@ pub(crate) fn fault(function: &str, size: usize) -> Option<i32> {
     code
 }
 
+/// Whether devices are to say that they are GPUs.
+pub(crate) fn gpu() -> bool {
+    plan().gpu
+}
+
 /// Whether devices are to have no double precision.
 pub(crate) fn no_doubles() -> bool {
     plan().no_doubles
@@ -108,6 +115,7 @@ fn plan() -> &'static Plan {
     PLAN.get_or_init(|| {
         let mut plan = Plan {
             faults: Vec::new(),
+            gpu: false,
             no_doubles: false,
             no_build: false,
             largest_group: None,
@@ -128,6 +136,10 @@ impl Plan {
     fn add(&mut self, word: &str) -> Option<()> {
         let parts: Vec<&str> = word.split(':').collect();
         let (parts, loses_device) = match parts[..] {
+            ["gpu"] => {
+                self.gpu = true;
+                return Some(());
+            }
             ["no-doubles"] => {
                 self.no_doubles = true;
                 return Some(());

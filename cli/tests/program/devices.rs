@@ -34,12 +34,12 @@ const RUN: [&str; 11] = [
     "--json",
 ];
 
-fn is_required() -> bool {
+pub(crate) fn is_required() -> bool {
     env::var("LAGUERRE_REQUIRE").unwrap_or_default().split(',').any(|name| name.trim() == "ocl")
 }
 
 /// The loader that fails: cargo puts it beside this test when it builds the whole workspace, else one folder up.
-fn loader() -> Option<PathBuf> {
+pub(crate) fn loader() -> Option<PathBuf> {
     let name = format!("{}laguerre_ocl_faults{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
     let test = env::current_exe().unwrap();
     let found = test.ancestors().skip(1).take(2).map(|folder| folder.join(&name)).find(|path| path.exists());

@@ -1,5 +1,7 @@
 //! The program as its users meet it: what it reads, prints, writes and exits with.
 
+#[cfg(feature = "ocl")]
+mod auto;
 mod bad_meshes;
 mod bad_sites;
 mod command_line;

@@ -9,11 +9,20 @@ use crate::{Error, Result};
 /// # Errors
 /// `Input` where there is not so much memory.
 pub fn with_room<T>(count: usize, what: impl fmt::Display) -> Result<Vec<T>> {
-    let mut elements = Vec::new();
+    let mut elements: Vec<T> = Vec::new();
     match elements.try_reserve_exact(count) {
-        Ok(()) => Ok(elements),
-        Err(_) => Err(none_for(count as u64, size_of::<T>() as u64, &what)),
+        Ok(()) if leaves_some(&elements) => Ok(elements),
+        _ => Err(none_for(count as u64, size_of::<T>() as u64, &what)),
     }
+}
+
+/// What has to be left for all that asks without being able to go without it: words of messages, threads that begin.
+const SPARE: usize = 4 << 20;
+
+/// Whether there is memory left beside a vector, if that is large.
+fn leaves_some<T>(elements: &Vec<T>) -> bool {
+    let is_large = elements.capacity().saturating_mul(size_of::<T>()) >= SPARE;
+    !is_large || std::hint::black_box(Vec::<u8>::new()).try_reserve_exact(SPARE).is_ok()
 }
 
 /// `count` times `value`.
@@ -31,7 +40,7 @@ pub fn filled<T: Clone>(value: T, count: usize, what: impl fmt::Display) -> Resu
 /// # Errors
 /// `Input` where there is no memory for more.
 pub fn push<T>(elements: &mut Vec<T>, element: T, what: impl fmt::Display) -> Result<()> {
-    if elements.len() == elements.capacity() && elements.try_reserve(1).is_err() {
+    if elements.len() == elements.capacity() && (elements.try_reserve(1).is_err() || !leaves_some(elements)) {
         return Err(none_for(2 * elements.len() as u64, size_of::<T>() as u64, &what));
     }
     elements.push(element);

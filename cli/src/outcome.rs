@@ -1,6 +1,6 @@
 //! How the program ends: exit codes, the one line of an error, and standard output that may close early.
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -56,6 +56,9 @@ pub(crate) fn leave_nothing_when_interrupted() {
     let interrupted = || {
         let is_first = !CAME.swap(true, Ordering::SeqCst);
         if is_first && ENDS_BY_ITSELF.load(Ordering::SeqCst) {
+            if io::stderr().is_terminal() {
+                note("ends soon, with what there is by then; Ctrl-C again ends at once");
+            }
             return;
         }
         laguerre::io::abandon_writing();

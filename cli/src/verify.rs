@@ -10,7 +10,7 @@ mod wrong;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-use laguerre::io::CellRow;
+use laguerre::io::{self, CellRow};
 use laguerre::oracle::Naive;
 use laguerre::summation::Sum;
 use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
@@ -79,7 +79,9 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
     check_rows(&file.rows, n).map_err(|e| e.at(args.results.display()))?;
     let facets = args.facets.as_ref().map(|path| {
         let rows = npz::read_facets(path)?;
-        FacetsFile::new(rows, n).map_err(|e| e.at(path.display()))
+        // An array has no lines.
+        let unit = if io::ending(path, &[".csv"]).is_ok() { "line" } else { "row (from 1)" };
+        FacetsFile::new(rows, n, unit).map_err(|e| e.at(path.display()))
     });
     let facets = facets.transpose()?;
 

@@ -25,14 +25,14 @@ struct Facet {
 }
 
 impl FacetsFile {
-    /// Sorts the rows of a file about `n` sites.
+    /// Sorts the rows of a file about `n` sites; `unit` is what counts them there.
     ///
     /// # Errors
     /// `Input`, by line, for sites that there are not.
-    pub(super) fn new(mut rows: Vec<FacetRow>, n: usize) -> Result<Self> {
+    pub(super) fn new(mut rows: Vec<FacetRow>, n: usize, unit: &str) -> Result<Self> {
         for row in &rows {
             if let Some(i) = [Some(row.site), row.neighbor].into_iter().flatten().find(|&i| i as usize >= n) {
-                return Err(Error::input(format!("line {}: site {i}, but there are {n} sites, from 0", row.line)));
+                return Err(Error::input(format!("{unit} {}: site {i}, but there are {n} sites, from 0", row.line)));
             }
         }
         rows.sort_by_key(|row| (row.site, row.neighbor.map(|j| j + 1)));

@@ -156,7 +156,10 @@ fn files_that_are_none_are_refused() {
     assert_eq!(said("folder.npy"), "folder.npy: it is a folder; name a file");
     assert!(said("gone.xyz").starts_with("gone.xyz: cannot open: "));
     assert_eq!(said("sites"), "sites: no ending; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj");
-    assert_eq!(said("sites.las"), "sites.las: unknown ending '.las'; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj");
+    assert_eq!(
+        said("sites.las"),
+        "sites.las: unknown ending '.las'; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj"
+    );
     let args = ["integrate", "-", "--box", UNIT_BOX, "-o", "cells.csv"];
     let said = |input: &[u8]| failed(&laguerre_with(folder, &args, input), 2, &args);
     assert_eq!(said(b"0 0 0\n0 x 0\n"), "standard input: line 2: 'x' is not a number");

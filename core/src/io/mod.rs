@@ -177,7 +177,12 @@ mod tests {
             b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
             element face 1\nproperty list uchar int vertex_index\nend_header\n1 2 3\n3 0 0 0\n";
         let text_stl = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
-        let files: [(&str, &[u8]); 9] = [
+        let dump = b"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 2\n0 3\n\
+            ITEM: ATOMS id xs ys zs\n7 0.5 0.25 1\n";
+        let files: [(&str, &[u8]); 12] = [
+            ("s.dump", dump),
+            ("s.xyz", b"2\nwater\nFe 1 2 3\nO 4 5 6\n"),
+            ("s.xyz", b"1\nProperties=id:I:1:pos:R:3 a=1\n7 1 2 3\n"),
             ("s.xyz", b"# c\n2\nx y z w\n1 2 3 4\n-5e-1,6,7,8\n"),
             ("s.npy", &npy),
             ("s.ply", &sites_ply),

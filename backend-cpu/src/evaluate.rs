@@ -4,6 +4,7 @@ use crate::store::CpuStore;
 use laguerre_core::assemble::{Assembler, CellRecord, Facets};
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
+use laguerre_core::geometry::{GeometryAssembler, Shaper, Shapes};
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::search::Search;
@@ -33,6 +34,7 @@ struct ChunkResult {
     facets: Facets,
     /// Number of facets of each cell.
     facet_counts: Vec<u32>,
+    shapes: Shapes,
     failed: Vec<u32>,
     undecided: Option<u32>,
     exact_cells: usize,
@@ -44,6 +46,7 @@ struct ChunkResult {
 struct Worker<'a> {
     store: CpuStore<'a>,
     search: Search<'a>,
+    shaper: Shaper,
 }
 
 impl Cpu {
@@ -78,6 +81,8 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
     let prepared = diagram.prepare()?;
     let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let mut assembler = Assembler::new(diagram, &prepared.container, request);
+    let mut geometry =
+        request.geometry.then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame));
     let mut exact_cells = 0;
     let all = (0..prepared.sites.len() as u32).collect();
     let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
@@ -94,6 +99,9 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
                     assembler.add(cell, result.facets.row(begin, end));
                     begin = end;
                 }
+                if let Some(geometry) = &mut geometry {
+                    geometry.add(&result.shapes);
+                }
                 outcome.failed.extend(result.failed);
                 outcome.neighbors = outcome.neighbors.max(result.visited);
                 outcome.triangles = outcome.triangles.max(result.triangles);
@@ -103,6 +111,7 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         Ok(outcome)
     })?;
     let mut output = assembler.finish();
+    output.geometry = geometry.map(GeometryAssembler::finish);
     output.exact_cells = exact_cells;
     output.passes = passes;
     output.check_integrals()?;
@@ -126,6 +135,7 @@ fn run_chunks(
     let new_worker = || Worker {
         store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
         search: Search::new(prepared),
+        shaper: Shaper::default(),
     };
     cells
         .par_chunks(CHUNK)
@@ -166,8 +176,15 @@ fn run_cell(worker: &mut Worker<'_>, site: u32, prepared: &Prepared, request: &R
             return;
         }
     };
-    result.exact_cells += usize::from(store.exact);
     let order = prepared.sites.order();
+    if request.geometry && status != CellStatus::Empty {
+        let frame = &prepared.container.frame;
+        if worker.shaper.add(store, site, sums.volume, order, frame, &mut result.shapes) != cell::COMPLETE {
+            result.undecided = Some(site);
+            return;
+        }
+    }
+    result.exact_cells += usize::from(store.exact);
     result.cells.push(CellRecord { site: order[site as usize], status, sums });
     if request.facets {
         let before = result.facets.records.len();

@@ -7,6 +7,7 @@ use crate::platform::{Found, choose};
 use crate::single::Single;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::diagram::Prepared;
+use laguerre_core::geometry;
 use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{
     Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Integrand, Output, PassReport, PowerDiagram, Precision,
@@ -167,6 +168,9 @@ impl Ocl {
         output.host_cells = for_host.len();
         output.passes = passes;
         output.check_integrals()?;
+        if request.geometry {
+            output.geometry = Some(geometry::on_host(diagram, request.epsilon)?);
+        }
         if request.epsilon.is_none() {
             check_volumes(diagram, &output, self.precision, &self.name)?;
         }

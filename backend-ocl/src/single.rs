@@ -17,6 +17,7 @@ use laguerre_core::assemble::Assembler;
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::domain_grid::DomainGrid;
+use laguerre_core::geometry;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::{
     Backend, BackendInfo, CellStatus, DeviceChoice, Error, Output, PassReport, PowerDiagram, Precision, Request, Result,
@@ -155,6 +156,9 @@ impl Backend for Single {
         output.host_cells = for_host.len();
         output.device_seconds = device_seconds;
         output.passes = passes;
+        if request.geometry {
+            output.geometry = Some(geometry::on_host(diagram, None)?);
+        }
         check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)
     }

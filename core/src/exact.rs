@@ -147,33 +147,38 @@ fn sign(x: &IBig) -> i32 {
 
 /// An exact binary fraction: `mantissa · 2^exponent`.
 #[derive(Clone)]
-struct Dyadic {
+pub(crate) struct Dyadic {
     mantissa: IBig,
     exponent: i32,
 }
 
 impl Dyadic {
-    fn new(x: f64) -> Self {
+    pub(crate) fn new(x: f64) -> Self {
         let (mantissa, exponent) = decompose(x);
         Self { mantissa: mantissa.into(), exponent }
     }
 
-    fn times(&self, other: &Self) -> Self {
+    pub(crate) fn times(&self, other: &Self) -> Self {
         Self { mantissa: &self.mantissa * &other.mantissa, exponent: self.exponent + other.exponent }
     }
 
-    fn plus(&self, other: &Self) -> Self {
+    pub(crate) fn plus(&self, other: &Self) -> Self {
         let exponent = self.exponent.min(other.exponent);
         let aligned = |x: &Self| &x.mantissa << (x.exponent - exponent) as usize;
         Self { mantissa: aligned(self) + aligned(other), exponent }
     }
 
-    fn negated(&self) -> Self {
+    pub(crate) fn negated(&self) -> Self {
         Self { mantissa: -self.mantissa.clone(), exponent: self.exponent }
     }
 
+    /// −1, 0 or 1.
+    pub(crate) fn sign(&self) -> i32 {
+        sign(&self.mantissa)
+    }
+
     /// The quotient, rounded to nearest.
-    fn over(&self, divisor: &Self) -> f64 {
+    pub(crate) fn over(&self, divisor: &Self) -> f64 {
         if self.mantissa == IBig::ZERO {
             return 0.0;
         }
@@ -194,6 +199,11 @@ impl Dyadic {
     }
 }
 
+/// The determinant of three rows.
+pub(crate) fn determinant_of_rows([a, b, c]: &[[Dyadic; 3]; 3]) -> Dyadic {
+    dot(a, &cross(b, c))
+}
+
 fn vector(v: V3) -> [Dyadic; 3] {
     [v.x, v.y, v.z].map(Dyadic::new)
 }
@@ -202,7 +212,8 @@ fn dot(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> Dyadic {
     a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
 }
 
-fn cross(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
+/// The cross product.
+pub(crate) fn cross(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
     [1, 2, 0].map(|i| {
         let j = (i + 1) % 3;
         a[i].times(&b[j]).plus(&a[j].times(&b[i]).negated())

@@ -4,6 +4,7 @@
 use crate::assemble::{Assembler, CellRecord, Facets};
 use crate::backend::{Backend, BackendInfo};
 use crate::cell::{self, CellSums, PlainStore, bisector, v3};
+use crate::geometry::{GeometryAssembler, Shaper, Shapes};
 use crate::output::CellStatus;
 use crate::{Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
@@ -30,6 +31,9 @@ impl Backend for Naive {
         let mut assembler = Assembler::new(diagram, &prepared.container, request);
         let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
         let flags = cell::flags_of(request);
+        let mut geometry =
+            request.geometry.then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame));
+        let mut shaper = Shaper::default();
         let sites: Vec<[f64; 4]> = prepared.sites.sites().collect();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
             let site = prepared.sites.order()[i];
@@ -58,8 +62,21 @@ impl Backend for Naive {
                 facets.collect(&store, flags, prepared.sites.order());
             }
             assembler.add(&CellRecord { site, status, sums }, facets.all());
+            if let Some(geometry) = geometry.as_mut().filter(|_| status != CellStatus::Empty) {
+                let mut shapes = Shapes::default();
+                let (order, frame) = (prepared.sites.order(), &prepared.container.frame);
+                let made = shaper.add(&store, i as u32, sums.volume, order, frame, &mut shapes);
+                if made != cell::COMPLETE {
+                    return Err(Error::new(
+                        ErrorKind::Device,
+                        format!("the geometry of cell {i} ended with status {made}"),
+                    ));
+                }
+                geometry.add(&shapes);
+            }
         }
-        let output = assembler.finish();
+        let mut output = assembler.finish();
+        output.geometry = geometry.map(GeometryAssembler::finish);
         output.check_integrals()?;
         Ok(output)
     }

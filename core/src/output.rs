@@ -1,5 +1,6 @@
 //! What comes back: flat arrays in the caller's order and units.
 
+use crate::geometry::Geometry;
 use crate::{Error, Result};
 
 /// How the computation of one cell ended.
@@ -124,6 +125,8 @@ pub struct Output {
     pub facets: Option<FacetList>,
     /// Where requested: each cell's piece of the boundary.
     pub boundary: Option<Vec<Boundary>>,
+    /// Where requested: the restricted cells as polygons.
+    pub geometry: Option<Geometry>,
     /// Cells for which floating point did not suffice and exact arithmetic decided.
     pub exact_cells: usize,
     /// Cells that a device handed back to the host, which has all the room and arithmetic that there is.

@@ -30,6 +30,8 @@ pub struct Request {
     pub second_moments: bool,
     /// Second moments of the facets; only with `facets`.
     pub facet_second_moments: bool,
+    /// The cells as polygons.
+    pub geometry: bool,
     /// A function to be integrated over every cell.
     pub integral: Option<Integrand>,
     /// `Some(ε)`: stop each cell at the paper's security radius enlarged by the factor `1 + ε` (paper §2.3), with no
@@ -61,6 +63,13 @@ impl Request {
     #[must_use]
     pub fn with_facet_second_moments(self) -> Self {
         Self { facets: true, facet_second_moments: true, ..self }
+    }
+
+    /// Also the geometry of the restricted cells: polygons, and convex solids. The CPU makes it in the pass that integrates, at about the cost of
+    /// facets; what other backends compute the host then computes once more, for this alone.
+    #[must_use]
+    pub fn with_geometry(self) -> Self {
+        Self { geometry: true, ..self }
     }
 
     /// Also the integral of a given function over each cell: a polynomial on any backend of double precision, a function of the caller's on

@@ -8,6 +8,7 @@ pub mod errors;
 pub mod facet_moments;
 pub mod facets;
 pub mod folds;
+pub mod geometry;
 pub mod integrals;
 pub mod invariance;
 pub mod large;
@@ -69,6 +70,9 @@ pub const CHECKS: &[(&str, Check)] = &[
     law!(integrals::functions),
     law!(closure::areas),
     law!(closure::volume),
+    law!(geometry::closed),
+    law!(geometry::volume),
+    law!(geometry::areas),
     law!(places::cell_barycenters),
     law!(places::facet_barycenters),
     law!(places::random_points),

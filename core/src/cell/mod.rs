@@ -64,7 +64,9 @@ pub use integrate::{
     CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
 };
 pub use lanes::Lanes;
+pub(crate) use near::{is_first_voxel, outer_box_of_cell, voxels_of_box};
 pub use plain::PlainStore;
+pub(crate) use plane::triangle_plane;
 pub use plane::{Plane, bisector};
 pub use quadrature::Node;
 pub use restrict::integrate_cell;
@@ -72,6 +74,7 @@ pub use settle::lies_outside;
 pub use status::*;
 pub use store::{CellStore, ClipStore, CutStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle, Voxel};
 pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
+pub(crate) use vector::{add, cross, dot, norm_1, scale, sub};
 pub use vertex::{Triplet, find_vertex_once};
 pub use wide::Minors;
 

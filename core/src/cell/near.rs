@@ -191,7 +191,7 @@ pub(super) fn most_of(a: V3, b: V3, c: V3) -> V3 {
 
 /// A triangle stands in every voxel of its bounding box; it is taken only in the lowest one that the cell's box shares.
 #[inline(always)]
-pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> bool {
+pub(crate) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> bool {
     let mut i: u32 = lowest.i;
     let mut j: u32 = lowest.j;
     let mut k: u32 = lowest.k;
@@ -210,7 +210,7 @@ pub(super) fn is_first_voxel(lowest: Voxel, lo: Voxel, voxel: Voxel) -> bool {
 /// The bounding box of the cell, rounded outward.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn outer_box_of_cell<S: Polytope>(s: &S, low: &mut V3, high: &mut V3) {
+pub(crate) fn outer_box_of_cell<S: Polytope>(s: &S, low: &mut V3, high: &mut V3) {
     let radius: Real = box_of_cell(s, low, high);
     // The vertices' error, and the rounding of moving them into the diagram's frame.
     let margin: Real =
@@ -239,7 +239,7 @@ pub(super) fn box_of_cell<S: Polytope>(s: &S, low: &mut V3, high: &mut V3) -> Re
 /// The voxels that a box in the frame of the site meets.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub(super) fn voxels_of_box<S: DomainStore>(s: &S, low: V3, high: V3, lo: &mut Voxel, hi: &mut Voxel) {
+pub(crate) fn voxels_of_box<S: DomainStore>(s: &S, low: V3, high: V3, lo: &mut Voxel, hi: &mut Voxel) {
     *lo = s.voxel_of(add(s.site(), low));
     *hi = s.voxel_of(add(s.site(), high));
 }

@@ -1,0 +1,52 @@
+//! The geometry of all cells of a diagram by the host alone, for backends that compute elsewhere.
+
+use super::{Geometry, GeometryAssembler, Shaper, Shapes};
+use crate::cell::{self, CellSums, PlainStore};
+use crate::search::Search;
+use crate::{Error, ErrorKind, PowerDiagram, Result};
+use rayon::prelude::*;
+
+/// Cells that one task computes, and those that are computed before they are put together.
+const CHUNK: usize = 256;
+const WAVE: usize = 512 * CHUNK;
+
+/// The geometry of all cells; `epsilon` as in the request that they are computed for.
+///
+/// # Errors
+/// `Input` where sites are out of range of the container.
+pub fn on_host(diagram: &PowerDiagram, epsilon: Option<f64>) -> Result<Geometry> {
+    let prepared = diagram.prepare()?;
+    let (order, frame) = (prepared.sites.order(), &prepared.container.frame);
+    let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame);
+    let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
+    for wave in all.chunks(WAVE) {
+        let compute = |(search, shaper): &mut (Search<'_>, Shaper), chunk: &[u32]| {
+            let mut shapes = Shapes::default();
+            for &site in chunk {
+                let [x, y, z, _] = prepared.sites.site(site);
+                let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+                let mut sums = CellSums::default();
+                let mut status = search.complete(&mut store, site, epsilon).status;
+                if status == cell::COMPLETE {
+                    status = cell::integrate_cell(&mut store, cell::VOLUME_ONLY, 0, &mut sums);
+                }
+                if status == cell::COMPLETE {
+                    status = shaper.add(&store, site, sums.volume, order, frame, &mut shapes);
+                }
+                if status != cell::COMPLETE && status != cell::EMPTY {
+                    // Cannot happen while the signs are exact; said instead of a panic.
+                    let site = order[site as usize];
+                    let message = format!("the geometry of site {site} could not be decided; please report its input");
+                    return Err(Error::new(ErrorKind::Device, message));
+                }
+            }
+            Ok(shapes)
+        };
+        let rooms = || (Search::new(&prepared), Shaper::default());
+        let made: Vec<Result<Shapes>> = wave.par_chunks(CHUNK).map_init(rooms, compute).collect();
+        for shapes in made {
+            geometry.add(&shapes?);
+        }
+    }
+    Ok(geometry.finish())
+}

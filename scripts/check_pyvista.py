@@ -45,8 +45,8 @@ def worst(found, expected):
     return float(np.max(np.abs(np.asarray(found) - expected)) / np.max(np.abs(expected)))
 
 
-def convex_volumes(grid):
-    """The volume of every cell from its faces alone: fans of triangles about the cell's first corner, seen from outside."""
+def volumes_by_faces(grid):
+    """The volume of every VTK cell from its faces alone: fans of triangles about the cell's first corner, seen from outside."""
     volumes = np.zeros(grid.n_cells)
     for i in range(grid.n_cells):
         cell = grid.get_cell(i)
@@ -56,6 +56,12 @@ def convex_volumes(grid):
             a, b = points[1:-1], points[2:]
             volumes[i] += np.sum(np.cross(a, b) @ points[0]) / 6
     return volumes
+
+
+def of_sites(grid, values):
+    """Sums over the VTK cells of each site, in the order of the sites that have some."""
+    sites, rows = np.unique(grid.cell_data["site"], return_inverse=True)
+    return sites, np.bincount(rows, weights=values)
 
 
 def read_cells(name):
@@ -70,28 +76,41 @@ def check_results(container, label):
     cells = read_cells("cells.csv")
     grid = pv.read("cells.vtu")
     check(f"{label}: an unstructured grid", isinstance(grid, pv.UnstructuredGrid))
-    check(f"{label}: a cell for each that is not empty", grid.n_cells == report["cells"] == len(cells), grid.n_cells)
-    check(f"{label}: all polyhedra", bool(np.all(grid.celltypes == pv.CellType.POLYHEDRON)))
-    names = {"site", "volume", "barycenter", "status", "facets"}
+    sites, first = np.unique(grid.cell_data["site"], return_index=True)
+    check(f"{label}: solids for each cell that is not empty", len(sites) == report["cells"] == len(cells), grid.n_cells)
+    kinds = [pv.CellType.POLYHEDRON, pv.CellType.TETRA]
+    check(f"{label}: polyhedra and tetrahedra", bool(np.all(np.isin(grid.celltypes, kinds))))
+    names = {"site", "volume", "weight", "barycenter", "status", "facets", "solid"}
     check(f"{label}: the data arrays", set(grid.cell_data.keys()) == names, sorted(grid.cell_data.keys()))
     for name in ("site", "volume", "facets"):
-        check(f"{label}: {name} to the last bit", np.array_equal(grid.cell_data[name], cells[name]))
+        check(f"{label}: {name} to the last bit", np.array_equal(grid.cell_data[name][first], cells[name]))
     barycenters = np.stack([cells["x"], cells["y"], cells["z"]], axis=1)
-    check(f"{label}: barycenter to the last bit", np.array_equal(grid.cell_data["barycenter"], barycenters))
+    check(f"{label}: barycenter to the last bit", np.array_equal(grid.cell_data["barycenter"][first], barycenters))
     check(f"{label}: status complete", not np.any(grid.cell_data["status"]))
-    check(f"{label}: no point is outside every cell", len(np.unique(grid.cell_connectivity)) == grid.n_points)
+    by_faces = of_sites(grid, volumes_by_faces(grid))[1]
+    found = np.max(np.abs(by_faces - cells["volume"])) / np.mean(cells["volume"])
+    check(f"{label}: volumes by the faces", found < VOLUME_BOUND, f"{found:.1e}")
+    # VTK makes Delaunay tetrahedra of a polyhedron's points, and loses some of one in a hundred; tetrahedra it takes as they are.
+    by_vtk = grid.compute_cell_sizes(length=False, area=False).cell_data["Volume"]
+    by_vtk = of_sites(grid, np.abs(by_vtk))[1]
+    off = np.abs(by_vtk - cells["volume"]) / np.mean(cells["volume"])
+    check(f"{label}: volumes by vtkCellSizeFilter, of 98 in 100", np.quantile(off, 0.98) < VOLUME_BOUND, f"{np.sum(off > VOLUME_BOUND)} off")
+    laguerre("integrate", "sites.csv", *container, "-o", "cells.vtp")
+    polygons = pv.read("cells.vtp")
+    areas = polygons.compute_cell_sizes(length=False, volume=False).cell_data["Area"]
+    facets = np.genfromtxt("facets.csv", delimiter=",", names=True)
+    for what, of_file, of_csv in [
+        ("the boundary", polygons.cell_data["beyond"] < 0, np.isnan(facets["distance"])),
+        ("facets", polygons.cell_data["beyond"] >= 0, ~np.isnan(facets["distance"])),
+    ]:
+        found = abs(areas[of_file].sum() / facets["area"][of_csv].sum() - 1)
+        check(f"{label}: the polygons' area of {what}", found < MESH_BOUND, f"{found:.1e}")
     return grid, report
 
 
 def check_box():
     grid, report = check_results(["--box", "0,0,0,1,1,1"], "box")
-    by_faces = convex_volumes(grid)
-    found = worst(by_faces, grid.cell_data["volume"])
-    check("box: volumes by the faces", found < VOLUME_BOUND, f"{found:.1e}")
-    by_vtk = grid.compute_cell_sizes(length=False, area=False).cell_data["Volume"]
-    found = worst(np.abs(by_vtk), grid.cell_data["volume"])
-    check("box: volumes by vtkCellSizeFilter", found < VOLUME_BOUND, f"{found:.1e}")
-    check("box: the cells fill it", abs(by_faces.sum() - 1) < VOLUME_BOUND and report["domain_volume"] == 1)
+    check("box: the cells fill it", abs(volumes_by_faces(grid).sum() - 1) < VOLUME_BOUND and report["domain_volume"] == 1)
     # Not by `find_containing_cell`: VTK 9.7 takes the first polyhedron whose bounding box holds the point.
     centers = grid.cell_data["barycenter"]
     inside = [[j for j, p in enumerate(centers[:20]) if grid.GetCell(i).IsInside(p, 1e-9)] for i in range(20)]
@@ -104,8 +123,6 @@ def check_domain():
     grid, report = check_results(["--domain", BUNNY], "bunny")
     found = abs(report["domain_volume"] / bunny.volume - 1)
     check("bunny: VTK's volume of the mesh", found < MESH_BOUND, f"{found:.1e}")
-    convex = convex_volumes(grid)
-    check("bunny: no restricted cell is larger than its convex cell", bool(np.all(grid.cell_data["volume"] <= convex * (1 + 1e-12))))
 
 
 def check_meshes():

@@ -74,8 +74,8 @@ pub(crate) struct IntegrateArgs {
     pub(crate) container: ContainerArgs,
 
     /// Where to write the cells: .csv (site,volume,x,y,z,facets,status, the status 0 complete, 1 empty, 2 not certified; NaN for what there
-    /// is not), .npy (N×4: volume, barycenter), .npz (arrays volume, barycenter, status, facets, second_moment), .vtu (for ParaView) or - for
-    /// standard output, as .csv
+    /// is not), .npy (N×4: volume, barycenter), .npz (arrays volume, barycenter, status, facets, second_moment) or - for standard output, as .csv;
+    /// their geometry, cut by the domain: .vtu (solids: a polyhedron, or the tetrahedra of a cell that the domain cuts), .vtp or .ply (polygons)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 

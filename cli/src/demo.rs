@@ -38,7 +38,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let (sites, _) = Sampler::new(Corners { lo, hi }, Some(&domain), 1).blue(args.sites, 0.0, STEPS)?;
     let diagram = PowerDiagram::new(&sites, &[])?.restricted_to(&domain);
     let start = Instant::now();
-    let output = evaluate(backend.as_ref(), &diagram, &Request::moments().with_facets())?;
+    let output = evaluate(backend.as_ref(), &diagram, &Request::moments().with_facets().with_geometry())?;
     seconds.compute = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let mesh = off(&domain);
     io::write_whole(&names[0], |w| w.write_all(mesh.as_bytes()))?;
     for path in &names[1..3] {
-        write_cells(path, backend.as_ref(), &diagram, &output)?;
+        write_cells(path, &diagram, &output)?;
     }
     draw(&names[3], &diagram, &output, &CUT, WIDTH)?;
     seconds.write = start.elapsed().as_secs_f64();

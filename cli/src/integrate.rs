@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::Instant;
 
-use laguerre::io::{self, CELLS_ENDINGS, FACETS_ENDINGS};
-use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre::io::{self, CELLS_ENDINGS, FACETS_ENDINGS, GEOMETRY_ENDINGS};
+use laguerre::{Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::args::IntegrateArgs;
 use crate::container::{Container, Whole, note_if_merged};
@@ -14,9 +14,6 @@ use crate::npz;
 use crate::outcome::{Outcome, note, print, print_json, say};
 use crate::report::{Report, Seconds};
 use crate::sites;
-
-/// The ending of results that need the geometry of the cells beside the integrals.
-const VTU: &str = ".vtu";
 
 pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     check(args)?;
@@ -41,6 +38,8 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let request = Request::moments();
     let request = if args.facets.is_some() { request.with_facets() } else { request };
     let request = if args.second_moments { request.with_second_moments() } else { request };
+    let has_geometry = args.output.as_deref().is_some_and(|path| io::ending(path, GEOMETRY_ENDINGS).is_ok());
+    let request = if has_geometry { request.with_geometry() } else { request };
     let request = args.epsilon.into_iter().fold(request, Request::with_epsilon);
     let start = Instant::now();
     // What is wrong with valid input only now is a site out of the container's range.
@@ -50,7 +49,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
 
     let start = Instant::now();
     if let Some(path) = &args.output {
-        write_cells(path, backend.as_ref(), &diagram, &output)?;
+        write_cells(path, &diagram, &output)?;
     }
     if let Some(path) = &args.facets {
         npz::write_facets(path, &diagram, &output)?;
@@ -83,26 +82,21 @@ pub(crate) fn outcome(report: &Report) -> Outcome {
 }
 
 /// Writes the cells by the file's ending.
-pub(crate) fn write_cells(path: &Path, backend: &dyn Backend, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+pub(crate) fn write_cells(path: &Path, diagram: &PowerDiagram, output: &Output) -> Result<()> {
     if io::ending(path, &[npz::ENDING]).is_ok() {
         return npz::write_cells(path, output);
     }
     if io::output_ending(path, CELLS_ENDINGS).is_ok() {
         return io::write_cells(path, diagram, output);
     }
-    // The geometry is that of the convex cells, in the box of the domain: those have to be computed once more, for their
-    // neighbours there.
-    let whole = Whole::of(diagram)?;
-    let boxed = PowerDiagram::new(diagram.positions(), diagram.weights())?.in_box(whole.lo, whole.hi)?;
-    let neighbors = evaluate(backend, &boxed, &Request::moments().with_facets())?;
-    let cells = io::cell_meshes(&boxed, &neighbors, |i| output.status[i] != CellStatus::Empty)?;
-    io::write_vtu(path, &cells, output)
+    io::write_geometry(path, diagram, output)
 }
 
 /// What can be said before the work.
 fn check(args: &IntegrateArgs) -> Result<()> {
     if let Some(path) = &args.output {
-        let known: Vec<&'static str> = CELLS_ENDINGS.iter().copied().chain([npz::ENDING, VTU]).collect();
+        let known = CELLS_ENDINGS.iter().chain(&[npz::ENDING]).chain(GEOMETRY_ENDINGS).copied();
+        let known: Vec<&'static str> = known.collect();
         io::check_output(path, &known)?;
     }
     if let Some(path) = &args.facets {

@@ -17,7 +17,7 @@ mod read_results;
 mod results;
 mod sites;
 mod stl;
-mod vtu;
+mod vtk;
 mod weights;
 
 use std::fs::File;
@@ -27,12 +27,11 @@ use std::path::{Path, PathBuf};
 use crate::{Error, ErrorKind, Result};
 
 pub use atomic::{abandon_writing, destination, write_whole};
-pub use geometry::cell_meshes;
+pub use geometry::write_geometry;
 pub use mesh::{Mesh, parse_mesh, read_mesh};
 pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, read_cells, read_facets};
 pub use results::{FacetValues, facet_count, facet_rows, write_cells, write_facets};
 pub use sites::{SitesFile, parse_sites, read_sites, write_sites};
-pub use vtu::{CellMesh, write_vtu};
 pub use weights::{parse_weights, read_weights, write_weights};
 
 /// Endings that [`write_sites`] knows.
@@ -45,6 +44,8 @@ pub const WEIGHTS_ENDINGS: &[&str] = &[".txt", ".csv", ".npy"];
 pub const MESH_ENDINGS: &[&str] = &[".obj", ".off", ".ply", ".stl"];
 /// Endings that [`write_cells`] knows.
 pub const CELLS_ENDINGS: &[&str] = &[".csv", ".npy"];
+/// Endings that [`write_geometry`] knows.
+pub const GEOMETRY_ENDINGS: &[&str] = &[".vtu", ".vtp", ".ply"];
 /// Endings that [`write_facets`] knows.
 pub const FACETS_ENDINGS: &[&str] = &[".csv", ".npy"];
 

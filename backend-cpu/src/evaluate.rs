@@ -18,6 +18,9 @@ const CHUNK: usize = 256;
 /// Cells that are computed before their results are put together: enough that the threads' waiting for each other at its end does not count.
 const WAVE: usize = 512 * CHUNK;
 
+/// The same where their geometry is asked for, which takes some kilobytes a cell.
+const WAVE_WITH_GEOMETRY: usize = 32 * CHUNK;
+
 /// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 
@@ -88,8 +91,15 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
     let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
         let mut outcome: PassOutcome = PassOutcome::default();
         // Wave by wave: what a cell leaves behind takes several times the room of its results.
-        for wave in cells.chunks(WAVE) {
-            for result in run_chunks(room, wave, &prepared, integrand.as_ref(), request) {
+        let wave = if geometry.is_some() { WAVE_WITH_GEOMETRY } else { WAVE };
+        let mut shapes: Vec<Shapes> = Vec::new();
+        for wave in cells.chunks(wave) {
+            // The shapes of one wave are put together while the next is computed.
+            let (results, ()) = rayon::join(
+                || run_chunks(room, wave, &prepared, integrand.as_ref(), request),
+                || geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes))),
+            );
+            for result in results {
                 if let Some(site) = result.undecided {
                     return Err(undecided(&prepared, site));
                 }
@@ -99,15 +109,14 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
                     assembler.add(cell, result.facets.row(begin, end));
                     begin = end;
                 }
-                if let Some(geometry) = &mut geometry {
-                    geometry.add(&result.shapes);
-                }
+                shapes.push(result.shapes);
                 outcome.failed.extend(result.failed);
                 outcome.neighbors = outcome.neighbors.max(result.visited);
                 outcome.triangles = outcome.triangles.max(result.triangles);
                 exact_cells += result.exact_cells;
             }
         }
+        geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes)));
         Ok(outcome)
     })?;
     let mut output = assembler.finish();

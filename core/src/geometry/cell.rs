@@ -9,6 +9,7 @@ use super::Beyond;
 use super::faces::{Faces, edges, vector_area};
 use super::surface::{Key, Line, Pieces, sorted, triangles_near};
 use crate::cell::{COMPLETE, DomainStore, Polytope, Real, TAG_BOX, UNCERTAIN, V3, cross, dot, sub};
+use foldhash::fast::FixedState;
 use std::collections::HashMap;
 
 /// Points nearer than that, in the unit of the frame, count as one: the caller's coordinates have lost as much.
@@ -55,14 +56,14 @@ pub(super) struct Cell {
     /// Triangles that have a piece within the cell.
     pub(super) triangles: Vec<u32>,
     pieces: Pieces,
-    numbers: HashMap<Key, u32>,
+    numbers: HashMap<Key, u32, FixedState>,
     edges: Vec<Edge>,
     /// Where the edges of each half-space's facet end.
     edge_ends: Vec<usize>,
     passages: Vec<Passage>,
     /// Segments where pieces of the surface end on a half-space, as its facet has them.
     segments: Vec<(u32, [u32; 2])>,
-    around: Vec<(u32, u32, u32, u32)>,
+    around: Vec<(u32, u32, u32)>,
 }
 
 impl Cell {
@@ -106,28 +107,41 @@ impl Cell {
         self.points.clear();
         self.faces.clear();
         self.around.clear();
+        self.edges.clear();
+        self.edge_ends.clear();
+        self.edge_ends.resize(store.planes() as usize, 0);
         for v in 0..store.vertices() {
             let t = store.triplet(v);
             self.keys.push(Key::Vertex(sorted([t.a, t.b, t.c])));
             self.points.push(store.position(v));
-            // Of half-space f: the vertex (f, g, h) begins the edge (f, g) and ends the edge (f, h), counterclockwise from outside.
-            self.around.extend([(t.a, t.b, t.c, v), (t.b, t.c, t.a, v), (t.c, t.a, t.b, v)]);
+            for f in [t.a, t.b, t.c] {
+                self.edge_ends[f as usize] += 1;
+            }
         }
-        self.around.sort_unstable();
-        self.edges.clear();
-        self.edge_ends.clear();
+        // Corners by half-spaces: where those of each end is where its edges do.
+        let mut end = 0;
+        for count in &mut self.edge_ends {
+            (end, *count) = (end + *count, end);
+        }
+        self.around.resize(end, (0, 0, 0));
+        for v in 0..store.vertices() {
+            let t = store.triplet(v);
+            // Of half-space f: the vertex (f, g, h) begins the edge (f, g) and ends the edge (f, h), counterclockwise from outside.
+            for (f, g, h) in [(t.a, t.b, t.c), (t.b, t.c, t.a), (t.c, t.a, t.b)] {
+                let next = &mut self.edge_ends[f as usize];
+                self.around[*next] = (g, h, v);
+                *next += 1;
+            }
+        }
         let mut begin = 0;
-        for f in 0..store.planes() {
-            let end = begin + self.around[begin..].iter().take_while(|c| c.0 == f).count();
+        for (f, &end) in (0..).zip(&self.edge_ends) {
             let corners = &self.around[begin..end];
             let mut here = corners.first().copied();
-            while let Some((_, g, _, v)) = here {
-                let next = corners.iter().find(|c| c.2 == g);
-                let Some(&next) = next else { break };
-                self.edges.push(Edge { ends: [v, next.3], planes: [f, g] });
-                here = Some(next).filter(|c| c.3 != corners[0].3);
+            for _ in 0..corners.len() {
+                let Some((g, _, v)) = here else { break };
+                here = corners.iter().find(|c| c.1 == g).copied();
+                self.edges.extend(here.map(|next| Edge { ends: [v, next.2], planes: [f, g] }));
             }
-            self.edge_ends.push(self.edges.len());
             begin = end;
         }
     }
@@ -221,8 +235,21 @@ impl Cell {
     }
 
     /// The winding numbers of all vertices; whether there are such.
-    fn find_windings<S: Polytope>(&mut self, store: &S, known: &Known<'_>) -> bool {
+    fn find_windings<S: DomainStore>(&mut self, store: &S, known: &Known<'_>) -> bool {
         let vertices = store.vertices() as usize;
+        if self.pieces.is_empty() {
+            let times = match known {
+                Known::Volume(_) if !store.has_domain() => Some(1),
+                Known::Volume(volume) => Some((volume / self.volume_of_facets(store, false)).round() as i32),
+                Known::Windings(known) => self.keys.iter().find_map(|key| match key {
+                    Key::Vertex(planes) => known.get(planes).copied(),
+                    _ => None,
+                }),
+            };
+            self.windings.clear();
+            self.windings.resize(vertices, times.unwrap_or(0));
+            return times.is_some();
+        }
         let mut found: Vec<Option<i32>> = vec![None; vertices];
         found[0] = Some(0);
         let mut left = vertices - 1;

@@ -7,6 +7,7 @@ use super::surface::Key;
 use super::{Beyond, Geometry};
 use crate::cell::{COMPLETE, DomainStore, TAG_BOX};
 use crate::frame::Frame;
+use foldhash::fast::FixedState;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -90,12 +91,13 @@ impl Shaper {
         self.numbers.resize(points.len(), NONE);
         let numbers = &mut self.numbers;
         let p = store.site();
-        let mut number = |i: u32, shapes: &mut Shapes| {
+        let Shapes { points: placed, faces, solid_faces, .. } = shapes;
+        let mut number = |&i: &u32| {
             let number = &mut numbers[i as usize];
             if *number == NONE {
-                *number = (shapes.points.len() - first) as u32;
+                *number = (placed.len() - first) as u32;
                 let x = points[i as usize];
-                shapes.points.push(frame.leave([p.x + x.x, p.y + x.y, p.z + x.z]));
+                placed.push(frame.leave([p.x + x.x, p.y + x.y, p.z + x.z]));
             }
             *number
         };
@@ -104,12 +106,10 @@ impl Shaper {
             other => other,
         };
         for (corners, beyond) in cell.faces.iter() {
-            let corners: Vec<u32> = corners.iter().map(|&i| number(i, shapes)).collect();
-            shapes.faces.push(corners.into_iter(), caller(beyond));
+            faces.push(corners.iter().map(&mut number), caller(beyond));
         }
         for (corners, beyond) in solids.faces.iter() {
-            let corners: Vec<u32> = corners.iter().map(|&i| number(i, shapes)).collect();
-            shapes.solid_faces.push(corners.into_iter(), caller(beyond));
+            solid_faces.push(corners.iter().map(&mut number), caller(beyond));
         }
         let before = shapes.solid_faces.len() - solids.faces.len();
         shapes.solid_ends.extend(solids.ends.iter().map(|end| before + end));
@@ -158,7 +158,7 @@ fn meeting<S: DomainStore>(store: &S, site: u32, key: Key) -> Option<(Meeting, u
 pub struct GeometryAssembler {
     geometry: Geometry,
     /// Points that more cells are still to come to, and how many.
-    waiting: HashMap<Meeting, (u32, u8)>,
+    waiting: HashMap<Meeting, (u32, u8), FixedState>,
     /// How near a point is to where another cell has it, to be the same.
     agreed: f64,
 }
@@ -167,7 +167,7 @@ impl GeometryAssembler {
     /// For so many sites, with the frame of their container.
     pub fn new(sites: usize, frame: &Frame) -> Self {
         let geometry = Geometry { rows: vec![0..0; sites], solid_rows: vec![0..0; sites], ..Geometry::default() };
-        Self { geometry, waiting: HashMap::new(), agreed: AGREED * frame.unit() }
+        Self { geometry, waiting: HashMap::default(), agreed: AGREED * frame.unit() }
     }
 
     /// Adds some cells.

@@ -10,6 +10,7 @@ use crate::cell::{
     DomainStore, Real, UNIT_ROUNDOFF, V3, Voxel, add, dot, is_first_voxel, norm_1, outer_box_of_cell, scale, sub, v3,
     voxels_of_box,
 };
+use foldhash::fast::FixedState;
 use std::collections::HashMap;
 
 /// Roundings of heights beyond which the place where a line comes to 0 is lost in them, and is computed exactly: where a triangle, or its edge, lies
@@ -54,7 +55,7 @@ pub(super) struct Corner {
 #[derive(Debug, Default)]
 pub(super) struct Pieces {
     heights: Heights,
-    numbers: HashMap<u32, u32>,
+    numbers: HashMap<u32, u32, FixedState>,
     corners: Vec<Corner>,
     /// Of each piece its triangle, and where its corners end.
     ends: Vec<(u32, usize)>,

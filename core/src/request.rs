@@ -66,7 +66,7 @@ impl Request {
     }
 
     /// Also the geometry of the restricted cells: polygons, and convex solids. The CPU makes it in the pass that integrates, at about the cost of
-    /// facets; what other backends compute the host then computes once more, for this alone.
+    /// facets where cells have few triangles of the domain in them; what other backends compute the host then computes once more, for this alone.
     #[must_use]
     pub fn with_geometry(self) -> Self {
         Self { geometry: true, ..self }

@@ -15,6 +15,9 @@ use std::collections::HashMap;
 /// Points nearer than that, in the unit of the frame, count as one: the caller's coordinates have lost as much.
 const SAME: Real = 1.0 / (1_u64 << 50) as Real;
 
+/// No quotient of volumes beyond this is a winding number.
+const MOST_WINDINGS: Real = 1e4;
+
 /// What tells which winding number the first vertex of a cell has.
 pub(super) enum Known<'a> {
     /// The volume of the restricted cell.
@@ -55,6 +58,8 @@ pub(super) struct Cell {
     pub(super) windings: Vec<i32>,
     /// Triangles that have a piece within the cell.
     pub(super) triangles: Vec<u32>,
+    /// Triangles that may have one.
+    near: Vec<u32>,
     pieces: Pieces,
     numbers: HashMap<Key, u32, FixedState>,
     edges: Vec<Edge>,
@@ -69,15 +74,13 @@ pub(super) struct Cell {
 impl Cell {
     /// Makes the geometry of a finished cell; `COMPLETE`, or `UNCERTAIN`, which cannot happen while signs are exact.
     pub(super) fn make<S: DomainStore>(&mut self, store: &S, volume: Real) -> u32 {
-        let mut triangles = std::mem::take(&mut self.triangles);
-        triangles.clear();
+        let mut near = std::mem::take(&mut self.near);
+        near.clear();
         if store.has_domain() {
-            triangles_near(store, &mut triangles);
+            triangles_near(store, &mut near);
         }
-        let status = self.make_of(store, &triangles, &Known::Volume(volume));
-        self.triangles = triangles;
-        self.triangles.clear();
-        self.triangles.extend(self.pieces.iter().map(|(t, _)| t));
+        let status = self.make_of(store, &near, &Known::Volume(volume));
+        self.near = near;
         status
     }
 
@@ -85,6 +88,8 @@ impl Cell {
     pub(super) fn make_of<S: DomainStore>(&mut self, store: &S, triangles: &[u32], known: &Known<'_>) -> u32 {
         self.begin(store);
         self.pieces.cut(store, triangles);
+        self.triangles.clear();
+        self.triangles.extend(self.pieces.iter().map(|(t, _)| t));
         self.add_pieces();
         self.find_passages();
         if !self.find_windings(store, known) {
@@ -240,7 +245,7 @@ impl Cell {
         if self.pieces.is_empty() {
             let times = match known {
                 Known::Volume(_) if !store.has_domain() => Some(1),
-                Known::Volume(volume) => Some((volume / self.volume_of_facets(store, false)).round() as i32),
+                Known::Volume(volume) => Some(nearest(volume / self.volume_of_facets(store, false))),
                 Known::Windings(known) => self.keys.iter().find_map(|key| match key {
                     Key::Vertex(planes) => known.get(planes).copied(),
                     _ => None,
@@ -284,8 +289,7 @@ impl Cell {
             Known::Volume(volume) => {
                 let whole = self.volume_of_facets(store, false);
                 let times = (volume - self.volume_of_surface() - self.volume_of_facets(store, true)) / whole;
-                // Not an integer, but for rounding, only where the cell itself is no larger than that.
-                times.is_finite().then_some(times.round() as i32)
+                Some(nearest(times))
             }
         };
         let Some(first) = first else { return false };
@@ -407,6 +411,11 @@ impl Cell {
             _ => Beyond::Nothing,
         }
     }
+}
+
+/// The winding number that a quotient of volumes is, but for rounding. Where the cell itself is no larger than that, it may be anything.
+fn nearest(times: Real) -> i32 {
+    if times.abs() < MOST_WINDINGS { times.round() as i32 } else { 1 }
 }
 
 /// The number of the box's face with this inward normal: 0 to 5 for low x, high x, low y, high y, low z, high z.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// Cells that one task computes, and those that are computed before they are put together.
 const CHUNK: usize = 256;
-const WAVE: usize = 512 * CHUNK;
+const WAVE: usize = 32 * CHUNK;
 
 /// The geometry of all cells; `epsilon` as in the request that they are computed for.
 ///

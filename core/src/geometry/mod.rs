@@ -44,7 +44,7 @@ pub struct Face<'a> {
 ///
 /// The faces of a cell close it: the volume that they enclose, and its barycenter, are those of the cell, but for the rounding of coordinates.
 /// Where the winding number is not one they stand as often as it says, turned where it is negative. Cells share the corners that they have in common.
-/// (Where more than four cells meet in a point, or cells are as small as coordinates are rounded, some points are there twice.)
+/// Where more than four cells meet in a point, as in a lattice, or cells are as small as coordinates are rounded, points are there several times.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     points: Vec<[f64; 3]>,

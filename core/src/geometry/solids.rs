@@ -23,7 +23,10 @@ const NO_PYRAMID: Real = 1e-16;
 /// then behind it, and leave no sheets of nothing before it.
 const BEFORE: Real = 2e-14;
 
-/// Solids of one cell at most.
+/// Cuts one after the other at most: the stack has room for some 700.
+const MOST_CUTS: usize = 256;
+
+/// Solids of one cell at most. What is left then is one, though it is not convex.
 const MOST_SOLIDS: usize = 20_000;
 
 /// The solids of one cell; none where it is convex itself.
@@ -94,6 +97,7 @@ impl Solids {
         let counts = |faces: &[usize]| volume_of(cell, faces).abs() > NOTHING * self.volume;
         if let Some(turned) = components.iter().zip(&apexes).filter(|c| counts(c.0)).find_map(|c| c.1.as_ref().err())
             && self.ends.len() < MOST_SOLIDS
+            && used.len() < MOST_CUTS
             && self.split(store, cell, turned, used)
         {
             return;
@@ -158,10 +162,10 @@ impl Solids {
                 });
                 let windings: HashMap<[u32; 3], i32> = windings.collect();
                 let mut halves = [Cell::default(), Cell::default()];
-                let made = [&front, &back].into_iter().zip(&mut halves).all(|(half, made)| {
-                    made.triangles.clone_from(&cell.triangles);
-                    made.make_of(half, &cell.triangles, &Known::Windings(&windings)) == COMPLETE
-                });
+                let made = [&front, &back]
+                    .into_iter()
+                    .zip(&mut halves)
+                    .all(|(half, made)| made.make_of(half, &cell.triangles, &Known::Windings(&windings)) == COMPLETE);
                 if made {
                     for (half, made) in [front, back].iter().zip(&halves) {
                         let numbers = self.numbers_of(made);
@@ -269,8 +273,17 @@ fn is_convex(cell: &Cell, faces: &[usize]) -> bool {
     let corners: Vec<V3> =
         faces.iter().flat_map(|&f| cell.faces.corners_of(f)).map(|&i| cell.points[i as usize]).collect();
     let volume: Real = seen.iter().map(|s| s.volume(corners[0])).sum();
-    let before = |s: &Seen| corners.iter().map(|&x| -s.volume(x)).fold(0.0, Real::max);
-    volume > 0.0 && seen.iter().map(before).sum::<Real>() <= NOTHING * volume
+    if volume <= 0.0 {
+        return false;
+    }
+    let mut before = 0.0;
+    for face in &seen {
+        before += corners.iter().map(|&x| -face.volume(x)).fold(0.0, Real::max);
+        if before > NOTHING * volume {
+            return false;
+        }
+    }
+    true
 }
 
 /// A point from which all faces of a component are seen, or the triangles of those that leave none, that first which found it out.

@@ -106,6 +106,11 @@ impl Cell {
         self.pieces.is_empty() && self.windings.iter().all(|&w| w == 1)
     }
 
+    /// Whether no vertex is within the domain other than once.
+    pub(super) fn is_once(&self) -> bool {
+        self.windings.iter().all(|w| (0..=1).contains(w))
+    }
+
     /// The vertices and edges of the clipped cell.
     fn begin<S: Polytope>(&mut self, store: &S) {
         self.keys.clear();

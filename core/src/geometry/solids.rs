@@ -66,8 +66,7 @@ impl Solids {
             return;
         }
         let all: Vec<usize> = (0..cell.faces.len()).collect();
-        let is_once = cell.windings.iter().all(|w| (0..=1).contains(w));
-        if is_once && is_convex(cell, &all) {
+        if cell.is_once() && is_convex(cell, &all) {
             return;
         }
         self.keys.extend_from_slice(&cell.keys);
@@ -102,13 +101,14 @@ impl Solids {
         {
             return;
         }
-        let is_once = cell.windings.iter().all(|w| (0..=1).contains(w));
         for (faces, apex) in components.iter().zip(apexes) {
             if volume_of(cell, faces).abs() <= NOTHING * self.volume {
                 continue;
             }
             match apex {
-                Ok(apex) if !(is_once && is_convex(cell, faces)) => self.push_pyramids(cell, numbers, faces, apex),
+                Ok(apex) if !(cell.is_once() && is_convex(cell, faces)) => {
+                    self.push_pyramids(cell, numbers, faces, apex)
+                }
                 _ => self.push(cell, numbers, faces),
             }
         }

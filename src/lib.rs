@@ -18,7 +18,28 @@
 
 mod auto;
 
-pub use laguerre_core::*;
+#[cfg(feature = "oracle")]
+pub use laguerre_core::oracle;
+#[cfg(feature = "shapes")]
+pub use laguerre_core::shapes;
+pub use laguerre_core::{
+    Backend, BackendInfo, Boundary, CellStatus, Container, DeviceChoice, DeviceInfo, Domain, Error, ErrorKind,
+    FacetList, Geometry, Integrand, MergedSites, Neighbor, Output, PassReport, PowerDiagram, Precision, Progress,
+    Request, Result, Substep, io, summation,
+};
+/// What the geometry of cells is made of.
+pub mod geometry {
+    pub use laguerre_core::geometry::{Beyond, Face, Geometry};
+}
+/// What is accepted.
+pub mod limits {
+    pub use laguerre_core::diagram::{FARTHEST_SITE, LARGEST_COORDINATE, LARGEST_WEIGHT_SPREAD};
+    pub use laguerre_core::domain::MOST_TRIANGLES;
+    pub use laguerre_core::integrand::LARGEST_DEGREE;
+}
+/// The machine room, for this project's own program, tests and benches: what is in it changes without a word.
+#[doc(hidden)]
+pub use laguerre_core as engine;
 /// What the diagrams are for, on any backend.
 #[cfg(feature = "solvers")]
 pub use laguerre_solvers as solvers;

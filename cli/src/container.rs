@@ -1,6 +1,6 @@
 //! What the cells are cut by, as the command line says it.
 
-use laguerre::diagram::MergedSites;
+use laguerre::MergedSites;
 use laguerre::{Domain, Error, PowerDiagram, Result};
 
 use crate::args::{ContainerArgs, Corners};
@@ -70,7 +70,7 @@ pub(crate) struct Whole {
 
 impl Whole {
     pub(crate) fn of(diagram: &PowerDiagram) -> Result<Self> {
-        use laguerre::diagram::Container;
+        use laguerre::Container;
         let whole = match diagram.container()? {
             Container::Domain(domain) => {
                 let (lo, hi) = domain.bounding_box();

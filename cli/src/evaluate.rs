@@ -6,7 +6,8 @@ use std::thread;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use laguerre::{Backend, Error, ErrorKind, Output, PowerDiagram, Progress, Request, Result, Selection, memory};
+use laguerre::engine::memory;
+use laguerre::{Backend, Error, ErrorKind, Output, PowerDiagram, Progress, Request, Result, Selection};
 
 use crate::args::{BackendArgs, BackendChoice, Precision};
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
-use laguerre::diagram::Container;
+use laguerre::Container;
 use laguerre::solvers::density::Density;
 use laguerre::solvers::fluid::{Fluid, Scene, lattice, settle};
 use laguerre::{Backend, Domain, Error, Result, io};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use laguerre::capacities::{CellCounts, sufficient};
+use laguerre::engine::capacities::{CellCounts, sufficient};
 use laguerre::{Error, Result, io};
 use plotters::prelude::*;
 

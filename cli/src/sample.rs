@@ -1,9 +1,10 @@
 //! `laguerre sample`: sites to compute with.
 
 use clap::ValueEnum;
+use laguerre::engine::memory;
 use laguerre::io::{self, SITES_ENDINGS};
 use laguerre::solvers::lloyd::{Equalized, equalize};
-use laguerre::{Backend, Domain, Error, PowerDiagram, Result, memory};
+use laguerre::{Backend, Domain, Error, PowerDiagram, Result};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use laguerre::diagram::LARGEST_COORDINATE;
+use laguerre::limits::LARGEST_COORDINATE;
 use laguerre::{Backend, BackendInfo, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::args::{BackendArgs, Precision};

@@ -1,6 +1,6 @@
 //! `laguerre tune`: what the cells of an input need, and the capacities that most of them are content with (paper §6.1).
 
-use laguerre::capacities::{CellCounts, count_cells, sufficient};
+use laguerre::engine::capacities::{CellCounts, count_cells, sufficient};
 use laguerre::{Request, Result, io};
 use serde::Serialize;
 

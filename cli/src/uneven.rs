@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use laguerre::{Domain, Result, memory};
+use laguerre::engine::memory;
+use laguerre::{Domain, Result};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 

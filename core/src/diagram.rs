@@ -168,6 +168,7 @@ impl PowerDiagram {
     /// # Errors
     /// `Input` where a site or weight is out of range of the container ([`FARTHEST_SITE`], [`LARGEST_WEIGHT_SPREAD`]),
     /// or where there is none.
+    #[doc(hidden)]
     pub fn prepare(&self) -> Result<Prepared> {
         let container = self.framed_container()?;
         self.check_range(&container)?;
@@ -180,6 +181,7 @@ impl PowerDiagram {
     ///
     /// # Errors
     /// As [`PowerDiagram::container`].
+    #[doc(hidden)]
     pub fn framed_container(&self) -> Result<FramedContainer> {
         Ok(match self.container()? {
             Container::Box(lo, hi) => {
@@ -227,6 +229,7 @@ impl PowerDiagram {
     ///
     /// # Errors
     /// `Input` for the first that is not ([`FARTHEST_SITE`], [`LARGEST_WEIGHT_SPREAD`]).
+    #[doc(hidden)]
     pub fn check_range(&self, container: &FramedContainer) -> Result<()> {
         let frame = &container.frame;
         let is_far = |p: &[f64; 3]| frame.enter(*p).iter().any(|x| x.abs() > FARTHEST_SITE);

@@ -150,6 +150,7 @@ impl Domain {
     }
 
     /// The frame in which cells are computed: that of the bounding box.
+    #[doc(hidden)]
     pub fn frame(&self) -> &Frame {
         &self.inner.frame
     }
@@ -162,6 +163,7 @@ impl Domain {
 
     /// The grid over the domain for so many sites inside, in the coordinates of [`Domain::frame`]: about one voxel for each, and voxels
     /// of that size around it, so that few cells seem to meet the surface that do not. Built on the first call for the next power of two, and kept.
+    #[doc(hidden)]
     pub fn grid(&self, sites: usize) -> &Arc<DomainGrid> {
         let level = (sites.max(1).next_power_of_two().trailing_zeros() as usize).clamp(FEWEST, FEWEST + LEVELS - 1);
         self.inner.grids[level - FEWEST].get_or_init(|| {

@@ -90,6 +90,7 @@ impl Integrand {
     ///
     /// # Errors
     /// `Input` where a coefficient is beyond all numbers in the frame's unit.
+    #[doc(hidden)]
     pub fn framed(&self, frame: &Frame) -> Result<FramedIntegrand> {
         let mut framed = FramedIntegrand {
             nodes: rule(self.degree),

@@ -33,7 +33,7 @@ pub mod site_tree;
 pub mod summation;
 
 pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo, Precision};
-pub use diagram::PowerDiagram;
+pub use diagram::{Container, MergedSites, PowerDiagram};
 pub use domain::Domain;
 pub use error::{Error, ErrorKind, Result};
 pub use geometry::Geometry;

@@ -142,6 +142,7 @@ impl Output {
     ///
     /// # Errors
     /// `Input` for the first site whose integral is not finite.
+    #[doc(hidden)]
     pub fn check_integrals(&self) -> Result<()> {
         match self.integral.iter().flatten().position(|x| !x.is_finite()) {
             None => Ok(()),

@@ -1,7 +1,7 @@
 //! What options may be given: how each is read, and what is said of a wrong one.
 
 use laguerre::DeviceChoice;
-use laguerre::diagram::LARGEST_COORDINATE;
+use laguerre::limits::LARGEST_COORDINATE;
 
 use super::Corners;
 

@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::Path;
 
-use laguerre::diagram::Container;
+use laguerre::Container;
 use laguerre::solvers::fluid::{Fluid, Gravity, Scene, Settings, State};
 use laguerre::{Backend, Domain, Error, ErrorKind, Result, io};
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use gif::{Encoder, Frame, Repeat};
-use laguerre::diagram::Container;
+use laguerre::Container;
 use laguerre::solvers::fluid::{Fluid, Scene, State};
 use laguerre::{Domain, Error, ErrorKind, Result, io};
 use tiny_skia::Pixmap;
@@ -163,7 +163,7 @@ impl Film {
 /// The colour of each particle's cell: by density, lighter where it is fast; where there is one density, by speed.
 fn colors(scene: Scene, fluid: &Fluid) -> Vec<[u8; 3]> {
     let state = fluid.state();
-    let (lo, hi) = laguerre::diagram::bounding_box(&state.positions);
+    let (lo, hi) = laguerre::engine::diagram::bounding_box(&state.positions);
     let gravity = fluid.settings().gravity.steady[1].abs();
     // The vortices' largest speed is 1, and what falls comes near to that of half the height.
     let fastest = if scene.has_two_densities() { (gravity * (hi[1] - lo[1])).sqrt() } else { 1.0 };

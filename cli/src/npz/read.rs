@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use laguerre::engine::memory;
 use laguerre::io::{self, CellRow, CellsFile, FacetRow};
-use laguerre::{CellStatus, Error, ErrorKind, Result, memory};
+use laguerre::{CellStatus, Error, ErrorKind, Result};
 use rawzip::{CompressionMethod, ZipArchive, ZipSliceArchive};
 
 use super::{ENDING, with_npz};

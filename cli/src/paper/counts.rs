@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use laguerre::capacities::{CellCounts, PROPOSED_SHARE, count_cells, sufficient};
+use laguerre::engine::capacities::{CellCounts, PROPOSED_SHARE, count_cells, sufficient};
 use laguerre::{PowerDiagram, Request, Result};
 
 use super::{Lab, diagram, equal, head, row};

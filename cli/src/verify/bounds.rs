@@ -9,7 +9,7 @@
 
 use std::f64::consts::TAU;
 
-use laguerre::diagram::Container;
+use laguerre::Container;
 use laguerre::summation::{SUM, bound_of_volumes};
 use laguerre::{Output, PowerDiagram, Result};
 

@@ -2,7 +2,7 @@
 
 use crate::{Backend, Result};
 #[cfg(all(feature = "cpu", feature = "ocl"))]
-use crate::{BackendInfo, DeviceChoice, Integrand, Output, PowerDiagram, Precision, Request};
+use crate::{BackendInfo, Capabilities, DeviceChoice, Integrand, Observer, Output, PowerDiagram, Precision, Request};
 
 /// A GPU that can be used, else the CPU.
 #[cfg(all(feature = "cpu", feature = "ocl"))]
@@ -36,12 +36,12 @@ struct Fastest {
 #[cfg(all(feature = "cpu", feature = "ocl"))]
 impl Backend for Fastest {
     fn info(&self) -> BackendInfo {
-        self.gpu.info()
+        self.gpu.info().with(Capabilities::ALL)
     }
 
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
         let backend = if request.integral.as_ref().is_some_and(Integrand::is_function) { &self.cpu } else { &self.gpu };
-        backend.evaluate(diagram, request)
+        backend.evaluate_watched(diagram, request, observer)
     }
 }
 

@@ -23,9 +23,9 @@ pub use laguerre_core::oracle;
 #[cfg(feature = "shapes")]
 pub use laguerre_core::shapes;
 pub use laguerre_core::{
-    Backend, BackendInfo, Boundary, CellStatus, Container, DeviceChoice, DeviceInfo, Domain, Error, ErrorKind,
-    FacetList, Geometry, Integrand, MergedSites, Neighbor, Output, PassReport, PowerDiagram, Precision, Progress,
-    Request, Result, Substep, io, summation,
+    Backend, BackendInfo, Boundary, Capabilities, CellStatus, Container, DeviceChoice, DeviceInfo, Domain, Error,
+    ErrorKind, FacetList, Geometry, Integrand, MergedSites, Neighbor, Observer, Output, PassReport, Place,
+    PowerDiagram, Precision, Request, Result, Substep, io, summation,
 };
 /// What the geometry of cells is made of.
 pub mod geometry {
@@ -115,7 +115,7 @@ pub fn open_sharing_in_sub_groups() -> Result<Box<dyn Backend>> {
 fn open_ocl(_devices: DeviceChoice, _precision: Precision) -> Result<Box<dyn Backend>> {
     Err(Error::new(
         ErrorKind::Unavailable,
-        "backend ocl is not part of this build: build with the feature `ocl`, or use --backend cpu",
+        "backend ocl is not part of this build: build with the feature `ocl`, or use the CPU",
     ))
 }
 
@@ -131,4 +131,4 @@ pub fn devices() -> Result<Vec<DeviceInfo>> {
 }
 
 #[cfg(not(feature = "ocl"))]
-const NOT_BUILT: &str = "backend ocl is not part of this build: build with the feature `ocl`, or use --backend cpu";
+const NOT_BUILT: &str = "backend ocl is not part of this build: build with the feature `ocl`, or use the CPU";

@@ -8,7 +8,9 @@ use laguerre_core::geometry::{GeometryAssembler, Shaper, Shapes};
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::search::Search;
-use laguerre_core::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_core::{
+    Backend, BackendInfo, CellStatus, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result, Watched,
+};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -39,7 +41,6 @@ struct ChunkResult {
     facet_counts: Vec<u32>,
     shapes: Shapes,
     failed: Vec<u32>,
-    undecided: Option<u32>,
     exact_cells: usize,
     visited: u32,
     triangles: u32,
@@ -72,18 +73,18 @@ impl Cpu {
 impl Backend for Cpu {
     fn info(&self) -> BackendInfo {
         let threads = self.pool.current_num_threads();
-        BackendInfo { backend: "cpu", device: device_name(), precision: "f64", threads }
+        BackendInfo::of_host("cpu", device_name(), threads)
     }
 
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        self.pool.install(|| evaluate(diagram, request))
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
+        self.pool.install(|| evaluate(diagram, Watched::new(request, observer)))
     }
 }
 
-fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
     let prepared = diagram.prepare()?;
     let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
-    let mut assembler = Assembler::new(diagram, &prepared.container, request);
+    let mut assembler = Assembler::new(diagram, &prepared.container, &request);
     let mut geometry =
         request.geometry.then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame));
     let mut exact_cells = 0;
@@ -96,13 +97,10 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         for wave in cells.chunks(wave) {
             // The shapes of one wave are put together while the next is computed.
             let (results, ()) = rayon::join(
-                || run_chunks(room, wave, &prepared, integrand.as_ref(), request),
+                || run_chunks(room, wave, &prepared, integrand.as_ref(), &request),
                 || geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes))),
             );
-            for result in results {
-                if let Some(site) = result.undecided {
-                    return Err(undecided(&prepared, site));
-                }
+            for result in results? {
                 let mut begin = 0;
                 for (i, cell) in result.cells.iter().enumerate() {
                     let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
@@ -131,6 +129,7 @@ fn evaluate(diagram: &PowerDiagram, request: &Request) -> Result<Output> {
 fn undecided(prepared: &Prepared, site: u32) -> Error {
     let site = prepared.sites.order()[site as usize];
     Error::new(ErrorKind::Device, format!("the cell of site {site} could not be decided; please report its input"))
+        .of_site(site as usize)
 }
 
 /// Computes the cells of one pass, chunk by chunk, the results in order.
@@ -139,8 +138,8 @@ fn run_chunks(
     cells: &[u32],
     prepared: &Prepared,
     integrand: Option<&FramedIntegrand>,
-    request: &Request,
-) -> Vec<ChunkResult> {
+    request: &Watched<'_>,
+) -> Result<Vec<ChunkResult>> {
     let new_worker = || Worker {
         store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
         search: Search::new(prepared),
@@ -151,15 +150,21 @@ fn run_chunks(
         .map_init(new_worker, |worker, chunk| {
             let mut result = ChunkResult::default();
             for &site in chunk {
-                run_cell(worker, site, prepared, request, &mut result);
+                run_cell(worker, site, prepared, request, &mut result)?;
             }
-            request.progress.advance(result.cells.len());
-            result
+            request.advance(result.cells.len())?;
+            Ok(result)
         })
         .collect()
 }
 
-fn run_cell(worker: &mut Worker<'_>, site: u32, prepared: &Prepared, request: &Request, result: &mut ChunkResult) {
+fn run_cell(
+    worker: &mut Worker<'_>,
+    site: u32,
+    prepared: &Prepared,
+    request: &Request,
+    result: &mut ChunkResult,
+) -> Result<()> {
     let [x, y, z, _] = prepared.sites.site(site);
     let store = &mut worker.store;
     store.turn_to(v3(x, y, z));
@@ -178,19 +183,15 @@ fn run_cell(worker: &mut Worker<'_>, site: u32, prepared: &Prepared, request: &R
         cell::EMPTY => CellStatus::Empty,
         cell::P_FULL | cell::V_FULL => {
             result.failed.push(site);
-            return;
+            return Ok(());
         }
-        _ => {
-            result.undecided = Some(site);
-            return;
-        }
+        _ => return Err(undecided(prepared, site)),
     };
     let order = prepared.sites.order();
     if request.geometry && status != CellStatus::Empty {
         let frame = &prepared.container.frame;
         if worker.shaper.add(store, site, sums.volume, order, frame, &mut result.shapes) != cell::COMPLETE {
-            result.undecided = Some(site);
-            return;
+            return Err(undecided(prepared, site));
         }
     }
     result.exact_cells += usize::from(store.exact);
@@ -202,6 +203,7 @@ fn run_cell(worker: &mut Worker<'_>, site: u32, prepared: &Prepared, request: &R
         }
         result.facet_counts.push((result.facets.records.len() - before) as u32);
     }
+    Ok(())
 }
 
 /// The processor in its own words, where the system tells.

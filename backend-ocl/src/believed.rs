@@ -42,7 +42,7 @@ pub(crate) fn check_volumes(diagram: &PowerDiagram, output: &Output, precision: 
         return Ok(());
     }
     let message = format!(
-        "the volumes of all cells sum to {sum:e}, not to {volume:e}: the compiler or the driver of {device} errs: use --backend cpu"
+        "the volumes of all cells sum to {sum:e}, not to {volume:e}: the compiler or the driver of {device} errs: use the CPU"
     );
     Err(Error::new(ErrorKind::Device, message))
 }
@@ -61,7 +61,7 @@ mod tests {
         check_volumes(&diagram, &output, Precision::F64, "a device").unwrap();
         output.volume[1] += 1e-6;
         let error = check_volumes(&diagram, &output, Precision::F64, "a device").unwrap_err();
-        assert!(error.to_string().contains("a device errs: use --backend cpu"), "{error}");
+        assert!(error.to_string().contains("a device errs: use the CPU"), "{error}");
         check_volumes(&diagram, &output, Precision::F32, "a device").unwrap();
         output.volume[1] = -output.volume[1];
         check_volumes(&diagram, &output, Precision::F32, "a device").unwrap_err();

@@ -178,5 +178,5 @@ pub(crate) fn lacked_memory(error: &ClError) -> bool {
 /// A device error in one line.
 pub(crate) fn failed(doing: &str, error: ClError) -> Error {
     let or = if OUT_OF_MEMORY.contains(&error.0) || lacked_memory(&error) { ", or fewer sites" } else { "" };
-    Error::new(ErrorKind::Device, format!("OpenCL failed {doing}: {error} ({}): use --backend cpu{or}", error.0))
+    Error::new(ErrorKind::Device, format!("OpenCL failed {doing}: {error} ({}): use the CPU{or}", error.0))
 }

@@ -10,8 +10,8 @@ use laguerre_core::diagram::Prepared;
 use laguerre_core::geometry;
 use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{
-    Backend, BackendInfo, DeviceChoice, Error, ErrorKind, Integrand, Output, PassReport, PowerDiagram, Precision,
-    Request, Result,
+    Backend, BackendInfo, Capabilities, DeviceChoice, Error, ErrorKind, Observer, Output, PassReport, PowerDiagram,
+    Precision, Request, Result, Watched,
 };
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -96,16 +96,12 @@ impl Ocl {
 
 impl Backend for Ocl {
     fn info(&self) -> BackendInfo {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        BackendInfo { backend: self.backend, device: self.name.clone(), precision: self.precision.word(), threads }
+        BackendInfo::of_devices(self.backend, self.name.clone(), self.precision)
     }
 
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        if request.integral.as_ref().is_some_and(Integrand::is_function) {
-            return Err(Error::input(
-                "integrand: a device cannot call a function: give the coefficients of a polynomial, or compute on the CPU (--backend cpu)",
-            ));
-        }
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
+        Capabilities::OF_DEVICES.check(request)?;
+        let request = &Watched::new(request, observer);
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let computed = self.compute(diagram, request, &mut devices);
         // Sub-groups are whatever a driver makes of them: where they fail, or what they answer is not believed, each cell is one work-item's.
@@ -119,7 +115,7 @@ impl Backend for Ocl {
 }
 
 impl Ocl {
-    fn compute(&self, diagram: &PowerDiagram, request: &Request, devices: &mut [Device]) -> Result<Output> {
+    fn compute(&self, diagram: &PowerDiagram, request: &Watched<'_>, devices: &mut [Device]) -> Result<Output> {
         let container = diagram.framed_container()?;
         let integrand = request.integral.as_ref().map(|f| f.framed(&container.frame)).transpose()?;
         let name: fn(&Device) -> &String = |device| &device.name;

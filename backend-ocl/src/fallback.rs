@@ -5,14 +5,14 @@ use laguerre_core::cell::{self, CellSums, PlainStore};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::search::Search;
-use laguerre_core::{CellStatus, Error, ErrorKind, Request, Result};
+use laguerre_core::{CellStatus, Error, ErrorKind, Result, Watched};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// Computes the cells of some sites (the caller's indices).
 pub(crate) fn compute(
     prepared: &Prepared,
-    request: &Request,
+    request: &Watched<'_>,
     sites: &[u32],
     assembler: &mut Assembler<'_>,
 ) -> Result<()> {
@@ -31,14 +31,14 @@ pub(crate) fn compute(
     for (cell, facets) in cells? {
         assembler.add(&cell, facets.all());
     }
-    request.progress.advance(sites.len());
+    request.advance(sites.len())?;
     Ok(())
 }
 
 fn compute_cell(
     search: &mut Search<'_>,
     prepared: &Prepared,
-    request: &Request,
+    request: &Watched<'_>,
     integrand: Option<&FramedIntegrand>,
     site: u32,
 ) -> Result<(CellRecord, Facets)> {

@@ -21,7 +21,7 @@ pub(crate) struct Found {
 }
 
 /// Why a device can compute in single precision alone.
-const NO_DOUBLES: &str = "it has no double precision: give --precision f32";
+const NO_DOUBLES: &str = "it has no double precision: compute in f32";
 
 impl Found {
     /// Why it cannot compute with the given numbers, if so.
@@ -66,7 +66,7 @@ fn find() -> Result<Vec<Found>> {
             -1001 => "no OpenCL platform is installed".to_owned(),
             code => format!("OpenCL platforms cannot be listed: {error} ({code})"),
         };
-        Error::new(ErrorKind::Unavailable, format!("{why}: install the driver of your device, or use --backend cpu"))
+        Error::new(ErrorKind::Unavailable, format!("{why}: install the driver of your device, or use the CPU"))
     })?;
     let (mut found, mut silent) = (Vec::new(), Vec::new());
     for platform in platforms {
@@ -79,7 +79,7 @@ fn find() -> Result<Vec<Found>> {
     // After the devices, which keep their numbers when it speaks again.
     found.append(&mut silent);
     if found.is_empty() {
-        let message = "OpenCL is there, but no platform has a device: check the driver, or use --backend cpu";
+        let message = "OpenCL is there, but no platform has a device: check the driver, or use the CPU";
         return Err(Error::new(ErrorKind::Unavailable, message));
     }
     Ok(found)
@@ -147,7 +147,7 @@ fn examine(device: &Device, info: &mut DeviceInfo) -> std::result::Result<Option
 pub(crate) fn open(found: &Found) -> Result<(Handle<Context>, Handle<CommandQueue>)> {
     let failed = |what: &str, code| {
         let message =
-            format!("OpenCL failed creating {what}: {} ({code}): use another device, or --backend cpu", ClError(code));
+            format!("OpenCL failed creating {what}: {} ({code}): use another device, or the CPU", ClError(code));
         Error::new(ErrorKind::Device, message)
     };
     let _alone = alone();
@@ -196,5 +196,5 @@ pub(crate) fn choose(choice: &DeviceChoice, precision: Precision) -> Result<Vec<
 fn none_usable(found: &[Found]) -> String {
     let why = found.first().and_then(|device| device.info.unusable.as_deref()).unwrap_or_default();
     let name = found.first().map_or("", |device| device.info.name.as_str());
-    format!("no OpenCL device can be used ({name}: {why}): use --backend cpu")
+    format!("no OpenCL device can be used ({name}: {why}): use the CPU")
 }

@@ -119,7 +119,7 @@ pub(crate) fn compile_text(
     options: &str,
 ) -> Result<Handle<Program>> {
     let failed = |error: ClError, log: &str| {
-        let message = format!("the OpenCL kernels do not build: {error} ({}): use --backend cpu{log}", error.0);
+        let message = format!("the OpenCL kernels do not build: {error} ({}): use the CPU{log}", error.0);
         Error::new(ErrorKind::Device, message)
     };
     // As one string: given several, opencl3 0.12 passes their lengths wrongly.

@@ -20,7 +20,8 @@ use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::geometry;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::{
-    Backend, BackendInfo, CellStatus, DeviceChoice, Error, Output, PassReport, PowerDiagram, Precision, Request, Result,
+    Backend, BackendInfo, Capabilities, CellStatus, DeviceChoice, Error, Observer, Output, PassReport, PowerDiagram,
+    Precision, Request, Result, Watched,
 };
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -107,21 +108,18 @@ impl Single {
 
 impl Backend for Single {
     fn info(&self) -> BackendInfo {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        BackendInfo { backend: "ocl", device: self.name.clone(), precision: Precision::F32.word(), threads }
+        BackendInfo::of_devices("ocl", self.name.clone(), Precision::F32).with(Capabilities::MOMENTS)
     }
 
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        if request.facets || request.second_moments || request.integral.is_some() {
-            let message = "--precision f32 gives volumes and barycenters only: give --precision f64 for facets, second moments and integrals";
-            return Err(Error::input(message));
-        }
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
+        Capabilities::MOMENTS.check(request)?;
+        let watched = Watched::new(request, observer);
         let prepared = diagram.prepare()?;
         let scene = Scene::new(&prepared);
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let shares = shares(prepared.sites.len(), devices.len());
         let computed = on_all(&mut devices, |device| &device.name, &|i, device| {
-            device.compute(&prepared, &scene, request, shares[i].clone())
+            device.compute(&prepared, &scene, &watched, shares[i].clone())
         })?;
 
         let order = prepared.sites.order();
@@ -149,7 +147,7 @@ impl Backend for Single {
         let mut proved = request.clone();
         proved.epsilon = None;
         if !for_host.is_empty() {
-            fallback::compute(&prepared, &proved, &for_host, &mut assembler)?;
+            fallback::compute(&prepared, &watched.of(&proved), &for_host, &mut assembler)?;
         }
         let mut output = assembler.finish();
         output.exact_cells = exact_cells;
@@ -184,7 +182,7 @@ impl Device {
         &mut self,
         prepared: &Prepared,
         scene: &Scene,
-        request: &Request,
+        request: &Watched<'_>,
         share: Range<usize>,
     ) -> Result<Computed> {
         let mut computed =
@@ -234,7 +232,7 @@ impl Device {
     /// Computes the cells of some sorted sites.
     fn run(
         &mut self,
-        request: &Request,
+        request: &Watched<'_>,
         room: Capacities,
         sites: &[u32],
         pass: &mut PassOutcome,
@@ -293,7 +291,7 @@ impl Device {
             computed.exact_cells += usize::from(outcome & OUTCOME_EXACT != 0);
             computed.cells.push((site, status, sums));
         }
-        request.progress.advance(done);
+        request.advance(done)?;
         Ok(())
     }
 }

@@ -6,8 +6,12 @@ use laguerre_core::capacities::{count_cells, sufficient};
 use laguerre_core::oracle::Naive;
 use laguerre_core::required::if_available;
 use laguerre_core::shapes::icosphere;
-use laguerre_core::{Backend, CellStatus, DeviceChoice, Domain, FacetList, Output, PowerDiagram, Precision, Request};
+use laguerre_core::{
+    Backend, CellStatus, DeviceChoice, Domain, FacetList, Observer, Output, PowerDiagram, Precision, Request,
+};
 use laguerre_ocl::Ocl;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How far a volume may be off the oracle's, in units of the mean.
 const VOLUME: f64 = 1e-12;
@@ -96,19 +100,31 @@ fn assert_identical(one: &Output, several: &Output, what: &str) {
     assert_eq!(most(several), most(one), "{what}");
 }
 
+/// Counts finished cells.
+#[derive(Default)]
+struct Count(AtomicUsize);
+
+impl Observer for Count {
+    fn advance(&self, cells: usize) -> ControlFlow<()> {
+        self.0.fetch_add(cells, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    }
+}
+
 #[test]
 fn several_devices_find_the_cells_of_one() {
     let Some((one, several)) = devices() else { return };
     for (name, diagram) in diagrams() {
         for asked in [Request::moments, || Request::moments().with_facets().with_second_moments()] {
             let request = asked();
-            let alone = one.evaluate(&diagram, &request).unwrap();
+            let count = Count::default();
+            let alone = one.evaluate_watched(&diagram, &request, &count).unwrap();
             for many in &several {
-                let again = asked();
-                let found = many.evaluate(&diagram, &again).unwrap();
-                let what = format!("{name}, on {}, facets: {}", many.info().device, again.facets);
+                let again = Count::default();
+                let found = many.evaluate_watched(&diagram, &request, &again).unwrap();
+                let what = format!("{name}, on {}, facets: {}", many.info().device, request.facets);
                 assert_identical(&alone, &found, &what);
-                assert_eq!(again.progress.finished(), request.progress.finished(), "{what}");
+                assert_eq!(again.0.load(Ordering::Relaxed), count.0.load(Ordering::Relaxed), "{what}");
             }
         }
     }

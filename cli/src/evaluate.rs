@@ -1,15 +1,18 @@
 //! Opening a backend and evaluating with it, with a progress bar where there is a terminal to draw it on.
 
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use laguerre::engine::memory;
-use laguerre::{Backend, Error, ErrorKind, Output, PowerDiagram, Progress, Request, Result, Selection};
+use laguerre::{Backend, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result, Selection};
 
 use crate::args::{BackendArgs, BackendChoice, Precision};
+use crate::outcome::is_interrupted;
 
 /// Opens the backend of the command line. The only place that does.
 pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
@@ -32,11 +35,11 @@ pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
     };
     let backend = laguerre::open(selection)?;
     let info = backend.info();
-    if args.precision == Precision::F32 && info.precision != "f32" {
+    if args.precision == Precision::F32 && info.precision != laguerre::Precision::F32 {
         let name = info.backend;
         return Err(Error::input(format!(
             "--precision f32: backend {name} computes in {0} only; give --precision {0}",
-            info.precision
+            info.precision.word()
         )));
     }
     Ok(backend)
@@ -71,45 +74,41 @@ pub(crate) fn evaluate(backend: &dyn Backend, diagram: &PowerDiagram, request: &
     let of_facets = if request.facets { FACETS } else { 0 };
     let of_domain = if diagram.domain().is_some() { VOXELS } else { 0 };
     memory::probe(diagram.positions().len() as u64, CELL + of_facets + of_domain, "cells")?;
+    let progress = Progress::default();
     if !std::io::stderr().is_terminal() {
-        return backend.evaluate(diagram, request);
+        return backend.evaluate_watched(diagram, request, &progress);
     }
     let (done, wait) = mpsc::channel::<()>();
+    let cells = diagram.positions().len();
+    let watched = &progress;
     thread::scope(|scope| {
-        let progress = Since::now(&request.progress);
-        let cells = diagram.positions().len();
         // Without a second thread there is no bar, and nothing else is lost.
-        let drawing = thread::Builder::new().spawn_scoped(scope, move || draw(&progress, cells, &wait));
-        let output = backend.evaluate(diagram, request);
+        let drawing = thread::Builder::new().spawn_scoped(scope, move || draw(watched, cells, &wait));
+        let output = backend.evaluate_watched(diagram, request, &progress);
         drop(done);
         drop(drawing);
         output
     })
 }
 
-/// A counter that a solver's requests share, from where it stands now: the cells of one diagram.
-struct Since {
-    progress: Progress,
-    before: usize,
-}
+/// Counts the cells of one diagram, and ends it where Ctrl-C came to a command that ends by itself.
+#[derive(Default)]
+struct Progress(AtomicUsize);
 
-impl Since {
-    fn now(progress: &Progress) -> Self {
-        Self { progress: progress.clone(), before: progress.finished() }
-    }
-
-    fn finished(&self) -> usize {
-        self.progress.finished().saturating_sub(self.before)
+impl Observer for Progress {
+    fn advance(&self, cells: usize) -> ControlFlow<()> {
+        self.0.fetch_add(cells, Ordering::Relaxed);
+        if is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
-fn draw(progress: &Since, cells: usize, wait: &mpsc::Receiver<()>) {
+fn draw(progress: &Progress, cells: usize, wait: &mpsc::Receiver<()>) {
     let bar = ProgressBar::new(cells as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} cells, {eta}") {
         bar.set_style(style);
     }
     while wait.recv_timeout(REDRAW) == Err(RecvTimeoutError::Timeout) {
-        bar.set_position(progress.finished() as u64);
+        bar.set_position(progress.0.load(Ordering::Relaxed) as u64);
     }
     bar.finish_and_clear();
 }
@@ -119,15 +118,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_bar_of_each_diagram_begins_at_none() {
+    fn the_bar_of_each_diagram_begins_at_none_and_ends_full() {
         let (backend, request) = (open_default().unwrap(), Request::moments());
         let diagram = PowerDiagram::new(&[[0.2; 3], [0.7; 3]], &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
         // One request for both, as a solver has it.
         for _ in 0..2 {
-            let since = Since::now(&request.progress);
-            assert_eq!(since.finished(), 0);
-            evaluate(backend.as_ref(), &diagram, &request).unwrap();
-            assert_eq!(since.finished(), 2);
+            let progress = Progress::default();
+            backend.evaluate_watched(&diagram, &request, &progress).unwrap();
+            assert_eq!(progress.0.into_inner(), 2);
         }
     }
 }

@@ -191,7 +191,7 @@ impl Report {
             seconds,
             backend: info.backend,
             device: info.device,
-            precision: info.precision,
+            precision: info.precision.word(),
             threads: info.threads,
             history,
         }

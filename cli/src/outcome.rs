@@ -37,7 +37,7 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
         Ok(Outcome::Uncertified | Outcome::Refuted) => UNCERTIFIED.into(),
         Ok(Outcome::Interrupted) => INTERRUPTED.into(),
         Err(error) => {
-            say(&error.to_string());
+            say(&format!("{error}{}", option_for(&error)));
             match error.kind() {
                 ErrorKind::Unavailable | ErrorKind::Device => UNAVAILABLE.into(),
                 ErrorKind::Interrupted => INTERRUPTED.into(),
@@ -45,6 +45,17 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
             }
         }
     }
+}
+
+/// The option of this program that does what the library's error says to do.
+fn option_for(error: &Error) -> &'static str {
+    let message = error.to_string();
+    let options = [
+        ("compute in f32", " (--precision f32)"),
+        ("integrals in f64", " (--precision f64)"),
+        ("the CPU", " (--backend cpu)"),
+    ];
+    options.iter().find(|(advice, _)| message.contains(advice)).map_or("", |(_, option)| option)
 }
 
 /// Whether a command ends by itself when Ctrl-C comes, and whether it came.

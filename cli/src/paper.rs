@@ -53,7 +53,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<Outcome> {
          Compared are the device's times, or without a device the fastest calls. Volumes and barycenters, no facets. \
          Sites fill the unit cube, and each domain is scaled into it.\n",
         grouped(args.sites.into()),
-        info.precision,
+        info.precision.word(),
         lab.repetitions
     );
     for experiment in &args.only {

@@ -100,7 +100,7 @@ impl Report {
             host_cells: output.host_cells,
             backend: info.backend,
             device: info.device,
-            precision: info.precision,
+            precision: info.precision.word(),
             threads: info.threads,
             seconds,
             passes: output.passes.iter().map(Pass::from).collect(),

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use laguerre::limits::LARGEST_COORDINATE;
-use laguerre::{Backend, BackendInfo, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
 
 use crate::args::{BackendArgs, Precision};
 use crate::evaluate::{evaluate, open};
-use crate::outcome::{Outcome, is_interrupted, say};
+use crate::outcome::{Outcome, say};
 
 /// The backend for a solver, and the threads of the solver's own work: as many as the backend's.
 pub(crate) fn open_for_solver(args: &BackendArgs) -> Result<(Box<dyn Backend>, rayon::ThreadPool)> {
@@ -22,7 +22,7 @@ pub(crate) fn open_for_solver(args: &BackendArgs) -> Result<(Box<dyn Backend>, r
     Ok((backend, pool))
 }
 
-/// A backend that draws its progress, where there is a terminal, and that a Ctrl-C stops from the next diagram on, if it is to end well.
+/// A backend that draws its progress, where there is a terminal, and that a Ctrl-C stops, if the command ends by itself.
 pub(crate) struct WithBar<'a>(pub(crate) &'a dyn Backend);
 
 impl Backend for WithBar<'_> {
@@ -30,14 +30,7 @@ impl Backend for WithBar<'_> {
         self.0.info()
     }
 
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-        if is_interrupted() {
-            // What a solver has by then it returns; this is said where it has nothing.
-            return Err(Error::new(
-                ErrorKind::Interrupted,
-                "interrupted before there was a result; nothing is written",
-            ));
-        }
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, _nobody: &dyn Observer) -> Result<Output> {
         evaluate(self.0, diagram, request)
     }
 }

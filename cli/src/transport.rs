@@ -197,7 +197,7 @@ impl Report {
             solver_seconds: history.iter().map(|row| row.solver_seconds).sum(),
             backend: info.backend,
             device: info.device,
-            precision: info.precision,
+            precision: info.precision.word(),
             threads: info.threads,
             history,
         }

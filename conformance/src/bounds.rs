@@ -53,7 +53,7 @@ pub const NOT_BELIEVED: f64 = 3e5;
 
 /// How many times larger the bounds of volumes and barycenters are where a backend's are single numbers.
 pub fn of_digits(backend: &dyn Backend) -> f64 {
-    if backend.info().precision == Precision::F32.word() { f64::from(f32::EPSILON) / f64::EPSILON } else { 1.0 }
+    if backend.info().precision == Precision::F32 { f64::from(f32::EPSILON) / f64::EPSILON } else { 1.0 }
 }
 
 /// How planes of two evaluations that are compared differ.

@@ -48,7 +48,7 @@ fn compare(name: &str, diagram: &PowerDiagram) -> Option<(f64, f64)> {
 
 fn compare_with(single: &dyn Backend, name: &str, diagram: &PowerDiagram) -> (f64, f64) {
     let kind = single.info().backend;
-    assert_eq!(single.info().precision, "f32");
+    assert_eq!(single.info().precision, Precision::F32);
     let (found, wanted) = (evaluate(single, diagram), exact(diagram));
     assert_eq!(found.status, wanted.status, "{name}");
     let count = wanted.count(CellStatus::Complete) as f64;

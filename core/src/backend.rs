@@ -1,18 +1,135 @@
 //! The trait behind which the CPU and GPUs stand.
 
-use crate::{Output, PowerDiagram, Request, Result};
+use std::ops::{ControlFlow, Deref};
 
-/// Who computes, for reports.
+use crate::{Error, Output, PowerDiagram, Request, Result};
+
+/// What a backend can be asked for beside volumes, barycenters and geometry, which all give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Capabilities {
+    /// Facets, second moments of cells and facets, and integrals of polynomials.
+    pub further: bool,
+    /// Integrals of functions of the caller's.
+    pub functions: bool,
+}
+
+impl Capabilities {
+    /// All.
+    pub const ALL: Self = Self { further: true, functions: true };
+    /// All but functions of the caller's, which no device can call.
+    pub const OF_DEVICES: Self = Self { further: true, functions: false };
+    /// Volumes, barycenters and geometry.
+    pub const MOMENTS: Self = Self { further: false, functions: false };
+
+    /// Whether a request is within them. Called by backends.
+    ///
+    /// # Errors
+    /// `Input` where not.
+    pub fn check(self, request: &Request) -> Result<()> {
+        let wants_function = request.integral.as_ref().is_some_and(crate::Integrand::is_function);
+        if !self.further && (request.facets || request.second_moments || request.integral.is_some()) {
+            return Err(Error::input(
+                "in f32 there are volumes, barycenters and geometry only: compute facets, second moments and integrals in f64",
+            ));
+        }
+        if !self.functions && wants_function {
+            return Err(Error::input(
+                "integrand: a device cannot call a function: give the coefficients of a polynomial, or compute on the CPU",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Watches an evaluation from outside, and may end it: a progress bar, a button.
+pub trait Observer: Sync {
+    /// `cells` more of the diagram's are finished; called often, by any thread. `Break` ends the evaluation soon, with an error of the kind
+    /// [`Interrupted`](crate::ErrorKind::Interrupted).
+    fn advance(&self, cells: usize) -> ControlFlow<()>;
+}
+
+/// Nobody.
+impl Observer for () {
+    fn advance(&self, _cells: usize) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// A request, with who watches while it is served: what a backend hands on to its parts.
+#[derive(Clone, Copy)]
+pub struct Watched<'a> {
+    request: &'a Request,
+    observer: &'a dyn Observer,
+}
+
+impl<'a> Watched<'a> {
+    /// A request, watched by an observer.
+    pub fn new(request: &'a Request, observer: &'a dyn Observer) -> Self {
+        Self { request, observer }
+    }
+
+    /// `cells` more are finished.
+    ///
+    /// # Errors
+    /// `Interrupted` where the observer ends the evaluation.
+    pub fn advance(&self, cells: usize) -> Result<()> {
+        match self.observer.advance(cells) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::interrupted()),
+        }
+    }
+
+    /// The same observer of another request.
+    pub fn of<'b>(&self, request: &'b Request) -> Watched<'b>
+    where
+        'a: 'b,
+    {
+        Watched { request, observer: self.observer }
+    }
+}
+
+impl Deref for Watched<'_> {
+    type Target = Request;
+
+    fn deref(&self) -> &Request {
+        self.request
+    }
+}
+
+/// Who computes, and what it can.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct BackendInfo {
     /// `cpu`, `ocl`.
     pub backend: &'static str,
     /// The device in its own words.
     pub device: String,
-    /// `f64` or `f32`.
-    pub precision: &'static str,
+    /// What numbers it computes with.
+    pub precision: Precision,
     /// Host threads at work.
     pub threads: usize,
+    /// What it can be asked for.
+    pub capabilities: Capabilities,
+}
+
+impl BackendInfo {
+    /// A backend that computes on the host, in double precision, all that there is.
+    pub fn of_host(backend: &'static str, device: String, threads: usize) -> Self {
+        Self { backend, device, precision: Precision::F64, threads, capabilities: Capabilities::ALL }
+    }
+
+    /// A backend that computes on devices, all but functions.
+    pub fn of_devices(backend: &'static str, device: String, precision: Precision) -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        Self { backend, device, precision, threads, capabilities: Capabilities::OF_DEVICES }
+    }
+
+    /// The same with other capabilities.
+    #[must_use]
+    pub fn with(self, capabilities: Capabilities) -> Self {
+        Self { capabilities, ..self }
+    }
 }
 
 /// Which devices of a backend to compute on.
@@ -80,18 +197,29 @@ pub struct DeviceInfo {
 /// storage, scheduling and transfer, and never restates it. The output does not depend on the number of threads,
 /// nor on what was evaluated before.
 ///
-/// *Which errors can reach the caller.* `Input`, only from `prepare` (sites out of range of the domain) and for an integrand (a function
-/// on a device, an integral that is not finite); `Device` for device, driver and memory. Never a partial result passed as whole. A backend that
-/// wraps another one, to watch it, may say `Interrupted`: the solvers then end with the best that they have.
+/// *Which errors can reach the caller.* `Input`, only from `prepare` (sites out of range of the domain), for what is not among the backend's
+/// [`Capabilities`], and for an integral that is not finite; `Device` for device, driver and memory; `Interrupted` where the observer ends the
+/// evaluation. Never a partial result passed as whole.
+///
+/// *To watch a solver*, give it a backend that wraps another one and adds an observer to each evaluation. Where that ends one, the solver ends
+/// with the best that it has.
 ///
 /// *Reuse.* Evaluating again with the same backend reuses its buffers; with the same domain, its grid.
 pub trait Backend: Send + Sync {
     /// Who computes.
     fn info(&self) -> BackendInfo;
 
+    /// Computes what `request` asks for, for every site of `diagram`, watched by `observer`.
+    ///
+    /// # Errors
+    /// See the contract above.
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output>;
+
     /// Computes what `request` asks for, for every site of `diagram`.
     ///
     /// # Errors
     /// See the contract above.
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output>;
+    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        self.evaluate_watched(diagram, request, &())
+    }
 }

@@ -75,14 +75,16 @@ impl PowerDiagram {
             if let Some(x) = p.iter().find(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
                 return Err(Error::input(format!(
                     "site {i}: coordinate {x:e} is not a number within ±1e60; choose another unit"
-                )));
+                ))
+                .of_site(i));
             }
         }
         for (i, w) in weights.iter().enumerate() {
             if w.is_nan() || w.abs() > LARGEST_COORDINATE * LARGEST_COORDINATE {
                 return Err(Error::input(format!(
                     "site {i}: weight {w:e} is not a number within ±1e120; choose another unit"
-                )));
+                ))
+                .of_site(i));
             }
         }
         // Both before either: the diagram is as it was where there is no memory.
@@ -237,7 +239,8 @@ impl PowerDiagram {
             return Err(Error::input(format!(
                 "site {i} at {p:?} is out of range: sites must stand within about {FARTHEST_SITE} times the largest extent of \
                  the domain or box; leave it out, or give a larger box",
-            )));
+            ))
+            .of_site(i));
         }
         let unit2 = frame.unit() * frame.unit();
         let base = self.weights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -246,7 +249,8 @@ impl PowerDiagram {
                 "site {i} has weight {}, the smallest weight is {base}: weights must differ by less than about \
                  {LARGEST_WEIGHT_SPREAD} times the squared largest extent of the domain or box; are they squared lengths?",
                 self.weights[i]
-            )));
+            ))
+            .of_site(i));
         }
         Ok(())
     }

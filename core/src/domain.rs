@@ -213,7 +213,8 @@ fn check_numbers(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<()> {
             return Err(Error::input(format!(
                 "triangle {f} of the domain: vertex index {i} (counted from 0) is out of range; there are {} vertices",
                 vertices.len()
-            )));
+            ))
+            .of_triangle(f));
         }
     }
     Ok(())

@@ -32,11 +32,11 @@ pub mod shapes;
 pub mod site_tree;
 pub mod summation;
 
-pub use backend::{Backend, BackendInfo, DeviceChoice, DeviceInfo, Precision};
+pub use backend::{Backend, BackendInfo, Capabilities, DeviceChoice, DeviceInfo, Observer, Precision, Watched};
 pub use diagram::{Container, MergedSites, PowerDiagram};
 pub use domain::Domain;
-pub use error::{Error, ErrorKind, Result};
+pub use error::{Error, ErrorKind, Place, Result};
 pub use geometry::Geometry;
 pub use integrand::Integrand;
 pub use output::{Boundary, CellStatus, FacetList, Neighbor, Output, PassReport, Substep};
-pub use request::{Progress, Request};
+pub use request::Request;

@@ -2,7 +2,7 @@
 //! with the backends, so it tests completeness; what tests the clipping is what shares nothing with it.
 
 use crate::assemble::{Assembler, CellRecord, Facets};
-use crate::backend::{Backend, BackendInfo};
+use crate::backend::{Backend, BackendInfo, Observer, Watched};
 use crate::cell::{self, CellSums, PlainStore, bisector, v3};
 use crate::geometry::{GeometryAssembler, Shaper, Shapes};
 use crate::output::CellStatus;
@@ -23,10 +23,11 @@ impl Naive {
 
 impl Backend for Naive {
     fn info(&self) -> BackendInfo {
-        BackendInfo { backend: "naive", device: "oracle".into(), precision: "f64", threads: 1 }
+        BackendInfo::of_host("naive", "oracle".into(), 1)
     }
 
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
+        let watched = Watched::new(request, observer);
         let prepared = diagram.prepare()?;
         let mut assembler = Assembler::new(diagram, &prepared.container, request);
         let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
@@ -74,6 +75,7 @@ impl Backend for Naive {
                 }
                 geometry.add(&shapes);
             }
+            watched.advance(1)?;
         }
         let mut output = assembler.finish();
         output.geometry = geometry.map(GeometryAssembler::finish);

@@ -149,7 +149,8 @@ impl Output {
             Some(i) => Err(Error::input(format!(
                 "integrand: its integral over the cell of site {i} is not finite: it must be so in all of the box, and of the box of the \
                  domain's grid"
-            ))),
+            ))
+            .of_site(i)),
         }
     }
 

@@ -1,24 +1,6 @@
 //! What to compute: a [`Request`].
 
 use crate::Integrand;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// A counter of finished cells, shared with whoever draws a progress bar.
-#[derive(Clone, Debug, Default)]
-pub struct Progress(Arc<AtomicUsize>);
-
-impl Progress {
-    /// `cells` more are finished. Called by backends.
-    pub fn advance(&self, cells: usize) {
-        self.0.fetch_add(cells, Ordering::Relaxed);
-    }
-
-    /// How many cells are finished so far.
-    pub fn finished(&self) -> usize {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// What to compute for every cell. Volumes and barycenters always; the rest on request.
 #[derive(Clone, Debug, Default)]
@@ -37,8 +19,6 @@ pub struct Request {
     /// `Some(ε)`: stop each cell at the paper's security radius enlarged by the factor `1 + ε` (paper §2.3), with no
     /// certificate: cells for which that cannot be shown to suffice are marked `Uncertified`.
     pub epsilon: Option<f64>,
-    /// Where to count finished cells.
-    pub progress: Progress,
 }
 
 impl Request {

@@ -181,7 +181,9 @@ pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Res
         return Err(Error::input(format!("{} masses for {sites} sites: give one for each", masses.len())));
     }
     if let Some(i) = masses.iter().position(|m| !(*m > 0.0 && m.is_finite())) {
-        return Err(Error::input(format!("the mass of site {i} is {}: masses must be positive numbers", masses[i])));
+        return Err(
+            Error::input(format!("the mass of site {i} is {}: masses must be positive numbers", masses[i])).of_site(i)
+        );
     }
     let mut asked = Sum::default();
     asked.extend(masses.iter().copied());

@@ -1,8 +1,9 @@
 //! The law of interrupts: whenever one comes, what is left is the diagram of the last iteration, whole.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use laguerre_core::{Backend, BackendInfo, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, BackendInfo, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
 use laguerre_cpu::Cpu;
 use laguerre_solvers::density::Density;
 use laguerre_solvers::lloyd::{self, Method, relax};
@@ -12,6 +13,15 @@ use laguerre_solvers::transport::{self, End, solve};
 struct Interrupted {
     backend: Cpu,
     left: AtomicUsize,
+}
+
+/// Who ends an evaluation at the first cells.
+struct Impatient;
+
+impl Observer for Impatient {
+    fn advance(&self, _cells: usize) -> ControlFlow<()> {
+        ControlFlow::Break(())
+    }
 }
 
 impl Interrupted {
@@ -25,12 +35,12 @@ impl Backend for Interrupted {
         self.backend.info()
     }
 
-    fn evaluate(&self, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+    fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
         match self.left.load(Ordering::Relaxed) {
-            0 => Err(Error::new(ErrorKind::Interrupted, "enough")),
+            0 => self.backend.evaluate_watched(diagram, request, &Impatient),
             left => {
                 self.left.store(left - 1, Ordering::Relaxed);
-                self.backend.evaluate(diagram, request)
+                self.backend.evaluate_watched(diagram, request, observer)
             }
         }
     }

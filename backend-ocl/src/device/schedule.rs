@@ -13,7 +13,7 @@ use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::FacetSecond;
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
-use laguerre_core::{Error, Precision, Request, Result};
+use laguerre_core::{Error, Precision, Result, Watched};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -71,7 +71,7 @@ impl Device {
     /// Computes the cells of a range of the sorted sites (paper, Alg. 1), one of `of` ranges. `sites` is the number of the caller's.
     pub(crate) fn compute(
         &mut self,
-        request: &Request,
+        request: &Watched<'_>,
         sites: usize,
         share: Range<usize>,
         of: usize,
@@ -132,7 +132,7 @@ impl Device {
     }
 
     /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.
-    pub(super) fn clear(&mut self, request: &Request, sites: usize, share: usize) -> Result<()> {
+    pub(super) fn clear(&mut self, request: &Watched<'_>, sites: usize, share: usize) -> Result<()> {
         let Self { context, queue, memory, shared, results, domain, together, .. } = self;
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * width_of(shared.params.flags))?;
@@ -178,7 +178,7 @@ impl Device {
     /// computed together is the host's: one such cell took a single work-item 0.45 s (one NVIDIA H200).
     fn pass(
         &mut self,
-        request: &Request,
+        request: &Watched<'_>,
         room: Capacities,
         cells: &Todo,
         is_first: bool,
@@ -259,7 +259,7 @@ impl Device {
     /// Runs over the given cells, batch by batch.
     fn sweep(
         &mut self,
-        request: &Request,
+        request: &Watched<'_>,
         way: Way,
         cells: &Todo,
         interior_only: bool,
@@ -318,7 +318,7 @@ impl Device {
                     second.seconds += self.at_once(lanes, Stage::Exact, cut)?;
                 }
             }
-            request.progress.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize));
+            request.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize))?;
             if request.facets {
                 // Beyond the room there is nothing; a gap at its end belongs to no row.
                 let written = self.counters.facets.min(self.shared.params.facet_room) as usize;
@@ -353,7 +353,7 @@ impl Device {
     }
 
     /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
-    fn room_for_batch(&mut self, request: &Request, count: usize, most: usize) -> Result<usize> {
+    fn room_for_batch(&mut self, request: &Watched<'_>, count: usize, most: usize) -> Result<usize> {
         if !request.facets {
             self.memory.facets.grow(&self.context, 1)?;
             return Ok(most);

@@ -108,7 +108,7 @@ impl Report {
             interrupted: false,
             backend: info.backend,
             device: info.device,
-            precision: info.precision,
+            precision: info.precision.word(),
             threads: info.threads,
             history: Vec::new(),
             largest_kinetic: fluid.energy().kinetic,

@@ -62,8 +62,9 @@ fn edge_error(mesh: &Mesh, uses: &[(u64, u32)]) -> Error {
     let ends = [mesh.vertices[(edge >> 32) as usize], mesh.vertices[(edge & 0xffff_ffff) as usize]];
     let same = uses.iter().filter(|u| u.1 & 1 == first & 1).count();
     let (from, to) = if first & 1 == 0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
-    let place = format!("the edge from {from:?} to {to:?} of triangle {} (from 0)", mesh.faces[(first >> 1) as usize]);
-    Error::input(match (uses.len(), same) {
+    let triangle = mesh.faces[(first >> 1) as usize];
+    let place = format!("the edge from {from:?} to {to:?} of triangle {triangle} (from 0)");
+    let what = match (uses.len(), same) {
         (1, _) => format!("the domain's surface is open: {place} belongs to no other triangle; close the hole"),
         (n, _) if n % 2 == 1 => format!(
             "the domain's surface is open: {place} belongs to {n} triangles, which must be an even number; remove the \
@@ -74,5 +75,6 @@ fn edge_error(mesh: &Mesh, uses: &[(u64, u32)]) -> Error {
              times in the other, which must be equal; orient the triangles alike",
             n - same
         ),
-    })
+    };
+    Error::input(what).of_triangle(triangle as usize)
 }

@@ -18,9 +18,9 @@ use crate::{Error, Result};
 /// `Io`, where `body` or the operating system failed.
 pub fn write_whole(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     if is_standard(path) {
-        return write_standard(body).map_err(|e| io_error(Path::new("standard output"), "write", &e));
+        return write_standard(body).map_err(|e| io_error(Path::new("standard output"), "write", e));
     }
-    try_write_whole(path, body).map_err(|e| io_error(path, "write", &e))
+    try_write_whole(path, body).map_err(|e| io_error(path, "write", e))
 }
 
 /// Checks that a file could be written to `path`, by making the temporary file of [`write_whole`] and removing it again.
@@ -33,7 +33,7 @@ pub(super) fn check_writable(path: &Path) -> Result<()> {
         Place::AsItIs => Ok(()),
         Place::File(target, old) => Temporary::beside(&target, old.as_ref()).map(drop),
     };
-    check().map_err(|e| io_error(path, "write", &e))
+    check().map_err(|e| io_error(path, "write", e))
 }
 
 /// The file that writing to `path` makes or replaces: `path` itself, or what it leads to where it is a link, be that there or not.

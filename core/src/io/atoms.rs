@@ -69,7 +69,7 @@ pub(super) fn parse_xyz(
         return Ok(sites);
     }
     let (line, found) = (counted + 1, sites.positions.len());
-    Err(Error::input(format!("line {counted}: says {count} atoms, but {found} follow the comment of line {line}")))
+    Err(Error::input(format!("says {count} atoms, but {found} follow the comment of line {line}")).on_line(counted))
 }
 
 /// Whether a text that begins with this line is a dump of LAMMPS.
@@ -159,7 +159,7 @@ fn read_atoms(
         memory::push(&mut sites.positions, found, "sites")?;
     }
     if sites.positions.len() as u64 != count {
-        return Err(Error::input(format!("line {counted}: says {count} atoms, but {} follow", sites.positions.len())));
+        return Err(Error::input(format!("says {count} atoms, but {} follow", sites.positions.len())).on_line(counted));
     }
     if !lines.is_at_end() {
         return Err(lines.wrong("a second snapshot; give one alone"));

@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 use std::io::{BufRead, Read};
 
-use crate::{Error, ErrorKind, Result};
+use super::cannot_read;
+use crate::{Error, Result};
 
 /// Longest line that is read: a file of another kind, given by mistake, must not be drawn into memory in search of
 /// its first line end.
@@ -42,7 +43,7 @@ impl<R: BufRead> Lines<R> {
 
     /// An `Input` error about the line that was read last.
     pub(super) fn wrong(&self, what: impl std::fmt::Display) -> Error {
-        Error::input(format!("line {}: {what}", self.number))
+        Error::input(what.to_string()).on_line(self.number)
     }
 
     /// The next line that is not blank, or `None` at the end.
@@ -71,7 +72,7 @@ impl<R: BufRead> Lines<R> {
         }
         self.buffer.clear();
         let read = Read::take(&mut self.reader, LONGEST_LINE).read_until(b'\n', &mut self.buffer);
-        let read = read.map_err(|e| Error::new(ErrorKind::Io, format!("line {}: cannot read: {e}", self.number)))?;
+        let read = read.map_err(|e| cannot_read(e).on_line(self.number))?;
         if read as u64 == LONGEST_LINE && self.buffer.last() != Some(&b'\n') {
             return Err(self.wrong(format_args!("longer than {LONGEST_LINE} bytes; is this a text file?")));
         }

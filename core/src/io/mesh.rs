@@ -26,7 +26,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh> {
     let path = path.as_ref();
     let format = ending(path, MESH_ENDINGS)?;
     let (reader, _) = open(path)?;
-    parse(reader, format).map_err(|e| e.at(path.display()))
+    parse(reader, format).map_err(|e| e.in_file(path))
 }
 
 /// Reads a mesh from the bytes of a file called `name`, as [`read_mesh`] does.
@@ -35,7 +35,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh> {
 /// `Input`, as [`read_mesh`].
 pub fn parse_mesh(bytes: &[u8], name: impl AsRef<Path>) -> Result<Mesh> {
     let name = name.as_ref();
-    parse(bytes, ending(name, MESH_ENDINGS)?).map_err(|e| e.at(name.display()))
+    parse(bytes, ending(name, MESH_ENDINGS)?).map_err(|e| e.in_file(name))
 }
 
 fn parse(reader: impl BufRead, format: &str) -> Result<Mesh> {
@@ -65,7 +65,7 @@ impl Domain {
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let mesh = read_mesh(path)?;
-        Self::new(&mesh.vertices, &mesh.triangles).map_err(|e| e.at(path.display()))
+        Self::new(&mesh.vertices, &mesh.triangles).map_err(|e| e.in_file(path))
     }
 
     /// Reads a domain from the text of an `.obj` file in memory.

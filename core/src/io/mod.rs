@@ -90,23 +90,23 @@ pub fn check_output(path: &Path, known: &[&'static str]) -> Result<()> {
         return atomic::check_writable(path);
     }
     let folder = folder.display();
-    Err(Error::new(ErrorKind::Io, format!("{}: there is no folder '{folder}'; make it first", path.display())))
+    Err(Error::new(ErrorKind::Io, format!("there is no folder '{folder}'; make it first")).in_file(path))
 }
 
 /// Opens a file, and says how long it is.
 fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
-    let failed = |e| io_error(path, "open", &e);
+    let failed = |e| io_error(path, "open", e);
     let file = File::open(path).map_err(failed)?;
     let found = file.metadata().map_err(failed)?;
     if found.is_dir() {
-        return Err(Error::new(ErrorKind::Io, format!("{}: it is a folder; name a file", path.display())));
+        return Err(Error::new(ErrorKind::Io, "it is a folder; name a file").in_file(path));
     }
     Ok((BufReader::with_capacity(1 << 18, file), found.len()))
 }
 
 /// What the operating system said in the midst of a file.
-fn cannot_read(error: &std::io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("cannot read: {error}"))
+fn cannot_read(error: std::io::Error) -> Error {
+    Error::new(ErrorKind::Io, format!("cannot read: {error}")).because(error)
 }
 
 /// The folder that `path` names a file in.
@@ -118,8 +118,8 @@ fn folder_of(path: &Path) -> PathBuf {
 }
 
 /// What the operating system said about `path`.
-fn io_error(path: &Path, what: &str, error: &std::io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("{}: cannot {what}: {error}", path.display()))
+fn io_error(path: &Path, what: &str, error: std::io::Error) -> Error {
+    Error::new(ErrorKind::Io, format!("cannot {what}: {error}")).because(error).in_file(path)
 }
 
 /// A folder of its own for one test, emptied at the start.

@@ -79,7 +79,7 @@ impl<R: BufRead> Array<R> {
                 Order::C => (i / columns, i % columns),
                 Order::Fortran => (i % rows, i / rows),
             };
-            put(row, column, x.map_err(|e| cannot_read(&e))?)
+            put(row, column, x.map_err(cannot_read)?)
         };
         let npy = NpyFile::with_header(self.header, self.reader);
         let strange = |e: npyz::DTypeError| Error::input(e.to_string());

@@ -130,7 +130,7 @@ impl<R: BufRead> Geometry<R> {
         let (index, line) = self.largest;
         match error {
             LoadError::FaceVertexOutOfBounds if index > self.vertices => {
-                Error::input(format!("line {line}: vertex {index} of {} does not exist", self.vertices))
+                Error::input(format!("vertex {index} of {} does not exist", self.vertices)).on_line(line)
             }
             LoadError::PositionParseError => self.lines.wrong("a vertex needs three numbers"),
             LoadError::ScalingByZeroError => self.lines.wrong("the fourth coordinate of a vertex is 0"),

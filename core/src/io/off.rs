@@ -5,7 +5,7 @@ use std::io::BufRead;
 use super::Mesh;
 use super::lines::{Lines, finite, shown};
 use super::mesh::fan;
-use crate::{Error, Result, memory};
+use crate::{Result, memory};
 
 /// Reads vertices, and faces cut into fans of triangles; colours and normals are skipped.
 ///
@@ -54,7 +54,7 @@ fn counts(lines: &mut Lines<impl BufRead>) -> Result<(u32, u32)> {
         (Some(Ok(vertices)), Some(Ok(faces))) => Ok((vertices, faces)),
         _ => {
             let what = format!("'{}' should be the numbers of vertices, faces and edges", shown(line));
-            Err(Error::input(format!("line {}: {what}", lines.number())))
+            Err(lines.wrong(what))
         }
     }
 }

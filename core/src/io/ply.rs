@@ -226,15 +226,15 @@ impl<R: BufRead> Ply<R> {
                         read.map_err(|e| match e.kind() {
                             io::ErrorKind::UnexpectedEof => Error::input(format!("the file ends after {i} of {count}")),
                             io::ErrorKind::InvalidData => Error::input(e.to_string()),
-                            _ => cannot_read(&e),
+                            _ => cannot_read(e),
                         })
                     }
                 };
                 let taken = read.and_then(|()| take(name, &row).map_err(Error::input));
                 if let Err(error) = taken {
                     let at_element = error.at(format_args!("{} {i} (from 0)", shown(name)));
-                    let line = format!("line {}", self.lines.number());
-                    return Err(if self.encoding == Encoding::Text { at_element.at(line) } else { at_element });
+                    let line = self.lines.number();
+                    return Err(if self.encoding == Encoding::Text { at_element.on_line(line) } else { at_element });
                 }
             }
         }

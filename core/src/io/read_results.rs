@@ -62,7 +62,7 @@ pub fn read_cells(path: impl AsRef<Path>) -> Result<CellsFile> {
     let path = path.as_ref();
     let format = ending(path, CELLS_ENDINGS)?;
     let (reader, length) = open(path)?;
-    cells(reader, length, format).map_err(|e| e.at(path.display()))
+    cells(reader, length, format).map_err(|e| e.in_file(path))
 }
 
 /// Reads cells from the bytes of a file called `name`, as [`read_cells`] does.
@@ -71,7 +71,7 @@ pub fn read_cells(path: impl AsRef<Path>) -> Result<CellsFile> {
 /// `Input`, as [`read_cells`].
 pub fn parse_cells(bytes: &[u8], name: impl AsRef<Path>) -> Result<CellsFile> {
     let name = name.as_ref();
-    cells(bytes, bytes.len() as u64, ending(name, CELLS_ENDINGS)?).map_err(|e| e.at(name.display()))
+    cells(bytes, bytes.len() as u64, ending(name, CELLS_ENDINGS)?).map_err(|e| e.in_file(name))
 }
 
 /// Reads a file of facets by its ending: `.csv` with header `site,neighbor,area,x,y,z,distance`, or `.npy` of shape (M, 7) with those columns;
@@ -83,7 +83,7 @@ pub fn read_facets(path: impl AsRef<Path>) -> Result<Vec<FacetRow>> {
     let path = path.as_ref();
     let format = ending(path, FACETS_ENDINGS)?;
     let (reader, length) = open(path)?;
-    facets(reader, length, format).map_err(|e| e.at(path.display()))
+    facets(reader, length, format).map_err(|e| e.in_file(path))
 }
 
 /// Reads facets from the bytes of a file called `name`, as [`read_facets`] does.
@@ -92,7 +92,7 @@ pub fn read_facets(path: impl AsRef<Path>) -> Result<Vec<FacetRow>> {
 /// `Input`, as [`read_facets`].
 pub fn parse_facets(bytes: &[u8], name: impl AsRef<Path>) -> Result<Vec<FacetRow>> {
     let name = name.as_ref();
-    facets(bytes, bytes.len() as u64, ending(name, FACETS_ENDINGS)?).map_err(|e| e.at(name.display()))
+    facets(bytes, bytes.len() as u64, ending(name, FACETS_ENDINGS)?).map_err(|e| e.in_file(name))
 }
 
 fn cells(reader: impl BufRead, length: u64, format: &str) -> Result<CellsFile> {

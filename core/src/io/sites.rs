@@ -38,7 +38,7 @@ pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
     }
     let format = ending(path, SITES_INPUT_ENDINGS)?;
     let (reader, length) = open(path)?;
-    parse(reader, length, format).map_err(|e| e.at(path.display()))
+    parse(reader, length, format).map_err(|e| e.in_file(path))
 }
 
 /// Reads sites from the bytes of a file called `name`, as [`read_sites`] does.
@@ -47,7 +47,7 @@ pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
 /// `Input`, as [`read_sites`].
 pub fn parse_sites(bytes: &[u8], name: impl AsRef<Path>) -> Result<SitesFile> {
     let name = name.as_ref();
-    parse(bytes, bytes.len() as u64, ending(name, SITES_INPUT_ENDINGS)?).map_err(|e| e.at(name.display()))
+    parse(bytes, bytes.len() as u64, ending(name, SITES_INPUT_ENDINGS)?).map_err(|e| e.in_file(name))
 }
 
 /// Writes sites by the file's ending, as [`read_sites`] reads them back, to the last bit; without weights where `weights`
@@ -142,7 +142,7 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
                 }
                 let [comment, first] = [0, 1].map(|k| next.get(k).map_or(&[][..], Vec::as_slice));
                 let column = atoms::xyz_column(comment, first);
-                let column = column.map_err(|what| Error::input(format!("line {}: {what}", number + 1)))?;
+                let column = column.map_err(|what| Error::input(what).on_line(number + 1))?;
                 if let Some(column) = column {
                     lines.read_again(number + 1, next.into_iter().skip(1));
                     return atoms::parse_xyz(&mut lines, (number, n), column);
@@ -175,7 +175,7 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
     }
     match count {
         Some((number, n)) if n != sites.positions.len() as u64 => {
-            Err(Error::input(format!("line {number}: says {n} sites, but {} follow", sites.positions.len())))
+            Err(Error::input(format!("says {n} sites, but {} follow", sites.positions.len())).on_line(number))
         }
         _ => Ok(sites),
     }

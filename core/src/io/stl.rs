@@ -21,7 +21,7 @@ const TRIANGLE: usize = 50;
 /// `Input`, with the line or the number of the triangle.
 pub(super) fn parse_stl(mut reader: impl BufRead) -> Result<Mesh> {
     let mut bytes = Vec::new();
-    reader.read_to_end(&mut bytes).map_err(|e| cannot_read(&e))?;
+    reader.read_to_end(&mut bytes).map_err(cannot_read)?;
     let announced = bytes.get(80..HEADER).map_or(0, |n| u64::from(u32::from_le_bytes([n[0], n[1], n[2], n[3]])));
     let needed = HEADER as u64 + TRIANGLE as u64 * announced;
     let whole = bytes.len() as u64 == needed && bytes.len() >= HEADER;
@@ -46,7 +46,7 @@ fn parse_binary(triangles: &[u8]) -> Result<Mesh> {
         let (numbers, _) = triangle.as_chunks::<4>();
         let corners = [3, 6, 9].map(|at| [0, 1, 2].map(|k| f64::from(f32::from_le_bytes(numbers[at + k]))));
         if let Some(x) = corners.iter().flatten().find(|x| !x.is_finite()) {
-            return Err(Error::input(format!("triangle {i} (from 0): coordinate {x} is not finite")));
+            return Err(Error::input(format!("triangle {i} (from 0): coordinate {x} is not finite")).of_triangle(i));
         }
         push(&mut mesh, corners)?;
     }

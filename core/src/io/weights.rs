@@ -22,7 +22,7 @@ pub fn read_weights(path: impl AsRef<Path>) -> Result<Vec<f64>> {
     let path = path.as_ref();
     let format = ending(path, WEIGHTS_ENDINGS)?;
     let (reader, length) = open(path)?;
-    parse(reader, length, format).map_err(|e| e.at(path.display()))
+    parse(reader, length, format).map_err(|e| e.in_file(path))
 }
 
 /// Reads weights from the bytes of a file called `name`, as [`read_weights`] does.
@@ -31,7 +31,7 @@ pub fn read_weights(path: impl AsRef<Path>) -> Result<Vec<f64>> {
 /// `Input`, as [`read_weights`].
 pub fn parse_weights(bytes: &[u8], name: impl AsRef<Path>) -> Result<Vec<f64>> {
     let name = name.as_ref();
-    parse(bytes, bytes.len() as u64, ending(name, WEIGHTS_ENDINGS)?).map_err(|e| e.at(name.display()))
+    parse(bytes, bytes.len() as u64, ending(name, WEIGHTS_ENDINGS)?).map_err(|e| e.in_file(name))
 }
 
 /// Writes weights (length²), by the file's ending, so that [`read_weights`] reads the same numbers. `-` is standard output, as text.

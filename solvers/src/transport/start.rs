@@ -26,7 +26,8 @@ pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteTree) -> Res
         "sites {} and {} are at the same place {p:?}: one of their cells is empty whatever the weights; move or remove one",
         other.min(i as usize),
         other.max(i as usize)
-    )))
+    ))
+    .of_site(i as usize))
 }
 
 /// A state without empty cells: that of the diagram's own weights, else of the Voronoi diagram, where few are empty lifted, else of sites
@@ -67,7 +68,8 @@ pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
         "no first weights were found that leave no cell empty (site {empty} at {:?} has none): give some, or move sites that are nearly \
          at one place or far from the domain",
         problem.positions[empty]
-    )))
+    ))
+    .of_site(empty))
 }
 
 /// Cells are lifted where no more than one in so many is empty.

@@ -71,7 +71,8 @@ fn relaxed(mut points: Vec<[f64; 3]>, backend: &dyn Backend) -> Vec<[f64; 3]> {
     for _ in 0..LLOYD_STEPS {
         let diagram = PowerDiagram::new(&points, &[]).and_then(|diagram| diagram.in_box([0.0; 3], [1.0; 3]));
         let diagram = diagram.expect("points in a box are sites");
-        points = backend.evaluate(&diagram, &Request::moments()).expect("the backend computes").barycenter;
+        points =
+            backend.evaluate(&diagram, &Request::moments()).expect("the backend computes").into_arrays().barycenter;
     }
     points
 }

@@ -16,11 +16,11 @@ fn main() -> laguerre::Result<()> {
     let diagram = PowerDiagram::new(&sites, &[])?.restricted_to(&domain);
     let cells = laguerre::open(Selection::Auto)?.evaluate(&diagram, &Request::moments())?;
 
-    let within = cells.volume.iter().filter(|&&volume| volume > 0.0).count();
-    let sum: f64 = cells.volume.iter().sum();
+    let within = cells.volume().iter().filter(|&&volume| volume > 0.0).count();
+    let sum: f64 = cells.volume().iter().sum();
     println!("{within} of {} cells meet the swan; their volumes sum to {sum} of {}", sites.len(), domain.volume());
-    if let Some((site, volume)) = cells.volume.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) {
-        println!("the largest is that of site {site}: volume {volume}, barycenter {:?}", cells.barycenter[site]);
+    if let Some((site, volume)) = cells.volume().iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) {
+        println!("the largest is that of site {site}: volume {volume}, barycenter {:?}", cells.barycenter()[site]);
     }
     Ok(())
 }

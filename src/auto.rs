@@ -62,7 +62,7 @@ mod tests {
         for integrand in [two, polynomial] {
             let output =
                 backend.evaluate(&diagram, &Request::moments().with_facets().with_integral(integrand)).unwrap();
-            assert!(output.integral.unwrap().iter().all(|x| (x - 1.0).abs() < 1e-14));
+            assert!(output.integral().unwrap().iter().all(|x| (x - 1.0).abs() < 1e-14));
         }
     }
 }

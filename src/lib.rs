@@ -2,7 +2,7 @@
 //! them. Fast, and right for every input.
 //!
 //! ```
-//! use laguerre::{Domain, PowerDiagram, Request, Selection};
+//! use laguerre::{Domain, PowerDiagram, Report, Request, Selection};
 //!
 //! # fn main() -> laguerre::Result<()> {
 //! // A tetrahedron, and two sites in it.
@@ -10,7 +10,7 @@
 //! let domain = Domain::new(&vertices, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
 //! let diagram = PowerDiagram::new(&[[0.1, 0.1, 0.1], [0.5, 0.2, 0.2]], &[0.0, 0.01])?.restricted_to(&domain);
 //! let cells = laguerre::open(Selection::Auto)?.evaluate(&diagram, &Request::moments().with_facets())?;
-//! assert!((cells.volume[0] + cells.volume[1] - domain.volume()).abs() < 1e-15);
+//! assert!((cells.volume()[0] + cells.volume()[1] - domain.volume()).abs() < 1e-15);
 //! # Ok(())
 //! # }
 //! ```
@@ -24,8 +24,8 @@ pub use laguerre_core::oracle;
 pub use laguerre_core::shapes;
 pub use laguerre_core::{
     Backend, BackendInfo, Boundary, Capabilities, CellStatus, Container, DeviceChoice, DeviceInfo, Domain, Error,
-    ErrorKind, FacetList, Geometry, Integrand, MergedSites, Neighbor, Observer, Output, PassReport, Place,
-    PowerDiagram, Precision, Request, Result, Substep, io, summation,
+    ErrorKind, Facet, FacetArrays, Facets, Geometry, Integrand, MergedSites, Observer, Output, OutputArrays,
+    PassReport, Place, PowerDiagram, Precision, Report, Request, Result, Substep, io, summation,
 };
 /// What the geometry of cells is made of.
 pub mod geometry {

@@ -1,7 +1,7 @@
 //! The backend: passes over chunks of sites in grid order.
 
 use crate::store::CpuStore;
-use laguerre_core::assemble::{Assembler, CellRecord, Facets};
+use laguerre_core::assemble::{Assembler, CellRecord, FacetRecords};
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::geometry::{GeometryAssembler, Shaper, Shapes};
@@ -9,7 +9,8 @@ use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::search::Search;
 use laguerre_core::{
-    Backend, BackendInfo, CellStatus, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result, Watched,
+    Backend, BackendInfo, CellStatus, Error, ErrorKind, Observer, Output, PowerDiagram, Report, Request, Result,
+    Watched,
 };
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -36,7 +37,7 @@ pub struct Cpu {
 #[derive(Default)]
 struct ChunkResult {
     cells: Vec<CellRecord>,
-    facets: Facets,
+    facets: FacetRecords,
     /// Number of facets of each cell.
     facet_counts: Vec<u32>,
     shapes: Shapes,
@@ -117,12 +118,8 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes)));
         Ok(outcome)
     })?;
-    let mut output = assembler.finish();
-    output.geometry = geometry.map(GeometryAssembler::finish);
-    output.exact_cells = exact_cells;
-    output.passes = passes;
-    output.check_integrals()?;
-    Ok(output)
+    let report = Report { exact_cells, passes, ..Report::default() };
+    assembler.finish(report, geometry.map(GeometryAssembler::finish))
 }
 
 /// Cannot happen while the signs are exact; said instead of a panic.
@@ -229,7 +226,7 @@ mod tests {
             let prepared = diagram.prepare().unwrap();
             let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
             let most = sufficient(&count_cells(&prepared, &request, &all), 1.0);
-            let pass = Cpu::new(Some(2)).unwrap().evaluate(&diagram, &request).unwrap().passes[0];
+            let pass = Cpu::new(Some(2)).unwrap().evaluate(&diagram, &request).unwrap().report().passes[0];
             assert!(most.triangles > 0 && most.planes <= pass.planes, "{most:?}");
             assert_eq!((pass.neighbors, pass.triangles), (most.neighbors, most.triangles));
         }

@@ -16,14 +16,14 @@ fn assert_same(diagram: &PowerDiagram) -> Output {
     let request = Request::moments().with_facets();
     let found = Cpu::new(Some(2)).unwrap().evaluate(diagram, &request).unwrap();
     let right = Naive::default().evaluate(diagram, &request).unwrap();
-    assert_eq!(found.status, right.status);
-    let mean = right.volume.iter().sum::<f64>() / right.count(CellStatus::Complete) as f64;
-    for i in 0..right.volume.len() {
-        assert!((found.volume[i] - right.volume[i]).abs() <= 1e-12 * mean, "cell {i}");
-        let count = |o: &Output| o.facets.as_ref().map(|f| f.offsets[i + 1] - f.offsets[i]);
-        assert!(count(&found).is_some() && right.volume[i] >= 0.0);
+    assert_eq!(found.status(), right.status());
+    let mean = right.volume().iter().sum::<f64>() / right.count(CellStatus::Complete) as f64;
+    for i in 0..right.volume().len() {
+        assert!((found.volume()[i] - right.volume()[i]).abs() <= 1e-12 * mean, "cell {i}");
+        let count = |o: &Output| o.facets().map(|f| f.row(i).len());
+        assert!(count(&found).is_some() && right.volume()[i] >= 0.0);
     }
-    let total: f64 = found.volume.iter().sum();
+    let total: f64 = found.volume().iter().sum();
     assert!((total - 1.0).abs() < 1e-13, "{total}");
     found
 }
@@ -66,9 +66,9 @@ fn a_cell_of_many_facets_outgrows_the_first_pass() {
         .collect();
     positions.push([0.5; 3]);
     let output = assert_same(&in_unit_box(&positions, &[]));
-    assert!(output.passes.len() > 3, "{:?}", output.passes);
-    let facets = output.facets.unwrap();
-    assert_eq!(facets.offsets[n + 1] - facets.offsets[n], n);
+    assert!(output.report().passes.len() > 3, "{:?}", output.report().passes);
+    let facets = output.facets().unwrap();
+    assert_eq!(facets.row(n).len(), n);
 }
 
 /// Weights that make cells lie far from their sites, or hide most of them; sites in a plane, whose cells reach across the box.
@@ -113,14 +113,13 @@ fn no_site_is_nearer_to_a_facet_than_its_own() {
         let tree: ImmutableKdTree<f64, 4> = ImmutableKdTree::new_from_slice(&lifted).unwrap();
         let request = Request::moments().with_facets();
         let output = Cpu::new(Some(2)).unwrap().evaluate(&in_unit_box(&positions, &weights), &request).unwrap();
-        let facets = output.facets.unwrap();
+        let facets = output.facets().unwrap();
         let mut looked = 0;
         for i in (0..positions.len()).step_by(7) {
-            let row = facets.offsets[i]..facets.offsets[i + 1];
             // Of slivers the barycenter has few digits.
-            let largest = row.clone().fold(0.0_f64, |area, f| area.max(facets.area[f]));
-            for f in row.filter(|&f| facets.area[f] > 1e-6 * largest) {
-                let [x, y, z] = facets.barycenter[f];
+            let largest = facets.of(i).fold(0.0_f64, |area, facet| area.max(facet.area));
+            for facet in facets.of(i).filter(|facet| facet.area > 1e-6 * largest) {
+                let [x, y, z] = facet.barycenter;
                 let power = |j: usize| {
                     let [a, b, c] = positions[j];
                     (x - a).powi(2) + (y - b).powi(2) + (z - c).powi(2) - weights[j]

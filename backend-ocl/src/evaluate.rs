@@ -11,7 +11,7 @@ use laguerre_core::geometry;
 use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{
     Backend, BackendInfo, Capabilities, DeviceChoice, Error, ErrorKind, Observer, Output, PassReport, PowerDiagram,
-    Precision, Request, Result, Watched,
+    Precision, Report, Request, Result, Watched,
 };
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -156,17 +156,13 @@ impl Ocl {
             };
             fallback::compute(&prepared, request, &for_host, &mut assembler)?;
         }
-        let mut output = assembler.finish_with(|i| {
+        let row = |i| {
             computed.iter().map(|device| device.results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default()
-        });
-        output.exact_cells = exact_cells + for_host.len();
-        output.device_seconds = device_seconds;
-        output.host_cells = for_host.len();
-        output.passes = passes;
-        output.check_integrals()?;
-        if request.geometry {
-            output.geometry = Some(geometry::on_host(diagram, request.epsilon)?);
-        }
+        };
+        let host_cells = for_host.len();
+        let report = Report { exact_cells: exact_cells + host_cells, host_cells, device_seconds, passes };
+        let geometry = if request.geometry { Some(geometry::on_host(diagram, request.epsilon)?) } else { None };
+        let output = assembler.finish_with(row, report, geometry)?;
         if request.epsilon.is_none() {
             check_volumes(diagram, &output, self.precision, &self.name)?;
         }

@@ -1,6 +1,6 @@
 //! The cells that a device hands back: exact arithmetic and all the room there is, on the host.
 
-use laguerre_core::assemble::{Assembler, CellRecord, Facets};
+use laguerre_core::assemble::{Assembler, CellRecord, FacetRecords};
 use laguerre_core::cell::{self, CellSums, PlainStore};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::integrand::FramedIntegrand;
@@ -41,7 +41,7 @@ fn compute_cell(
     request: &Watched<'_>,
     integrand: Option<&FramedIntegrand>,
     site: u32,
-) -> Result<(CellRecord, Facets)> {
+) -> Result<(CellRecord, FacetRecords)> {
     let order = prepared.sites.order();
     let [x, y, z, _] = prepared.sites.site(site);
     let mut store = PlainStore::new([x, y, z], prepared.domain_grid()).with_integrand(integrand);
@@ -63,7 +63,7 @@ fn compute_cell(
             return Err(Error::new(ErrorKind::Device, message));
         }
     };
-    let mut facets = Facets::default();
+    let mut facets = FacetRecords::default();
     if request.facets && status != CellStatus::Empty {
         facets.collect(&store, flags, order);
     }

@@ -2,7 +2,7 @@
 
 use crate::interface::data::{ALL_SUMS, FEW_SUMS, OUTCOME_EXACT, OUTCOME_STATUS, OUTCOME_UNCERTIFIED};
 use laguerre_core::CellStatus;
-use laguerre_core::assemble::{Assembler, Facets, Row};
+use laguerre_core::assemble::{Assembler, FacetRecords, Row};
 use laguerre_core::cell::{self, CellSums, v3};
 
 /// Sums that are written for each cell, for what the flags ask for.
@@ -25,7 +25,7 @@ pub(crate) struct Results {
     pub(crate) width: usize,
     pub(crate) rows: Vec<[u64; 2]>,
     /// Records of all batches, one after the other, up to `facet_count`.
-    pub(crate) facets: Facets,
+    pub(crate) facets: FacetRecords,
     pub(crate) facet_count: usize,
 }
 

@@ -21,7 +21,7 @@ use laguerre_core::geometry;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::{
     Backend, BackendInfo, Capabilities, CellStatus, DeviceChoice, Error, Observer, Output, PassReport, PowerDiagram,
-    Precision, Request, Result, Watched,
+    Precision, Report, Request, Result, Watched,
 };
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
@@ -149,14 +149,9 @@ impl Backend for Single {
         if !for_host.is_empty() {
             fallback::compute(&prepared, &watched.of(&proved), &for_host, &mut assembler)?;
         }
-        let mut output = assembler.finish();
-        output.exact_cells = exact_cells;
-        output.host_cells = for_host.len();
-        output.device_seconds = device_seconds;
-        output.passes = passes;
-        if request.geometry {
-            output.geometry = Some(geometry::on_host(diagram, None)?);
-        }
+        let report = Report { exact_cells, host_cells: for_host.len(), device_seconds, passes };
+        let geometry = if request.geometry { Some(geometry::on_host(diagram, None)?) } else { None };
+        let output = assembler.finish(report, geometry)?;
         check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)
     }

@@ -196,7 +196,7 @@ fn nothing_is_made_or_brought_twice() {
         };
         for step in 0..STEPS {
             let output = backend.evaluate(&case.diagram(step), &(case.request)()).unwrap();
-            assert!(output.volume.iter().sum::<f64>() > 4.0);
+            assert!(output.volume().iter().sum::<f64>() > 4.0);
             let calls = calls(&log);
             let writes = calls.iter().filter(|(name, bytes)| name == "clEnqueueWriteBuffer" && *bytes > PARAMETERS);
             let writes: Vec<usize> = writes.map(|&(_, bytes)| bytes).collect();

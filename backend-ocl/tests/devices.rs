@@ -7,7 +7,7 @@ use laguerre_core::oracle::Naive;
 use laguerre_core::required::if_available;
 use laguerre_core::shapes::icosphere;
 use laguerre_core::{
-    Backend, CellStatus, DeviceChoice, Domain, FacetList, Observer, Output, PowerDiagram, Precision, Request,
+    Backend, CellStatus, DeviceChoice, Domain, Facets, Observer, Output, PowerDiagram, Precision, Request,
 };
 use laguerre_ocl::Ocl;
 use std::ops::ControlFlow;
@@ -86,17 +86,23 @@ fn bits(numbers: &[f64]) -> Vec<u64> {
 
 /// Expects the same cells, to the last bit, and the same account of them.
 fn assert_identical(one: &Output, several: &Output, what: &str) {
-    assert_eq!(several.status, one.status, "{what}");
-    assert_eq!(bits(&several.volume), bits(&one.volume), "{what}");
-    assert_eq!(bits(several.barycenter.as_flattened()), bits(one.barycenter.as_flattened()), "{what}");
-    assert_eq!(several.second_moment, one.second_moment, "{what}");
-    assert_eq!(several.facets, one.facets, "{what}");
-    assert_eq!(several.boundary, one.boundary, "{what}");
-    assert_eq!((several.exact_cells, several.host_cells), (one.exact_cells, one.host_cells), "{what}");
+    assert_eq!(several.status(), one.status(), "{what}");
+    assert_eq!(bits(several.volume()), bits(one.volume()), "{what}");
+    assert_eq!(bits(several.barycenter().as_flattened()), bits(one.barycenter().as_flattened()), "{what}");
+    assert_eq!(several.second_moment(), one.second_moment(), "{what}");
+    assert_eq!(several.facets(), one.facets(), "{what}");
+    assert_eq!(several.boundary(), one.boundary(), "{what}");
+    assert_eq!(
+        (several.report().exact_cells, several.report().host_cells),
+        (one.report().exact_cells, one.report().host_cells),
+        "{what}"
+    );
     // However many devices, each cell is tried as often.
-    let tried = |output: &Output| output.passes.iter().map(|pass| (pass.cells, pass.failed)).collect::<Vec<_>>();
+    let tried =
+        |output: &Output| output.report().passes.iter().map(|pass| (pass.cells, pass.failed)).collect::<Vec<_>>();
     assert_eq!(tried(several), tried(one), "{what}");
-    let most = |output: &Output| output.passes.iter().map(|pass| (pass.neighbors, pass.planes)).collect::<Vec<_>>();
+    let most =
+        |output: &Output| output.report().passes.iter().map(|pass| (pass.neighbors, pass.planes)).collect::<Vec<_>>();
     assert_eq!(most(several), most(one), "{what}");
 }
 
@@ -139,7 +145,7 @@ fn passes_report_the_most_triangles_tried() {
         let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
         let most = sufficient(&count_cells(&prepared, &request, &all), 1.0).triangles;
         for backend in several.iter().chain([&one]) {
-            let passes = backend.evaluate(&diagram, &request).unwrap().passes;
+            let passes = backend.evaluate(&diagram, &request).unwrap().report().passes.clone();
             assert_eq!((passes.len(), passes[0].triangles), (1, most), "{}", backend.info().device);
         }
     }
@@ -152,9 +158,9 @@ fn several_devices_agree_with_the_oracle() {
         let request = Request::moments().with_facets();
         let right = Naive::default().evaluate(&diagram, &request).unwrap();
         let found = several[0].evaluate(&diagram, &request).unwrap();
-        assert_eq!(found.status, right.status, "{name}");
-        let mean = right.volume.iter().sum::<f64>() / right.count(CellStatus::Complete) as f64;
-        for (i, (a, b)) in found.volume.iter().zip(&right.volume).enumerate() {
+        assert_eq!(found.status(), right.status(), "{name}");
+        let mean = right.volume().iter().sum::<f64>() / right.count(CellStatus::Complete) as f64;
+        for (i, (a, b)) in found.volume().iter().zip(right.volume()).enumerate() {
             assert!((a - b).abs() <= VOLUME * mean, "{name}: cell {i}: {a:e} and {b:e}");
         }
         assert_eq!(rows(&found), rows(&right), "{name}");
@@ -163,11 +169,11 @@ fn several_devices_agree_with_the_oracle() {
 
 /// For each site its neighbours, but for facets that are nothing beside a mean one.
 fn rows(output: &Output) -> Vec<Vec<u32>> {
-    let facets: &FacetList = output.facets.as_ref().unwrap();
-    let mean = facets.area.iter().sum::<f64>() / facets.area.len().max(1) as f64;
-    let row = |ends: &[usize]| {
-        let large = (ends[0]..ends[1]).filter(|&f| facets.area[f] > VOLUME * mean);
-        large.map(|f| facets.neighbor[f].site).collect()
+    let facets: &Facets = output.facets().unwrap();
+    let mean = facets.area().iter().sum::<f64>() / facets.len().max(1) as f64;
+    let row = |i: usize| {
+        let large = facets.of(i).filter(|facet| facet.area > VOLUME * mean);
+        large.map(|facet| facet.neighbor as u32).collect()
     };
-    facets.offsets.windows(2).map(row).collect()
+    (0..facets.sites()).map(row).collect()
 }

@@ -175,7 +175,7 @@ impl Report {
             .collect();
         let (energy, residual, evaluations) =
             history.last().map_or((0.0, 0.0, 0), |last| (last.energy, last.gradient, last.evaluations));
-        let sites = relaxed.output.volume.len();
+        let sites = relaxed.output.volume().len();
         let empty = relaxed.output.count(CellStatus::Empty);
         let cells = (sites - empty) as f64;
         Self {

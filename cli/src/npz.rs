@@ -5,8 +5,8 @@ mod read;
 use std::io::Write;
 use std::path::Path;
 
-use laguerre::io::{self, FacetValues};
-use laguerre::{CellStatus, Neighbor, Output, PowerDiagram, Result};
+use laguerre::io;
+use laguerre::{CellStatus, Output, PowerDiagram, Result};
 use rawzip::ZipArchiveWriter;
 
 pub(crate) use read::{read_cells, read_facets};
@@ -25,16 +25,16 @@ pub(crate) fn with_npz(known: &[&'static str]) -> Vec<&'static str> {
 /// # Errors
 /// `Io` where writing failed.
 pub(crate) fn write_cells(path: &Path, output: &Output) -> Result<()> {
-    let n = output.volume.len();
+    let n = output.volume().len();
     io::write_whole(path, |w| {
         let mut npz = Npz::new(w);
-        npz.add("volume", &[n], output.volume.iter().copied())?;
-        npz.add("barycenter", &[n, 3], output.barycenter.iter().copied().flatten())?;
-        npz.add("status", &[n], output.status.iter().copied().map(CellStatus::number))?;
-        if output.facets.is_some() {
+        npz.add("volume", &[n], output.volume().iter().copied())?;
+        npz.add("barycenter", &[n, 3], output.barycenter().iter().copied().flatten())?;
+        npz.add("status", &[n], output.status().iter().copied().map(CellStatus::number))?;
+        if output.facets().is_some() {
             npz.add("facets", &[n], (0..n).map(|i| io::facet_count(output, i).unwrap_or(0) as i64))?;
         }
-        if let Some(moments) = &output.second_moment {
+        if let Some(moments) = output.second_moment() {
             let matrix = |&[xx, yy, zz, xy, xz, yz]: &[f64; 6]| [xx, xy, xz, xy, yy, yz, xz, yz, zz];
             npz.add("second_moment", &[n, 3, 3], moments.iter().flat_map(matrix))?;
         }
@@ -53,19 +53,15 @@ pub(crate) fn write_facets(path: &Path, diagram: &PowerDiagram, output: &Output)
         return io::write_facets(path, diagram, output);
     }
     let rows = || io::facet_rows(output);
-    let mut offsets = vec![0_i64; output.volume.len() + 1];
-    rows().for_each(|row| offsets[row.site as usize + 1] += 1);
+    let mut offsets = vec![0_i64; output.volume().len() + 1];
+    rows().for_each(|row| offsets[row.site + 1] += 1);
     (1..offsets.len()).for_each(|i| offsets[i] += offsets[i - 1]);
     let m = rows().count();
-    let image = |row: FacetValues| row.neighbor.map_or([0; 3], |Neighbor { image, .. }| image);
     io::write_whole(path, |w| {
         let mut npz = Npz::new(w);
         npz.add("offsets", &[offsets.len()], offsets.iter().copied())?;
-        npz.add("site", &[m], rows().map(|row| i64::from(row.site)))?;
+        npz.add("site", &[m], rows().map(|row| row.site as i64))?;
         npz.add("neighbor", &[m], rows().map(|row| row.neighbor_number()))?;
-        if rows().any(|row| image(row) != [0; 3]) {
-            npz.add("image", &[m, 3], rows().flat_map(image))?;
-        }
         npz.add("area", &[m], rows().map(|row| row.area))?;
         npz.add("barycenter", &[m, 3], rows().flat_map(|row| row.barycenter))?;
         npz.add("distance", &[m], rows().map(|row| row.distance))?;

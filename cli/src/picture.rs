@@ -4,7 +4,7 @@ use std::num::NonZero;
 use std::path::Path;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use laguerre::{Domain, Error, FacetList, Output, PowerDiagram, Result, io};
+use laguerre::{Domain, Error, Facets, Output, PowerDiagram, Result, io};
 use rayon::prelude::*;
 use tiny_skia::{Color, FillRule, LineJoin, Mask, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Stroke, Transform};
 
@@ -42,7 +42,7 @@ const PALETTE: [[u8; 3]; 12] = [
 /// `Input` where there is no domain or the plane misses it; `Io` where writing failed.
 pub(crate) fn draw(path: &Path, diagram: &PowerDiagram, output: &Output, plane: &SlicePlane, width: u32) -> Result<()> {
     let domain = diagram.domain().ok_or_else(|| Error::input("a picture needs a domain"))?;
-    let colors = palette_indices(diagram.positions().len(), output.facets.as_ref());
+    let colors = palette_indices(diagram.positions().len(), output.facets());
     let colors: Vec<[u8; 3]> = colors.into_iter().map(|c| PALETTE[usize::from(c)]).collect();
     save(path, &paint(domain, diagram, &colors, plane, width)?)
 }
@@ -192,15 +192,15 @@ impl<'a> Cells<'a> {
 
 /// A colour for each cell that no neighbour of lower index has, from a start that its index alone decides; where neighbours are not
 /// known or have all colours, that start.
-fn palette_indices(sites: usize, facets: Option<&FacetList>) -> Vec<u8> {
+fn palette_indices(sites: usize, facets: Option<&Facets>) -> Vec<u8> {
     let mut colors: Vec<u8> = Vec::with_capacity(sites);
     for i in 0..sites {
         // Fibonacci hashing: consecutive indices land far apart.
         let start = ((i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize;
         let mut taken = [false; PALETTE.len()];
         if let Some(facets) = facets {
-            for neighbor in &facets.neighbor[facets.offsets[i]..facets.offsets[i + 1]] {
-                if let Some(&color) = colors.get(neighbor.site as usize) {
+            for facet in facets.of(i) {
+                if let Some(&color) = colors.get(facet.neighbor) {
                     taken[usize::from(color)] = true;
                 }
             }
@@ -220,17 +220,23 @@ pub(crate) fn mixed(under: [u8; 3], over: [u8; 3], share: f64) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use laguerre::Neighbor;
+    use laguerre::{Boundary, FacetArrays};
 
     #[test]
     fn neighbours_differ_in_colour() {
         // A ring of cells, each the neighbour of the next two.
         let n = 50;
-        let mut facets = FacetList { offsets: vec![0], ..FacetList::default() };
+        let mut facets = FacetArrays { offsets: vec![0], ..FacetArrays::default() };
         for i in 0..n {
-            facets.neighbor.extend([1, 2, n - 2, n - 1].map(|d| Neighbor { site: (i + d) % n, image: [0; 3] }));
+            let mut row = [1, 2, n - 2, n - 1].map(|d| (i + d) % n);
+            row.sort_unstable();
+            facets.neighbor.extend(row);
             facets.offsets.push(facets.neighbor.len());
         }
+        let count = facets.neighbor.len();
+        (facets.area, facets.barycenter, facets.distance) = (vec![1.0; count], vec![[0.0; 3]; count], vec![1.0; count]);
+        facets.boundary = vec![Boundary::default(); n as usize];
+        let facets = Facets::new(facets).unwrap();
         let colors = palette_indices(n as usize, Some(&facets));
         assert!(
             (0..n as usize)

@@ -84,26 +84,26 @@ impl From<&PassReport> for Pass {
 
 impl Report {
     pub(crate) fn new(output: &Output, whole: &Whole, info: BackendInfo, seconds: Seconds) -> Self {
-        let seconds = Seconds { device: output.device_seconds, ..seconds };
+        let seconds = Seconds { device: output.report().device_seconds, ..seconds };
         let (volume_sum, barycenter_error) = sums(output, whole);
         let empty = output.count(CellStatus::Empty);
         Self {
-            sites: output.status.len(),
-            cells: output.status.len() - empty,
+            sites: output.status().len(),
+            cells: output.status().len() - empty,
             empty,
             uncertified: output.count(CellStatus::Uncertified),
             volume_sum,
             domain_volume: whole.volume,
             relative_error: (volume_sum - whole.volume).abs() / whole.volume,
             barycenter_error,
-            exact_cells: output.exact_cells,
-            host_cells: output.host_cells,
+            exact_cells: output.report().exact_cells,
+            host_cells: output.report().host_cells,
             backend: info.backend,
             device: info.device,
             precision: info.precision.word(),
             threads: info.threads,
             seconds,
-            passes: output.passes.iter().map(Pass::from).collect(),
+            passes: output.report().passes.iter().map(Pass::from).collect(),
         }
     }
 
@@ -141,7 +141,7 @@ fn sums(output: &Output, whole: &Whole) -> (f64, f64) {
     let center: [f64; 3] = std::array::from_fn(|k| whole.lo[k] + (whole.hi[k] - whole.lo[k]) / 2.0);
     let mut volume = Sum::default();
     let mut moment = [Sum::default(); 3];
-    for (&v, b) in output.volume.iter().zip(&output.barycenter) {
+    for (&v, b) in output.volume().iter().zip(output.barycenter()) {
         // An empty cell has no barycenter.
         if v == 0.0 {
             continue;
@@ -179,6 +179,8 @@ pub(crate) fn grouped(n: u64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use laguerre::OutputArrays;
+
     use super::*;
 
     #[test]
@@ -187,20 +189,22 @@ mod tests {
         let n = 1000;
         let whole =
             Whole { lo: [1e6, 0.0, 0.0], hi: [1e6 + 1.0, 1.0, 1.0], volume: 1.0, barycenter: [1e6 + 0.5, 0.5, 0.5] };
-        let mut output = Output::default();
+        let mut arrays = OutputArrays::default();
         for i in 0..n {
-            output.status.push(CellStatus::Complete);
-            output.volume.push(1.0 / f64::from(n));
-            output.barycenter.push([1e6 + (f64::from(i) + 0.5) / f64::from(n), 0.5, 0.5]);
+            arrays.status.push(CellStatus::Complete);
+            arrays.volume.push(1.0 / f64::from(n));
+            arrays.barycenter.push([1e6 + (f64::from(i) + 0.5) / f64::from(n), 0.5, 0.5]);
         }
-        output.volume.push(0.0);
-        output.barycenter.push([f64::NAN; 3]);
+        arrays.status.push(CellStatus::Empty);
+        arrays.volume.push(0.0);
+        arrays.barycenter.push([f64::NAN; 3]);
+        let output = Output::new(arrays.clone()).unwrap();
         let (volume, barycenter_error) = sums(&output, &whole);
         assert!((volume - 1.0).abs() <= f64::EPSILON, "{volume}");
         // Barycenters this far out are themselves rounded by 1e-10.
         assert!(barycenter_error < 1e6 * f64::EPSILON, "{barycenter_error}");
-        output.volume[3] *= 2.0;
-        assert!(sums(&output, &whole).1 > 1e-4, "the check can fail");
+        arrays.volume[3] *= 2.0;
+        assert!(sums(&Output::new(arrays).unwrap(), &whole).1 > 1e-4, "the check can fail");
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub(crate) fn measure(
         let seconds;
         (seconds, output) = timed()?;
         whole.push(seconds);
-        device.push(output.device_seconds);
+        device.push(output.report().device_seconds);
     }
     let median_of_device = median(&mut device);
     let timing = Timing {

@@ -13,7 +13,7 @@ use std::time::Instant;
 use laguerre::io::{self, CellRow};
 use laguerre::oracle::Naive;
 use laguerre::summation::Sum;
-use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre::{Backend, CellStatus, Error, ErrorKind, Output, OutputArrays, PowerDiagram, Request, Result};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
 
     let check = Check { diagram: &diagram, rows: &file.rows, facets: facets.as_ref(), bounds: &bounds };
     let (wrong, checked_by_oracle) = check.cells(&again, args)?;
-    let report = Report::new(&output_of(&file.rows), &whole, backend.info(), Seconds::default());
+    let report = Report::new(&output_of(&file.rows)?, &whole, backend.info(), Seconds::default());
     let laws = laws(&report, &check, &again);
     let wrong_facets = wrong.iter().filter(|w| w.is_facet()).count();
     let wrong_cells: BTreeSet<usize> = wrong.iter().filter(|w| !w.is_facet()).map(Wrong::site).collect();
@@ -139,15 +139,15 @@ fn check_rows(rows: &[CellRow], n: usize) -> Result<()> {
 }
 
 /// The file's cells as an output, for their sums.
-fn output_of(rows: &[CellRow]) -> Output {
-    let mut output = Output::default();
+fn output_of(rows: &[CellRow]) -> Result<Output> {
+    let mut output = OutputArrays::default();
     for row in rows {
         let by_volume = if row.volume == 0.0 { CellStatus::Empty } else { CellStatus::Complete };
         output.status.push(row.status.unwrap_or(by_volume));
         output.volume.push(row.volume);
         output.barycenter.push(row.barycenter);
     }
-    output
+    Output::new(output)
 }
 
 /// A file to be checked.
@@ -228,7 +228,7 @@ impl Check<'_> {
     }
 
     fn difference(&self, i: usize, row: &CellRow, reference: &Output) -> Option<Wrong> {
-        let (v, expected, status) = (row.volume, reference.volume[i], reference.status[i]);
+        let (v, expected, status) = (row.volume, reference.volume()[i], reference.status()[i]);
         let off = (v - expected).abs();
         let bound = self.bounds.volume(i, expected);
         let wrong = |what, off, bound| Some(Wrong::cell(row, reference, i, what, [off, bound]));
@@ -257,7 +257,7 @@ impl Check<'_> {
         if expected == 0.0 {
             return None;
         }
-        let distance = bounds::length(bounds::sub(row.barycenter, reference.barycenter[i]));
+        let distance = bounds::length(bounds::sub(row.barycenter, reference.barycenter()[i]));
         let (off, bound) = (v.abs().min(expected.abs()) * distance, self.bounds.moment(i, expected));
         if off <= bound { None } else { wrong("barycenter", off, bound) }
     }
@@ -304,7 +304,7 @@ fn laws(report: &Report, check: &Check<'_>, again: &Output) -> Vec<Law> {
         };
         let sum = total(&mut facets.boundary());
         // A bisector that lies in the surface takes its area from it.
-        let with_facets = total(&mut again.boundary.iter().flatten().map(|b| b.area));
+        let with_facets = total(&mut again.boundary().into_iter().flatten().map(|b| b.area));
         let expected =
             if (sum - bounds.surface).abs() <= (sum - with_facets).abs() { bounds.surface } else { with_facets };
         laws.push(law("boundaries", sum, expected, (sum - expected).abs(), bounds.boundary_sum()));

@@ -218,7 +218,7 @@ impl<'a> Bounds<'a> {
 
     /// The cells that are called empty and that the surface goes through.
     pub fn empty_with_surface(&self) -> impl Iterator<Item = usize> {
-        let empty = (0..self.scene.len()).filter(|&i| self.output.status[i] == CellStatus::Empty);
+        let empty = (0..self.scene.len()).filter(|&i| self.output.status()[i] == CellStatus::Empty);
         empty.filter(|&i| self.scene.surface_in_cell(i) > 0.0)
     }
 
@@ -243,7 +243,7 @@ impl<'a> Bounds<'a> {
     /// Area of the surface that lies in cells that are called empty (length²). One whose volume is below its rounding takes its boundary with it,
     /// which need not be small: a cell may have nothing but a slab between folds, or the edge of a wedge.
     pub fn area_of_empty(&self) -> f64 {
-        let empty = (0..self.scene.len()).filter(|&i| self.output.status[i] == CellStatus::Empty);
+        let empty = (0..self.scene.len()).filter(|&i| self.output.status()[i] == CellStatus::Empty);
         empty.map(|i| self.scene.surface_in_cell(i)).sum()
     }
 }
@@ -272,10 +272,11 @@ fn nearest(scene: &Scene, i: usize) -> f64 {
 fn condition(bounds: &Bounds, i: usize) -> f64 {
     let Bounds { scene, output, rows, .. } = bounds;
     let (mesh, reach) = (scene.room.mesh(), bounds.reach[i]);
-    let empty = output.status[i] == CellStatus::Empty;
-    let boundary = output.boundary.as_ref().map_or(0.0, |b| b[i].area);
+    let empty = output.status()[i] == CellStatus::Empty;
+    let boundary = output.boundary().map_or(0.0, |b| b[i].area);
     let surface: f64 = rows[i].iter().map(|f| f.area).sum::<f64>() + boundary;
-    let (surface, volume) = if empty { (scene.room.area(), scene.room.volume()) } else { (surface, output.volume[i]) };
+    let (surface, volume) =
+        if empty { (scene.room.area(), scene.room.volume()) } else { (surface, output.volume()[i]) };
     let mut worst = (surface * reach / volume.abs()).max(1.0);
     // Neighbours and areas, as either side sees them.
     let mut seen: BTreeMap<usize, f64> = rows[i].iter().map(|f| (f.neighbor, f.area)).collect();

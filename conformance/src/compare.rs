@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
-use laguerre_core::Output;
+use laguerre_core::{Facets, Output};
 
 use crate::bounds::{Bounds, CLOSURE, FACET, FLAT, Planes};
 use crate::scene::{Facet, rows};
@@ -36,10 +36,10 @@ pub fn same_within(bounds: &Bounds<'_>, scene: &Scene, reference: &Output, other
     for &i in cells {
         same_moments(reference, other, i, bounds)?;
         // A cell that one of the two calls empty, while its volume is within its rounding.
-        let empty = reference.status[i] != other.status[i];
+        let empty = reference.status()[i] != other.status()[i];
         let nothing = if empty { bounds.facet_of_empty(i) } else { 0.0 };
         let mut open = false;
-        if reference.facets.is_some() && other.facets.is_some() {
+        if reference.facets().is_some() && other.facets().is_some() {
             for (j, [a, b]) in pairs(&rows[i], &other_rows[i]) {
                 if undecided(scene, i, j, bounds) {
                     open = true;
@@ -50,7 +50,7 @@ pub fn same_within(bounds: &Bounds<'_>, scene: &Scene, reference: &Output, other
                     .map_err(|reason| format!("facet {i}-{j}: {reason}"))?;
             }
         }
-        if let (Some(a), Some(b), false) = (&reference.boundary, &other.boundary, open) {
+        if let (Some(a), Some(b), false) = (reference.boundary(), other.boundary(), open) {
             let (a, b) = (a[i], b[i]);
             let bound = bounds.area(i).max(nothing) + CLOSURE * a.area;
             let vector = DVec3::from(a.vector_area).distance(DVec3::from(b.vector_area));
@@ -63,12 +63,12 @@ pub fn same_within(bounds: &Bounds<'_>, scene: &Scene, reference: &Output, other
             let (off, bound) = (moment.max((a.flux - b.flux).abs()), bound * bounds.reach(i));
             ensure!(off <= bound, "site {i}: boundary {a:?} and {b:?} differ by more than {bound:e} in moment or flux");
         }
-        if let (Some(a), Some(b)) = (&reference.second_moment, &other.second_moment) {
+        if let (Some(a), Some(b)) = (reference.second_moment(), other.second_moment()) {
             // About the site: where negative volumes cancel most of a cell, its barycenter is anywhere, and the rounding of the volume counts with the
             // square of its distance.
             let about_site = |output: &Output, moment: &[[f64; 6]]| {
-                let away = DVec3::from(output.barycenter[i]) - scene.site(i);
-                let (d, v) = (if away.is_finite() { away } else { DVec3::ZERO }, output.volume[i]);
+                let away = DVec3::from(output.barycenter()[i]) - scene.site(i);
+                let (d, v) = (if away.is_finite() { away } else { DVec3::ZERO }, output.volume()[i]);
                 let shift = [d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z];
                 std::array::from_fn::<f64, 6, _>(|k| moment[i][k] + v * shift[k])
             };
@@ -88,12 +88,12 @@ pub fn same_within(bounds: &Bounds<'_>, scene: &Scene, reference: &Output, other
 pub fn identical(a: &Output, b: &Output) -> Verdict {
     let bits = |xs: &[f64]| xs.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     let flat = |xs: &[[f64; 3]]| bits(xs.as_flattened());
-    ensure!(a.status == b.status, "the statuses differ");
-    ensure!(bits(&a.volume) == bits(&b.volume), "the volumes differ in bits");
-    ensure!(flat(&a.barycenter) == flat(&b.barycenter), "the barycenters differ in bits");
-    ensure!(a.second_moment == b.second_moment, "the second moments differ in bits");
-    ensure!(a.facets == b.facets, "the facets differ in bits");
-    ensure!(a.boundary == b.boundary, "the boundaries differ in bits");
+    ensure!(a.status() == b.status(), "the statuses differ");
+    ensure!(bits(a.volume()) == bits(b.volume()), "the volumes differ in bits");
+    ensure!(flat(a.barycenter()) == flat(b.barycenter()), "the barycenters differ in bits");
+    ensure!(a.second_moment() == b.second_moment(), "the second moments differ in bits");
+    ensure!(a.facets() == b.facets(), "the facets differ in bits");
+    ensure!(a.boundary() == b.boundary(), "the boundaries differ in bits");
     Ok(())
 }
 
@@ -101,22 +101,24 @@ pub fn identical(a: &Output, b: &Output) -> Verdict {
 pub fn moved_back(output: &Output, turn: DMat3, scale: f64, shift: DVec3) -> Output {
     let inverse = turn.transpose();
     let point = |x: [f64; 3]| <[f64; 3]>::from(inverse * ((DVec3::from(x) - shift) / scale));
-    let mut back = output.clone();
+    let mut back = output.clone().into_arrays();
     back.second_moment = None;
     back.volume.iter_mut().for_each(|v| *v /= scale.powi(3));
     back.barycenter.iter_mut().for_each(|b| *b = point(*b));
-    if let Some(facets) = &mut back.facets {
+    back.facets = back.facets.map(|facets| {
+        let mut facets = facets.into_arrays();
         facets.area.iter_mut().for_each(|a| *a /= scale * scale);
         facets.distance.iter_mut().for_each(|d| *d /= scale);
         facets.barycenter.iter_mut().for_each(|b| *b = point(*b));
-    }
-    for b in back.boundary.iter_mut().flatten() {
-        b.area /= scale * scale;
-        b.flux /= scale.powi(3);
-        b.vector_area = (inverse * DVec3::from(b.vector_area) / (scale * scale)).into();
-        b.barycenter = if b.area == 0.0 { [0.0; 3] } else { point(b.barycenter) };
-    }
-    back
+        for b in &mut facets.boundary {
+            b.area /= scale * scale;
+            b.flux /= scale.powi(3);
+            b.vector_area = (inverse * DVec3::from(b.vector_area) / (scale * scale)).into();
+            b.barycenter = if b.area == 0.0 { [0.0; 3] } else { point(b.barycenter) };
+        }
+        Facets::new(facets).expect("rows of facets")
+    });
+    Output::new(back).expect("an output")
 }
 
 /// The facets of two rows side by side, by neighbour.
@@ -188,13 +190,13 @@ fn has_flat_cell_between(scene: &Scene, i: usize, j: usize, bounds: &Bounds) -> 
 }
 
 fn same_moments(reference: &Output, other: &Output, i: usize, bounds: &Bounds) -> Verdict {
-    let (a, b, bound) = (reference.volume[i], other.volume[i], bounds.volume(i));
+    let (a, b, bound) = (reference.volume()[i], other.volume()[i], bounds.volume(i));
     let off = (a - b).abs();
     ensure!(off <= bound, "site {i}: volumes {a:e} and {b:e} differ by {off:e}, bound {bound:e}");
-    let (s, t) = (reference.status[i], other.status[i]);
+    let (s, t) = (reference.status()[i], other.status()[i]);
     ensure!(s == t || a.abs().max(b.abs()) <= bound, "site {i}: statuses {s:?} and {t:?}, volumes {a:e} and {b:e}");
     if a != 0.0 && b != 0.0 {
-        let [p, q] = [reference, other].map(|output| DVec3::from(output.barycenter[i]));
+        let [p, q] = [reference, other].map(|output| DVec3::from(output.barycenter()[i]));
         let (moment, bound) = (a.abs().min(b.abs()) * p.distance(q), bounds.first_moment(i));
         ensure!(moment <= bound, "site {i}: barycenters {p} and {q} of volume {a:e}, bound {bound:e}");
     }

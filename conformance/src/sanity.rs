@@ -62,16 +62,10 @@ pub fn hold(backend: &dyn Backend, case: &Case, law: OutputLaw) -> Verdict {
 /// # Errors
 /// The first thing out of order.
 pub fn form(count: usize, request: &Request, output: &Output) -> Verdict {
-    let Output { status, volume, barycenter, .. } = output;
-    ensure!(
-        [status.len(), volume.len(), barycenter.len()] == [count; 3],
-        "{count} sites, but {} statuses, {} volumes, {} barycenters",
-        status.len(),
-        volume.len(),
-        barycenter.len()
-    );
+    // That its arrays fit each other is `Output`'s own to hold.
+    ensure!(output.sites() == count, "{count} sites, but an output of {}", output.sites());
     for i in 0..count {
-        let (status, volume, barycenter) = (status[i], volume[i], barycenter[i]);
+        let (status, volume, barycenter) = (output.status()[i], output.volume()[i], output.barycenter()[i]);
         ensure!(volume.is_finite(), "site {i}: volume {volume}");
         match status {
             CellStatus::Empty => {
@@ -86,38 +80,28 @@ pub fn form(count: usize, request: &Request, output: &Output) -> Verdict {
             CellStatus::Uncertified => ensure!(request.epsilon.is_some(), "site {i} is uncertified without `epsilon`"),
         }
     }
-    ensure!(output.facets.is_some() == request.facets, "facets are there: {}", output.facets.is_some());
-    ensure!(output.boundary.is_some() == request.facets, "boundaries are there: {}", output.boundary.is_some());
+    ensure!(output.facets().is_some() == request.facets, "facets are there: {}", output.facets().is_some());
     ensure!(
-        output.second_moment.is_some() == request.second_moments,
+        output.second_moment().is_some() == request.second_moments,
         "second moments are there: {}",
-        output.second_moment.is_some()
+        output.second_moment().is_some()
     );
-    if let Some(moments) = &output.second_moment {
-        ensure!(moments.len() == count, "{count} sites, but {} second moments", moments.len());
+    if let Some(moments) = output.second_moment() {
         ensure!(moments.iter().flatten().all(|x| x.is_finite()), "a second moment is not finite");
     }
-    if let Some(boundary) = &output.boundary {
-        ensure!(boundary.len() == count, "{count} sites, but {} boundaries", boundary.len());
+    if let Some(boundary) = output.boundary() {
         for (i, b) in boundary.iter().enumerate() {
             let numbers = b.barycenter.iter().chain(&b.vector_area).chain([&b.area, &b.flux]);
             ensure!(numbers.into_iter().all(|x| x.is_finite()), "site {i}: boundary {b:?}");
         }
     }
-    let Some(facets) = &output.facets else { return Ok(()) };
-    ensure!(facets.offsets.len() == count + 1 && facets.offsets[0] == 0, "facet rows: {:?}", facets.offsets);
-    let total = facets.offsets[count];
-    let lengths = [facets.neighbor.len(), facets.area.len(), facets.barycenter.len(), facets.distance.len()];
-    ensure!(lengths == [total; 4], "{total} facets, but columns of {lengths:?}");
+    let Some(facets) = output.facets() else { return Ok(()) };
     for i in 0..count {
-        ensure!(facets.offsets[i] <= facets.offsets[i + 1], "facet row {i} ends before it starts");
-        let row = facets.offsets[i]..facets.offsets[i + 1];
-        ensure!(facets.neighbor[row.clone()].is_sorted_by(|a, b| a < b), "site {i}: neighbours are not sorted");
-        for f in row {
-            let site = facets.neighbor[f].site as usize;
-            ensure!(site < count && site != i, "site {i} has neighbour {site} of {count}");
-            ensure!(facets.area[f].is_finite(), "facet {i}-{site}: area {}", facets.area[f]);
-            ensure!(facets.barycenter[f].iter().all(|x| x.is_finite()), "facet {i}-{site}: no barycenter");
+        for facet in facets.of(i) {
+            let other = facet.neighbor;
+            ensure!(other != i, "site {i} has itself as a neighbour");
+            ensure!(facet.area.is_finite(), "facet {i}-{other}: area {}", facet.area);
+            ensure!(facet.barycenter.iter().all(|x| x.is_finite()), "facet {i}-{other}: no barycenter");
         }
     }
     Ok(())
@@ -137,7 +121,7 @@ pub fn coincident_sites(scene: &Scene, output: &Output, _: &Bounds) -> Verdict {
         }
     }
     for (i, &first) in twins.iter().enumerate() {
-        let empty = output.status[i] == CellStatus::Empty;
+        let empty = output.status()[i] == CellStatus::Empty;
         ensure!(empty || best[first] == i, "site {i} has a cell where site {} stands", best[first]);
     }
     Ok(())

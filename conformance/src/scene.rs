@@ -237,14 +237,14 @@ pub struct Facet {
 
 /// The facets of each cell of an output that has them.
 pub fn rows(output: &Output) -> Vec<Vec<Facet>> {
-    let Some(facets) = &output.facets else { return vec![Vec::new(); output.status.len()] };
-    let facet = |f: usize| Facet {
-        neighbor: facets.neighbor[f].site as usize,
-        area: facets.area[f],
-        barycenter: DVec3::from(facets.barycenter[f]),
-        distance: facets.distance[f],
+    let Some(facets) = output.facets() else { return vec![Vec::new(); output.status().len()] };
+    let facet = |f: laguerre::Facet| Facet {
+        neighbor: f.neighbor,
+        area: f.area,
+        barycenter: DVec3::from(f.barycenter),
+        distance: f.distance,
     };
-    facets.offsets.windows(2).map(|row| (row[0]..row[1]).map(facet).collect()).collect()
+    (0..facets.sites()).map(|i| facets.of(i).map(facet).collect()).collect()
 }
 
 #[cfg(test)]
@@ -318,13 +318,13 @@ mod tests {
             let mut sum = Moments::default();
             for i in 0..20 {
                 let (cell, v, away) =
-                    (scene.moments(middle, Some(i)), output.volume[i], DVec3::from(output.barycenter[i]) - middle);
+                    (scene.moments(middle, Some(i)), output.volume()[i], DVec3::from(output.barycenter()[i]) - middle);
                 sum.merge(&cell);
                 assert!((cell.volume() - v).abs() <= 1e-13 * volume, "{shape:?}, {i}: {}, not {v}", cell.volume());
                 if v != 0.0 {
                     let off = cell.first().distance(v * away);
                     assert!(off <= 1e-13 * volume, "{shape:?}, {i}: first moment off by {off:e}");
-                    let second = output.second_moment.as_ref().expect("second moments")[i];
+                    let second = output.second_moment().expect("second moments")[i];
                     for (k, [r, c]) in ENTRIES.into_iter().enumerate() {
                         let off = (cell.second()[k] - (second[k] + v * away[r] * away[c])).abs();
                         assert!(off <= 1e-13 * volume, "{shape:?}, {i}: second moment off by {off:e}");

@@ -50,22 +50,22 @@ fn compare_with(single: &dyn Backend, name: &str, diagram: &PowerDiagram) -> (f6
     let kind = single.info().backend;
     assert_eq!(single.info().precision, Precision::F32);
     let (found, wanted) = (evaluate(single, diagram), exact(diagram));
-    assert_eq!(found.status, wanted.status, "{name}");
+    assert_eq!(found.status(), wanted.status(), "{name}");
     let count = wanted.count(CellStatus::Complete) as f64;
-    let mean = wanted.volume.iter().sum::<f64>() / count;
+    let mean = wanted.volume().iter().sum::<f64>() / count;
     let mut worst = 0.0_f64;
-    for (i, (a, b)) in found.volume.iter().zip(&wanted.volume).enumerate() {
+    for (i, (a, b)) in found.volume().iter().zip(wanted.volume()).enumerate() {
         assert!((a - b).abs() <= SHARE * b.abs(), "{name}: the volume of cell {i} is {a}, not {b}");
         worst = worst.max((a - b).abs() / mean);
     }
-    let off = (found.volume.iter().sum::<f64>() - wanted.volume.iter().sum::<f64>()).abs() / (count * mean);
+    let off = (found.volume().iter().sum::<f64>() - wanted.volume().iter().sum::<f64>()).abs() / (count * mean);
     assert!(off <= OF_MEAN, "{name}: the sum is off by {off:e}");
     let size = mean.cbrt();
-    for (i, (a, b)) in found.barycenter.iter().zip(&wanted.barycenter).enumerate() {
+    for (i, (a, b)) in found.barycenter().iter().zip(wanted.barycenter()).enumerate() {
         let near = (0..3).all(|k| (a[k].is_nan() && b[k].is_nan()) || (a[k] - b[k]).abs() <= SHARE * size);
         assert!(near, "{name}: the barycenter of cell {i} is {a:?}, not {b:?}");
     }
-    let share = found.host_cells as f64 / found.status.len() as f64;
+    let share = found.report().host_cells as f64 / found.status().len() as f64;
     println!(
         "{name} ({kind}): off by {worst:.1e} of the mean volume, the sum by {off:.1e}; {share:.3} of the cells on the host"
     );
@@ -112,7 +112,7 @@ fn white_sites() {
 fn volumes_are_single_numbers() {
     let sharing = laguerre::open_sharing_cells(Precision::F32);
     let Some(single) = if_available("ocl", sharing) else { return };
-    let volumes = evaluate(&*single, &in_cube(&white(10_000, 1), &[])).volume;
+    let volumes = evaluate(&*single, &in_cube(&white(10_000, 1), &[])).into_arrays().volume;
     let are_single = volumes.iter().filter(|&&v| f64::from(v as f32) == v).count();
     assert!(are_single > 9500, "{are_single}");
 }
@@ -192,13 +192,13 @@ fn every_arrangement_of(single: &dyn Backend) {
             let case = Case { seed: seed as u64, count: 300, sites, weights, shape, pose: Pose::Plain };
             let diagram = case.scene().diagram().unwrap();
             let (found, wanted) = (evaluate(single, &diagram), evaluate(&*double, &diagram));
-            assert_eq!(found.status, wanted.status, "{case:?}");
-            for (i, (a, b)) in found.volume.iter().zip(&wanted.volume).enumerate() {
-                let bound = SHARE * b.abs() + CELL * wanted.volume.iter().sum::<f64>() / 300.0;
+            assert_eq!(found.status(), wanted.status(), "{case:?}");
+            for (i, (a, b)) in found.volume().iter().zip(wanted.volume()).enumerate() {
+                let bound = SHARE * b.abs() + CELL * wanted.volume().iter().sum::<f64>() / 300.0;
                 assert!((a - b).abs() <= bound, "{case:?}: the volume of cell {i} is {a}, not {b}");
             }
-            cells += found.status.len();
-            of_host += found.host_cells;
+            cells += found.status().len();
+            of_host += found.report().host_cells;
         }
     }
     println!("{of_host} of {cells} cells on the host");
@@ -232,8 +232,8 @@ fn heavy_sites_reach_beyond_the_first_voxels() {
     let _ = compare("a few heavy", &diagram);
     let Some(double) = open(Precision::F64) else { return };
     let (found, wanted) = (evaluate(&*double, &diagram), exact(&diagram));
-    assert_eq!(found.status, wanted.status);
-    for (i, (a, b)) in found.volume.iter().zip(&wanted.volume).enumerate() {
+    assert_eq!(found.status(), wanted.status());
+    for (i, (a, b)) in found.volume().iter().zip(wanted.volume()).enumerate() {
         assert!((a - b).abs() <= 1e-12 / 1003.0, "the volume of cell {i} is {a}, not {b}");
     }
 }

@@ -4,8 +4,9 @@ use crate::PowerDiagram;
 use crate::cell::{CellStore, CellSums, FACET_SECOND_MOMENTS, FacetSecond, TAG_BOX, V3, facet_is_above_bound};
 use crate::diagram::FramedContainer;
 use crate::frame::Frame;
-use crate::output::{Boundary, CellStatus, FacetList, Neighbor, Output};
+use crate::geometry::Geometry;
 use crate::request::Request;
+use crate::{Boundary, CellStatus, Error, FacetArrays, Facets, Output, OutputArrays, Report, Result};
 use rayon::prelude::*;
 
 /// One facet of a finished cell, in the frame of its site. Devices write the same.
@@ -33,16 +34,16 @@ pub struct CellRecord {
     pub sums: CellSums,
 }
 
-/// Facets of finished cells, one after the other.
+/// FacetRecords of finished cells, one after the other.
 #[derive(Clone, Debug, Default)]
-pub struct Facets {
+pub struct FacetRecords {
     /// Their sums.
     pub records: Vec<FacetRecord>,
     /// Their second moments about their own barycenters, as many, or none where they are not asked for.
     pub seconds: Vec<FacetSecond>,
 }
 
-impl Facets {
+impl FacetRecords {
     /// Appends the facets of the finished cell that exceed their rounding bound, as `flags` ask for; the tags are sorted indices, and
     /// `order` the caller's.
     pub fn collect<S: CellStore>(&mut self, store: &S, flags: u32, order: &[u32]) {
@@ -69,7 +70,7 @@ impl Facets {
     }
 }
 
-/// Some facets of [`Facets`].
+/// Some facets of [`FacetRecords`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row<'a> {
     records: &'a [FacetRecord],
@@ -91,10 +92,11 @@ const ROWS_AT_ONCE: usize = 4096;
 pub struct Assembler<'a> {
     positions: &'a [[f64; 3]],
     frame: Frame,
-    output: Output,
+    output: OutputArrays,
+    boundary: Option<Vec<Boundary>>,
     /// For each site where its facets begin in `facets`, and how many they are; empty where none are asked for.
     rows: Vec<(u64, u32)>,
-    facets: Facets,
+    facets: FacetRecords,
     has_seconds: bool,
 }
 
@@ -111,23 +113,23 @@ impl<'a> Assembler<'a> {
     /// For all cells of a diagram; cells that are never added, as those of coincident sites, stay empty.
     pub fn new(diagram: &'a PowerDiagram, container: &FramedContainer, request: &Request) -> Self {
         let n = diagram.positions().len();
-        let output = Output {
+        let output = OutputArrays {
             status: vec![CellStatus::Empty; n],
             volume: vec![0.0; n],
             barycenter: vec![[f64::NAN; 3]; n],
             second_moment: request.second_moments.then(|| vec![[0.0; 6]; n]),
             integral: request.integral.is_some().then(|| vec![0.0; n]),
-            facets: request.facets.then(FacetList::default),
-            boundary: request.facets.then(|| vec![Boundary::default(); n]),
-            ..Output::default()
+            ..OutputArrays::default()
         };
+        let boundary = request.facets.then(|| vec![Boundary::default(); n]);
         let rows = if request.facets { vec![(0, 0); n] } else { Vec::new() };
         Self {
             positions: diagram.positions(),
             frame: container.frame,
             output,
+            boundary,
             rows,
-            facets: Facets::default(),
+            facets: FacetRecords::default(),
             has_seconds: request.facet_second_moments,
         }
     }
@@ -148,7 +150,7 @@ impl<'a> Assembler<'a> {
         if let Some(integral) = &mut self.output.integral {
             integral[i] = finished.integral;
         }
-        if let Some(boundary) = &mut self.output.boundary {
+        if let Some(boundary) = &mut self.boundary {
             boundary[i] = finished.boundary;
         }
         if let Some(row) = self.rows.get_mut(i) {
@@ -160,7 +162,7 @@ impl<'a> Assembler<'a> {
 
     /// Adds, for every site `i` where `cell(i)` is something that is not empty, that cell without its facets.
     pub fn add_all(&mut self, cell: impl Fn(usize) -> Option<(CellStatus, CellSums)> + Sync) {
-        let Self { positions, frame, output, .. } = self;
+        let Self { positions, frame, output, boundary, .. } = self;
         let finished = |i: usize| {
             let (status, sums) = cell(i).filter(|(status, _)| *status != CellStatus::Empty)?;
             Some((status, finish(frame, positions[i], &sums)))
@@ -183,7 +185,7 @@ impl<'a> Assembler<'a> {
             };
             integral.par_iter_mut().enumerate().for_each(set);
         }
-        if let Some(boundary) = &mut output.boundary {
+        if let Some(boundary) = boundary {
             let set = |(i, boundary): (usize, &mut Boundary)| {
                 finished(i).into_iter().for_each(|(_, cell)| *boundary = cell.boundary);
             };
@@ -191,22 +193,46 @@ impl<'a> Assembler<'a> {
         }
     }
 
-    /// The output; the counts of cells and `passes` are the caller's to fill in.
-    pub fn finish(self) -> Output {
-        self.finish_with(|_| Row::default())
+    /// The output.
+    ///
+    /// # Errors
+    /// `Input` for the first site whose integral is not finite: the given function is not one everywhere.
+    pub fn finish(self, report: Report, geometry: Option<Geometry>) -> Result<Output> {
+        self.finish_with(|_| Row::default(), report, geometry)
     }
 
     /// The same where the facets of cells that were added without stand elsewhere: `row(i)` are those of site `i`.
-    pub fn finish_with<'b>(mut self, row: impl Fn(usize) -> Row<'b> + Sync) -> Output {
-        if let Some(list) = &mut self.output.facets {
+    ///
+    /// # Errors
+    /// As [`Assembler::finish`].
+    pub fn finish_with<'b>(
+        mut self,
+        row: impl Fn(usize) -> Row<'b> + Sync,
+        report: Report,
+        geometry: Option<Geometry>,
+    ) -> Result<Output> {
+        check_integrals(self.output.integral.as_deref().unwrap_or_default())?;
+        if let Some(boundary) = self.boundary.take() {
             let row_of = |i: usize| match self.rows[i] {
                 (_, 0) => row(i),
                 (begin, count) => self.facets.row(begin as usize, begin as usize + count as usize),
             };
-            *list = facet_list(&self.frame, self.positions, &|i| row_of(i).records);
-            list.second_moment = self.has_seconds.then(|| facet_seconds(&self.frame, self.positions.len(), &row_of));
+            let mut arrays = facet_arrays(&self.frame, self.positions, &|i| row_of(i).records);
+            arrays.second_moment = self.has_seconds.then(|| facet_seconds(&self.frame, self.positions.len(), &row_of));
+            self.output.facets = Some(Facets::of_fitting(FacetArrays { boundary, ..arrays }));
         }
-        self.output
+        Output::new(OutputArrays { report, geometry, ..self.output })
+    }
+}
+
+fn check_integrals(integrals: &[f64]) -> Result<()> {
+    match integrals.iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(i) => Err(Error::input(format!(
+            "integrand: its integral over the cell of site {i} is not finite: it must be so in all of the box, and of the box of the \
+             domain's grid"
+        ))
+        .of_site(i)),
     }
 }
 
@@ -244,11 +270,11 @@ fn finish(frame: &Frame, position: [f64; 3], sums: &CellSums) -> Finished {
 }
 
 /// The facets of all sites in one list.
-fn facet_list<'b>(
+fn facet_arrays<'b>(
     frame: &Frame,
     positions: &[[f64; 3]],
     row_of: &(impl Fn(usize) -> &'b [FacetRecord] + Sync),
-) -> FacetList {
+) -> FacetArrays {
     let mut offsets = vec![0; positions.len() + 1];
     offsets[1..].par_iter_mut().enumerate().for_each(|(i, count)| *count = row_of(i).len());
     let mut total = 0;
@@ -256,14 +282,15 @@ fn facet_list<'b>(
         total += *end;
         *end = total;
     }
-    let mut list = FacetList {
+    let mut list = FacetArrays {
         offsets,
         // Not zeros to the allocator, as the others are: written on all threads.
-        neighbor: rayon::iter::repeat_n(Neighbor { site: 0, image: [0; 3] }, total).collect(),
+        neighbor: rayon::iter::repeat_n(0, total).collect(),
         area: vec![0.0; total],
         barycenter: vec![[0.0; 3]; total],
         distance: vec![0.0; total],
         second_moment: None,
+        boundary: Vec::new(),
     };
     // Each task has its own part of the columns.
     let mut parts = Vec::new();
@@ -291,7 +318,7 @@ fn facet_list<'b>(
             for facet in &row {
                 let [nx, ny, nz] = frame.enter(positions[facet.neighbor as usize]);
                 let (a, m) = (facet.area, facet.moment);
-                neighbor[next] = Neighbor { site: facet.neighbor, image: [0; 3] };
+                neighbor[next] = facet.neighbor;
                 area[next] = a * frame.unit().powi(2);
                 barycenter[next] = frame.leave([x + m.x / a, y + m.y / a, z + m.z / a]);
                 distance[next] = ((nx - x).powi(2) + (ny - y).powi(2) + (nz - z).powi(2)).sqrt() * frame.unit();
@@ -302,7 +329,7 @@ fn facet_list<'b>(
     list
 }
 
-/// The second moments of the facets of all sites, in the order of [`facet_list`].
+/// The second moments of the facets of all sites, in the order of [`facet_arrays`].
 fn facet_seconds<'b>(frame: &Frame, sites: usize, row_of: &(impl Fn(usize) -> Row<'b> + Sync)) -> Vec<[f64; 6]> {
     let unit = frame.unit().powi(4);
     let row_in_order = |i: usize| {

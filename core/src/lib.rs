@@ -13,6 +13,7 @@ pub mod domain;
 pub mod domain_grid;
 pub mod error;
 pub mod exact;
+pub mod facets;
 pub mod frame;
 pub mod geometry;
 pub mod integrand;
@@ -36,7 +37,8 @@ pub use backend::{Backend, BackendInfo, Capabilities, DeviceChoice, DeviceInfo, 
 pub use diagram::{Container, MergedSites, PowerDiagram};
 pub use domain::Domain;
 pub use error::{Error, ErrorKind, Place, Result};
+pub use facets::{Boundary, Facet, FacetArrays, Facets};
 pub use geometry::Geometry;
 pub use integrand::Integrand;
-pub use output::{Boundary, CellStatus, FacetList, Neighbor, Output, PassReport, Substep};
+pub use output::{CellStatus, Output, OutputArrays, PassReport, Report, Substep};
 pub use request::Request;

@@ -1,12 +1,12 @@
 //! The naive oracle: every site clips every cell, in sorted order, with no grid and no early stop. It shares the clipping
 //! with the backends, so it tests completeness; what tests the clipping is what shares nothing with it.
 
-use crate::assemble::{Assembler, CellRecord, Facets};
+use crate::assemble::{Assembler, CellRecord, FacetRecords};
 use crate::backend::{Backend, BackendInfo, Observer, Watched};
 use crate::cell::{self, CellSums, PlainStore, bisector, v3};
 use crate::geometry::{GeometryAssembler, Shaper, Shapes};
 use crate::output::CellStatus;
-use crate::{Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use crate::{Error, ErrorKind, Output, PowerDiagram, Report, Request, Result};
 
 /// The naive backend, of quadratic cost.
 #[derive(Clone, Debug, Default)]
@@ -58,7 +58,7 @@ impl Backend for Naive {
                 cell::EMPTY => CellStatus::Empty,
                 other => return Err(Error::new(ErrorKind::Device, format!("cell {i} ended with status {other}"))),
             };
-            let mut facets = Facets::default();
+            let mut facets = FacetRecords::default();
             if request.facets {
                 facets.collect(&store, flags, prepared.sites.order());
             }
@@ -77,9 +77,6 @@ impl Backend for Naive {
             }
             watched.advance(1)?;
         }
-        let mut output = assembler.finish();
-        output.geometry = geometry.map(GeometryAssembler::finish);
-        output.check_integrals()?;
-        Ok(output)
+        assembler.finish(Report::default(), geometry.map(GeometryAssembler::finish))
     }
 }

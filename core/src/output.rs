@@ -1,5 +1,6 @@
 //! What comes back: flat arrays in the caller's order and units.
 
+use crate::facets::{Boundary, Facets};
 use crate::geometry::Geometry;
 use crate::{Error, Result};
 
@@ -34,46 +35,6 @@ impl CellStatus {
     }
 }
 
-/// A neighbour: the site beyond a facet, and in which periodic image of the box it stands (zero: the box itself).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Neighbor {
-    /// Index of the site in the caller's order.
-    pub site: u32,
-    /// Periodic image, zero unless the box is periodic.
-    pub image: [i8; 3],
-}
-
-/// Facets between restricted cells, in compressed rows: those of site `i` are `offsets[i]..offsets[i + 1]`, sorted by
-/// neighbour. Every interior facet stands once in each of its two rows.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FacetList {
-    /// Row starts; one more than sites.
-    pub offsets: Vec<usize>,
-    /// The site beyond each facet.
-    pub neighbor: Vec<Neighbor>,
-    /// Area (length²) of the facet within the domain.
-    pub area: Vec<f64>,
-    /// Barycenter of the facet within the domain.
-    pub barycenter: Vec<[f64; 3]>,
-    /// Distance between the two sites.
-    pub distance: Vec<f64>,
-    /// Where requested: ∫ (x − b)(x − b)ᵀ dA about each facet's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁴).
-    pub second_moment: Option<Vec<[f64; 6]>>,
-}
-
-/// The part of the domain's boundary that lies in one restricted cell.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Boundary {
-    /// Area (length²).
-    pub area: f64,
-    /// Barycenter; zero where the area is zero.
-    pub barycenter: [f64; 3],
-    /// ∫ n dA, `n` the outward unit normal of the domain.
-    pub vector_area: [f64; 3],
-    /// ∫ n·(x − p) dA, `p` the cell's site: three times the part of the volume that the boundary closes.
-    pub flux: f64,
-}
-
 /// The part of a pass that computes the cells near the surface alone (paper §1); zeros where the backend does not part its passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Substep {
@@ -106,10 +67,22 @@ pub struct PassReport {
     pub second: Substep,
 }
 
-/// The integrals of all cells, in the caller's order, lengths in the caller's unit.
+/// How an output was computed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Cells for which floating point did not suffice and exact arithmetic decided.
+    pub exact_cells: usize,
+    /// Cells that a device handed back to the host, which has all the room and arithmetic that there is.
+    pub host_cells: usize,
+    /// Seconds that a device computed, from sites on the device to results on the device; 0 where there is none but the host.
+    pub device_seconds: f64,
+    /// The passes of the scheduler.
+    pub passes: Vec<PassReport>,
+}
+
+/// What an [`Output`] is made of.
 #[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct Output {
+pub struct OutputArrays {
     /// How each cell ended.
     pub status: Vec<CellStatus>,
     /// Volume (length³) of each restricted cell: the integral of the domain's winding number.
@@ -121,41 +94,105 @@ pub struct Output {
     /// Where requested: the integral of the given function over each restricted cell (its unit times length³), 0 where the cell is
     /// empty; [`Integrand`](crate::Integrand) says how near it is.
     pub integral: Option<Vec<f64>>,
-    /// Where requested: the facets between cells.
-    pub facets: Option<FacetList>,
-    /// Where requested: each cell's piece of the boundary.
-    pub boundary: Option<Vec<Boundary>>,
+    /// Where requested: the facets between cells, and each cell's piece of the boundary.
+    pub facets: Option<Facets>,
     /// Where requested: the restricted cells as polygons.
     pub geometry: Option<Geometry>,
-    /// Cells for which floating point did not suffice and exact arithmetic decided.
-    pub exact_cells: usize,
-    /// Cells that a device handed back to the host, which has all the room and arithmetic that there is.
-    pub host_cells: usize,
-    /// Seconds that a device computed, from sites on the device to results on the device; 0 where there is none but the host.
-    pub device_seconds: f64,
-    /// The passes of the scheduler.
-    pub passes: Vec<PassReport>,
+    /// How it was computed.
+    pub report: Report,
 }
 
+/// The integrals of all cells, in the caller's order, lengths in the caller's unit.
+#[derive(Clone, Debug, Default)]
+pub struct Output(OutputArrays);
+
 impl Output {
-    /// Refuses integrals that are no numbers: the given function is not one everywhere. Called by backends.
+    /// An output of arrays, which each have a place for each site.
     ///
     /// # Errors
-    /// `Input` for the first site whose integral is not finite.
-    #[doc(hidden)]
-    pub fn check_integrals(&self) -> Result<()> {
-        match self.integral.iter().flatten().position(|x| !x.is_finite()) {
-            None => Ok(()),
-            Some(i) => Err(Error::input(format!(
-                "integrand: its integral over the cell of site {i} is not finite: it must be so in all of the box, and of the box of the \
-                 domain's grid"
-            ))
-            .of_site(i)),
+    /// `Input` where their lengths differ.
+    pub fn new(arrays: OutputArrays) -> Result<Self> {
+        let n = arrays.volume.len();
+        let OutputArrays { status, barycenter, second_moment, integral, facets, geometry, .. } = &arrays;
+        let lengths = [
+            Some(status.len()),
+            Some(barycenter.len()),
+            second_moment.as_ref().map(Vec::len),
+            integral.as_ref().map(Vec::len),
+            facets.as_ref().map(Facets::sites),
+            geometry.as_ref().map(Geometry::sites),
+        ];
+        match lengths.into_iter().flatten().find(|&length| length != n) {
+            Some(other) => {
+                Err(Error::input(format!("an output has volumes of {n} cells, but something else of {other}")))
+            }
+            None => Ok(Self(arrays)),
         }
+    }
+
+    /// Its arrays, to be taken along or changed.
+    pub fn into_arrays(self) -> OutputArrays {
+        self.0
+    }
+
+    /// Takes the facets out, for who needs their memory before that of the rest.
+    pub fn take_facets(&mut self) -> Option<Facets> {
+        self.0.facets.take()
+    }
+
+    /// The number of sites.
+    pub fn sites(&self) -> usize {
+        self.0.volume.len()
     }
 
     /// Number of cells with the given status.
     pub fn count(&self, status: CellStatus) -> usize {
-        self.status.iter().filter(|&&s| s == status).count()
+        self.0.status.iter().filter(|&&s| s == status).count()
+    }
+
+    /// How each cell ended.
+    pub fn status(&self) -> &[CellStatus] {
+        &self.0.status
+    }
+
+    /// Volume (length³) of each restricted cell: the integral of the domain's winding number.
+    pub fn volume(&self) -> &[f64] {
+        &self.0.volume
+    }
+
+    /// Barycenter of each restricted cell; NaN where the cell is empty.
+    pub fn barycenter(&self) -> &[[f64; 3]] {
+        &self.0.barycenter
+    }
+
+    /// Where requested: ∫ (x − b)(x − b)ᵀ dx about the cell's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁵).
+    pub fn second_moment(&self) -> Option<&[[f64; 6]]> {
+        self.0.second_moment.as_deref()
+    }
+
+    /// Where requested: the integral of the given function over each restricted cell (its unit times length³), 0 where the cell is
+    /// empty; [`Integrand`](crate::Integrand) says how near it is.
+    pub fn integral(&self) -> Option<&[f64]> {
+        self.0.integral.as_deref()
+    }
+
+    /// Where requested: the facets between cells, and each cell's piece of the boundary.
+    pub fn facets(&self) -> Option<&Facets> {
+        self.0.facets.as_ref()
+    }
+
+    /// Where facets were requested: each cell's piece of the boundary.
+    pub fn boundary(&self) -> Option<&[Boundary]> {
+        self.facets().map(Facets::boundary)
+    }
+
+    /// Where requested: the restricted cells as polygons.
+    pub fn geometry(&self) -> Option<&Geometry> {
+        self.0.geometry.as_ref()
+    }
+
+    /// How it was computed.
+    pub fn report(&self) -> &Report {
+        &self.0.report
     }
 }

@@ -65,11 +65,11 @@ impl Density {
     /// The mass of each cell; 0 where it is empty.
     pub fn masses(&self, output: &Output) -> Vec<f64> {
         match self {
-            Self::Uniform => output.volume.clone(),
+            Self::Uniform => output.volume().to_vec(),
             Self::Linear { .. } => {
                 // An empty cell has no barycenter.
                 let mass = |(&v, &b)| if v == 0.0 { 0.0 } else { self.at(b) * v };
-                output.volume.iter().zip(&output.barycenter).map(mass).collect()
+                output.volume().iter().zip(output.barycenter()).map(mass).collect()
             }
         }
     }
@@ -77,11 +77,11 @@ impl Density {
     /// The centre of mass of each cell, NaN where it is empty. `None` where the density is not uniform and `output` is without second
     /// moments.
     pub fn centers(&self, output: &Output) -> Option<Vec<[f64; 3]>> {
-        let Self::Linear { gradient: g, .. } = *self else { return Some(output.barycenter.clone()) };
-        let moments = output.second_moment.as_ref()?;
+        let Self::Linear { gradient: g, .. } = *self else { return Some(output.barycenter().to_vec()) };
+        let moments = output.second_moment()?;
         let center = |i: usize| {
-            let (b, [xx, yy, zz, xy, xz, yz]) = (output.barycenter[i], moments[i]);
-            let mass = self.at(b) * output.volume[i];
+            let (b, [xx, yy, zz, xy, xz, yz]) = (output.barycenter()[i], moments[i]);
+            let mass = self.at(b) * output.volume()[i];
             let pulled = [
                 xx * g[0] + xy * g[1] + xz * g[2],
                 xy * g[0] + yy * g[1] + yz * g[2],
@@ -89,7 +89,7 @@ impl Density {
             ];
             std::array::from_fn(|k| b[k] + pulled[k] / mass)
         };
-        Some((0..output.volume.len()).map(center).collect())
+        Some((0..output.volume().len()).map(center).collect())
     }
 
     /// The transport cost `Σ_i ∫_i ‖x − p_i‖² dx` (length⁵) of a uniform density, from what `output` holds. `None` where that is without
@@ -97,8 +97,8 @@ impl Density {
     pub fn cost(&self, positions: &[[f64; 3]], output: &Output) -> Option<f64> {
         let Self::Uniform = self else { return None };
         let mut cost = Sum::default();
-        for (i, m) in output.second_moment.as_ref()?.iter().enumerate() {
-            let (v, b, p) = (output.volume[i], output.barycenter[i], positions[i]);
+        for (i, m) in output.second_moment()?.iter().enumerate() {
+            let (v, b, p) = (output.volume()[i], output.barycenter()[i], positions[i]);
             if v != 0.0 {
                 let d: [f64; 3] = std::array::from_fn(|k| b[k] - p[k]);
                 cost.add(m[0] + m[1] + m[2] + v * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
@@ -123,7 +123,7 @@ impl Density {
         output: &Output,
     ) -> Result<Option<f64>> {
         let Self::Linear { gradient: g, .. } = *self else { return Ok(self.cost(diagram.positions(), output)) };
-        let (Some(_), Some(centers)) = (&output.second_moment, self.centers(output)) else { return Ok(None) };
+        let (Some(_), Some(centers)) = (output.second_moment(), self.centers(output)) else { return Ok(None) };
         let mut cost = Sum::default();
         let container = diagram.container()?;
         let o = middle(&container);
@@ -142,7 +142,7 @@ impl Density {
             Container::Box(lo, hi) => one.in_box(lo, hi)?,
         };
         let request = Request::moments().with_integral(Integrand::polynomial(o, &terms)?);
-        cost.extend(backend.evaluate(&one, &request)?.integral.into_iter().flatten());
+        cost.extend(backend.evaluate(&one, &request)?.integral().into_iter().flatten().copied());
         for (i, mass) in self.masses(output).into_iter().enumerate() {
             if mass != 0.0 {
                 let (c, p) = (centers[i], diagram.positions()[i]);

@@ -13,8 +13,9 @@
 //! coincide, masses have none.
 
 use crate::density::Density;
-use laguerre_core::{CellStatus, Error, FacetList, Output, PowerDiagram, Request, Result};
+use laguerre_core::{CellStatus, Error, Facet, Facets, Output, PowerDiagram, Request, Result};
 use rayon::prelude::*;
+use std::ops::Deref;
 
 /// Sparse rows, one for each cell, of blocks of `N` numbers: those of row `i` are `offsets[i]..offsets[i + 1]`, sorted by column. A row has its
 /// neighbours' columns and its own; that of an empty cell has none. (`values.as_flattened()` are the numbers alone.)
@@ -41,19 +42,24 @@ impl<const N: usize> Rows<N> {
 pub struct Derivatives<'a> {
     positions: &'a [[f64; 3]],
     output: &'a Output,
-    facets: &'a FacetList,
+    facets: &'a Facets,
     facet_moments: &'a [[f64; 6]],
     density: &'a Density,
 }
 
-/// One facet, as its cell `i` sees it.
-struct Facet {
+/// A facet, as the cell of site `i` sees it, with its second moment.
+struct Seen {
     i: usize,
-    j: usize,
-    distance: f64,
-    area: f64,
-    barycenter: [f64; 3],
+    facet: Facet,
     second: [f64; 6],
+}
+
+impl Deref for Seen {
+    type Target = Facet;
+
+    fn deref(&self) -> &Facet {
+        &self.facet
+    }
 }
 
 impl<'a> Derivatives<'a> {
@@ -73,16 +79,16 @@ impl<'a> Derivatives<'a> {
     /// `Input` where `output` is not of `diagram`, or lacks what is needed.
     pub fn new(diagram: &'a PowerDiagram, output: &'a Output, density: &'a Density) -> Result<Self> {
         let positions = diagram.positions();
-        if output.status.len() != positions.len() {
+        if output.status().len() != positions.len() {
             return Err(Error::input(format!(
                 "derivatives: {} cells of {} sites",
-                output.status.len(),
+                output.status().len(),
                 positions.len()
             )));
         }
-        let facets = output.facets.as_ref();
+        let facets = output.facets();
         let (Some(facets), Some(facet_moments), Some(_)) =
-            (facets, facets.and_then(|f| f.second_moment.as_deref()), density.centers(output))
+            (facets, facets.and_then(|f| f.second_moment()), density.centers(output))
         else {
             return Err(Error::input("derivatives: the cells are without moments: evaluate `Derivatives::request`"));
         };
@@ -101,7 +107,7 @@ impl<'a> Derivatives<'a> {
     pub fn masses_by_positions(&self) -> Rows<3> {
         self.rows(|facet| {
             let over = |x| self.moment(facet, x).map(|m| m / facet.distance);
-            (over(self.positions[facet.j]).map(|m| -m), over(self.positions[facet.i]))
+            (over(self.positions[facet.neighbor]).map(|m| -m), over(self.positions[facet.i]))
         })
     }
 
@@ -135,7 +141,7 @@ impl<'a> Derivatives<'a> {
                     (facet.area * arms + entry(&facet.second, r, c)) / share
                 })
             };
-            let other: [f64; 9] = over(self.positions[facet.j]);
+            let other: [f64; 9] = over(self.positions[facet.neighbor]);
             (other.map(|m| -m), over(self.positions[facet.i]))
         }))
     }
@@ -146,12 +152,12 @@ impl<'a> Derivatives<'a> {
     }
 
     /// `∫ ρ` over a facet.
-    fn mass(&self, facet: &Facet) -> f64 {
+    fn mass(&self, facet: &Seen) -> f64 {
         self.density.at(facet.barycenter) * facet.area
     }
 
     /// `∫ ρ (x − o)` over a facet.
-    fn moment(&self, facet: &Facet, o: [f64; 3]) -> [f64; 3] {
+    fn moment(&self, facet: &Seen, o: [f64; 3]) -> [f64; 3] {
         let (mass, b) = (self.mass(facet), facet.barycenter);
         let gradient = match *self.density {
             Density::Uniform => [0.0; 3],
@@ -164,19 +170,17 @@ impl<'a> Derivatives<'a> {
     }
 
     /// Rows made of what each facet adds to its neighbour's column, and to its cell's own.
-    fn rows<const N: usize>(&self, of: impl Fn(&Facet) -> ([f64; N], [f64; N]) + Sync) -> Rows<N> {
+    fn rows<const N: usize>(&self, of: impl Fn(&Seen) -> ([f64; N], [f64; N]) + Sync) -> Rows<N> {
         let row = |i: usize| {
             let mut row = Vec::new();
-            if self.output.status[i] == CellStatus::Empty {
+            if self.output.status()[i] == CellStatus::Empty {
                 return row;
             }
             let mut own = [0.0; N];
-            let all = self.facets.offsets[i]..self.facets.offsets[i + 1];
-            for k in all {
-                let facet = self.facet(i, k);
-                let (other, to_own) = of(&facet);
+            for facet in self.facets.of(i) {
+                let (other, to_own) = of(&Seen { i, facet, second: self.facet_moments[facet.number] });
                 (0..N).for_each(|n| own[n] += to_own[n]);
-                row.push((facet.j as u32, other));
+                row.push((facet.neighbor as u32, other));
             }
             let place = row.partition_point(|(j, _)| (*j as usize) < i);
             row.insert(place, (i as u32, own));
@@ -191,17 +195,6 @@ impl<'a> Derivatives<'a> {
             made.offsets.push(made.columns.len());
         }
         made
-    }
-
-    fn facet(&self, i: usize, k: usize) -> Facet {
-        Facet {
-            i,
-            j: self.facets.neighbor[k].site as usize,
-            distance: self.facets.distance[k],
-            area: self.facets.area[k],
-            barycenter: self.facets.barycenter[k],
-            second: self.facet_moments[k],
-        }
     }
 }
 

@@ -176,7 +176,7 @@ pub fn equalize(
     let mut steps = 0;
     loop {
         let output = backend.evaluate(diagram, &Request::moments())?;
-        let found = relative_deviation(&output.volume);
+        let found = relative_deviation(output.volume());
         if found < spread || steps == most_steps {
             return Ok(Equalized { steps, spread: found });
         }
@@ -202,16 +202,16 @@ pub fn energy_request() -> Request {
 /// second moment about its barycenter, and `V_i (‖p_i − b_i‖² − w_i)`.
 pub fn energy(diagram: &PowerDiagram, output: &Output) -> f64 {
     let mut sum = Sum::default();
-    let second = output.second_moment.as_deref().unwrap_or_default();
+    let second = output.second_moment().unwrap_or_default();
     for (i, &p) in diagram.positions().iter().enumerate() {
-        if output.status[i] == CellStatus::Empty {
+        if output.status()[i] == CellStatus::Empty {
             continue;
         }
         if let Some([xx, yy, zz, ..]) = second.get(i) {
             sum.extend([*xx, *yy, *zz]);
         }
         let weight = diagram.weights().get(i).copied().unwrap_or(0.0);
-        sum.add(output.volume[i] * (distance2(p, output.barycenter[i]) - weight));
+        sum.add(output.volume()[i] * (distance2(p, output.barycenter()[i]) - weight));
     }
     sum.total()
 }
@@ -220,9 +220,9 @@ pub fn energy(diagram: &PowerDiagram, output: &Output) -> f64 {
 pub fn gradient(diagram: &PowerDiagram, output: &Output) -> Vec<[f64; 3]> {
     let sites = diagram.positions().iter().enumerate();
     sites
-        .map(|(i, &p)| match output.status[i] {
+        .map(|(i, &p)| match output.status()[i] {
             CellStatus::Empty => [0.0; 3],
-            _ => minus(p, output.barycenter[i]).map(|x| 2.0 * output.volume[i] * x),
+            _ => minus(p, output.barycenter()[i]).map(|x| 2.0 * output.volume()[i] * x),
         })
         .collect()
 }
@@ -249,7 +249,7 @@ impl Landscape {
     /// [`Iteration::gradient`].
     fn residual(&self) -> f64 {
         let (mut volume, mut moved, mut cells) = (Sum::default(), Sum::default(), 0_usize);
-        for (&v, &g) in self.output.volume.iter().zip(&self.gradient).filter(|&(&v, _)| v > 0.0) {
+        for (&v, &g) in self.output.volume().iter().zip(&self.gradient).filter(|&(&v, _)| v > 0.0) {
             volume.add(v);
             // The unit cancels before anything is squared, so that nothing overflows.
             let way = g.map(|x| x / (2.0 * v));
@@ -262,7 +262,7 @@ impl Landscape {
 
     /// `1 / 2V_i`: times the gradient, Lloyd's step.
     fn lloyd_scale(&self, i: usize) -> f64 {
-        if self.output.status[i] == CellStatus::Empty { 0.0 } else { 0.5 / self.output.volume[i] }
+        if self.output.status()[i] == CellStatus::Empty { 0.0 } else { 0.5 / self.output.volume()[i] }
     }
 }
 
@@ -313,8 +313,8 @@ fn barycenters(diagram: &PowerDiagram, output: &Output, accept: impl Fn([f64; 3]
     let sites = diagram.positions().iter().enumerate();
     sites
         .map(|(i, &old)| {
-            let new = output.barycenter[i];
-            if output.status[i] != CellStatus::Empty && accept(new) { new } else { old }
+            let new = output.barycenter()[i];
+            if output.status()[i] != CellStatus::Empty && accept(new) { new } else { old }
         })
         .collect()
 }

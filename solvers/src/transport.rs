@@ -147,7 +147,7 @@ pub fn solve(
     };
     let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
     diagram.set_sites(&positions, &state.weights)?;
-    if state.output.facets.is_none() && end != End::Interrupted {
+    if state.output.facets().is_none() && end != End::Interrupted {
         // A stalled step has taken them apart.
         state.output = backend.evaluate(diagram, &problem_request(options))?;
     }
@@ -315,12 +315,12 @@ impl<'a> Problem<'a> {
 
     /// Where to go from a state, whose facets are taken out to make room.
     fn direction(&self, state: &mut State) -> Result<Direction> {
-        let Some(facets) = state.output.facets.take() else {
+        let Some(facets) = state.output.take_facets() else {
             return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to"));
         };
         let matrix = laplacian(&facets, &self.density, &self.order, &self.place, self.unit);
         let limit = |site: usize, other: usize, k: usize| {
-            limited::limit(self, state, site, other, facets.barycenter[k], facets.distance[k])
+            limited::limit(self, state, site, other, facets.barycenter()[k], facets.distance()[k])
         };
         let limits = limits(&facets, &self.density, &self.order, &self.place, limit);
         drop(facets);

@@ -36,8 +36,8 @@ fn hold<const M: usize, const N: usize>(
     moved: impl Fn(f64) -> Output,
 ) {
     let (less, more) = (moved(-STEP), moved(STEP));
-    for i in 0..less.status.len() {
-        if [&less, &more].iter().any(|output| output.status[i] == CellStatus::Empty) {
+    for i in 0..less.status().len() {
+        if [&less, &more].iter().any(|output| output.status()[i] == CellStatus::Empty) {
             continue;
         }
         let found = rows.row(i).find(|(j, _)| *j == site).map_or([0.0; M], |(_, found)| block(found));
@@ -126,7 +126,7 @@ fn translations_are_translations() {
     let all = Derivatives::new(&diagram, &output, &density).unwrap();
     let (masses, barycenters) = (all.masses_by_positions(), all.barycenters_by_positions().unwrap());
     let mut inner = 0;
-    for (i, boundary) in output.boundary.as_ref().unwrap().iter().enumerate() {
+    for (i, boundary) in output.boundary().unwrap().iter().enumerate() {
         let mut sum = [0.0; 3];
         masses.row(i).for_each(|(_, x)| (0..3).for_each(|k| sum[k] += x[k]));
         assert!((0..3).all(|k| (sum[k] + boundary.vector_area[k]).abs() < 1e-13), "site {i}: {sum:?}, {boundary:?}");

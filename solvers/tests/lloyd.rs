@@ -123,7 +123,7 @@ fn empty_cells_stay_and_harm_nobody() {
     let weights: Vec<f64> = (0..110).map(|i| if i < 100 { 0.2 } else { 0.0 }).collect();
     let mut diagram = cube(&sites, &weights);
     let relaxed = relax(&cpu(), &mut diagram, &Options::default().until(20, 0.0), &mut |_| {}).unwrap();
-    let empty = |i: &usize| relaxed.output.status[*i] == CellStatus::Empty;
+    let empty = |i: &usize| relaxed.output.status()[*i] == CellStatus::Empty;
     assert!((0..100).all(|i| !empty(&i)), "no step empties a cell");
     assert!((100..110).any(|i| empty(&i)) && (100..110).filter(empty).all(|i| diagram.positions()[i] == sites[i]));
     assert!(relaxed.iterations.iter().all(|i| i.energy.is_finite() && i.gradient.is_finite()));
@@ -147,7 +147,7 @@ fn volumes_are_equalized_and_refused_places_not_entered() {
     let mut diagram = cube(&spread(500), &[]);
     let done = equalize(&cpu(), &mut diagram, 0.1, 60, |p| p[0] < 0.9).unwrap();
     assert!(done.steps > 0 && done.steps <= 60, "{done:?}");
-    let volumes = cpu().evaluate(&diagram, &energy_request()).unwrap().volume;
+    let volumes = cpu().evaluate(&diagram, &energy_request()).unwrap().into_arrays().volume;
     assert_eq!(relative_deviation(&volumes), done.spread);
     let before = spread(500);
     assert!(diagram.positions().iter().zip(&before).all(|(p, q)| p[0] < 0.9 || p == q));

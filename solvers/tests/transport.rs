@@ -39,7 +39,7 @@ fn check(diagram: &PowerDiagram, solution: &Solution, masses: &[f64], density: &
         assert!((mass / masses[i] - 1.0).abs() <= 1e-9, "cell {i}: {mass} for {}", masses[i]);
     }
     assert!(solution.residual <= 1e-9);
-    assert!(solution.output.facets.is_some());
+    assert!(solution.output.facets().is_some());
     let sum: f64 = solution.weights.iter().sum();
     assert!(sum.abs() <= 1e-12 * solution.weights.iter().map(|w| w.abs()).sum::<f64>());
 }
@@ -52,7 +52,7 @@ fn weights_of_a_known_diagram_are_recovered() {
     let size2 = (n as f64).powf(-2.0 / 3.0);
     let mut known: Vec<f64> = white(n, [0.0; 3], [0.1 * size2; 3], 2).iter().map(|p| p[0]).collect();
     let mut diagram = PowerDiagram::new(&sites, &known).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-    let masses = cpu().evaluate(&diagram, &Request::moments()).unwrap().volume;
+    let masses = cpu().evaluate(&diagram, &Request::moments()).unwrap().into_arrays().volume;
     assert!(masses.iter().all(|&m| m > 0.0));
     diagram.set_sites(&sites, &[]).unwrap();
     let options = Options { tolerance: 1e-11, ..Options::default() };
@@ -76,7 +76,8 @@ fn cells_of_equal_mass_in_a_bunny_and_the_end_is_quadratic() {
     let mean = (0..3).map(|k| hi[k] - lo[k]).product::<f64>() / 4000.0;
     // Well in the domain; and with sites outside of it whose cells are slivers.
     for (least, most_steps, most_diagrams) in [(0.3, 8, 9), (0.0, 25, 25)] {
-        let sites: Vec<[f64; 3]> = (0..all.len()).filter(|&i| cells.volume[i] > least * mean).map(|i| all[i]).collect();
+        let sites: Vec<[f64; 3]> =
+            (0..all.len()).filter(|&i| cells.volume()[i] > least * mean).map(|i| all[i]).collect();
         let n = sites.len();
         let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
         let solution = solved(&mut diagram, &[], &Options::default());
@@ -96,7 +97,7 @@ fn sites_outside_of_the_domain_get_cells_too() {
     let domain = shapes::double_torus().domain();
     let sites = white(300, [-1.0; 3], [4.0, 3.0, 2.0], 5);
     let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
-    let empty = cpu().evaluate(&diagram, &Request::moments()).unwrap().volume.iter().filter(|&&v| v == 0.0).count();
+    let empty = cpu().evaluate(&diagram, &Request::moments()).unwrap().volume().iter().filter(|&&v| v == 0.0).count();
     assert!(empty > 50, "{empty}");
     let solution = solved(&mut diagram, &[], &Options::default());
     check(&diagram, &solution, &[13.0 / 300.0; 300], &Density::Uniform);
@@ -125,7 +126,7 @@ fn a_few_empty_cells_are_lifted() {
     // Half way between these two is just outside of the box: the second has nothing of it.
     sites.extend([[0.0299, 0.5, 0.5], [-0.03, 0.5, 0.5]]);
     let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-    assert_eq!(cpu().evaluate(&diagram, &Request::moments()).unwrap().volume[301], 0.0);
+    assert_eq!(cpu().evaluate(&diagram, &Request::moments()).unwrap().volume()[301], 0.0);
     let solution = solved(&mut diagram, &[], &Options::default());
     check(&diagram, &solution, &[1.0 / 302.0; 302], &Density::Uniform);
     assert_eq!(solution.iterations[0].diagram_evaluations, 2);
@@ -250,10 +251,10 @@ fn without_enough_steps_the_best_is_returned() {
         |diagram: &mut PowerDiagram, options: &Options| solve(&cpu(), diagram, &[], options, &mut |_| {}).unwrap();
     let short = run(&mut diagram, &Options { most_iterations: 2, ..Options::default() });
     assert_eq!((short.end, short.iterations.len()), (End::MostIterations, 3));
-    assert!(short.residual > 1e-9 && short.output.facets.is_some());
+    assert!(short.residual > 1e-9 && short.output.facets().is_some());
     // No rounding is as small as that.
     let deep = run(&mut diagram, &Options { tolerance: 1e-17, ..Options::default() });
     assert_eq!(deep.end, End::Stalled);
     assert!(deep.residual < 1e-11, "{:e}", deep.residual);
-    assert!(deep.output.facets.is_some() && deep.cost.is_some());
+    assert!(deep.output.facets().is_some() && deep.cost.is_some());
 }

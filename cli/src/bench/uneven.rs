@@ -161,7 +161,8 @@ impl Oracle {
             .par_chunks(share)
             .map(|some| {
                 let output = Naive::only(some).evaluate(diagram, &Request::moments())?;
-                let cell = |&site: &u32| (site as usize, output.volume[site as usize], output.status[site as usize]);
+                let cell =
+                    |&site: &u32| (site as usize, output.volume()[site as usize], output.status()[site as usize]);
                 Ok(some.iter().map(cell).collect())
             })
             .collect::<Result<_>>()?;
@@ -171,11 +172,11 @@ impl Oracle {
     fn judge(&self, output: &Output) -> Verdict {
         let mut verdict = Verdict { checked: self.cells.len(), wrong: 0, volume_off: 0.0 };
         for &(site, volume, status) in &self.cells {
-            let off = (output.volume[site] - volume).abs() / self.mean;
+            let off = (output.volume()[site] - volume).abs() / self.mean;
             verdict.volume_off = verdict.volume_off.max(off);
             // A comparison with NaN does not hold.
             let is_near = off <= BOUND + ROUNDING * volume.abs() / self.mean;
-            if !is_near || output.status[site] != status {
+            if !is_near || output.status()[site] != status {
                 verdict.wrong += 1;
             }
         }

@@ -49,7 +49,7 @@ fn of_cells(lab: &Lab, diagram: &PowerDiagram) -> Result<Vec<CellCounts>> {
     let output = evaluate(lab.backend.as_ref(), diagram, &request)?;
     let prepared = diagram.prepare()?;
     let order = prepared.sites.order();
-    let is_cell = |&sorted: &u32| output.volume[order[sorted as usize] as usize] > 0.0;
+    let is_cell = |&sorted: &u32| output.volume()[order[sorted as usize] as usize] > 0.0;
     let sites: Vec<u32> = (0..order.len() as u32).filter(is_cell).collect();
     Ok(count_cells(&prepared, &request, &sites))
 }

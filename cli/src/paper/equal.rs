@@ -21,7 +21,7 @@ pub(super) struct Inside {
 /// Keeps the sites whose Voronoi cells are not empty, and finds the weights for which all their cells have the same volume.
 pub(super) fn inside(backend: &dyn Backend, sites: &[[f64; 3]], domain: &Domain) -> Result<Inside> {
     let all = evaluate(backend, &diagram(sites, &[], Some(domain))?, &Request::moments())?;
-    let kept = sites.iter().zip(&all.volume).filter(|&(_, &volume)| volume > 0.0);
+    let kept = sites.iter().zip(all.volume()).filter(|&(_, &volume)| volume > 0.0);
     let (sites, volumes): (Vec<[f64; 3]>, Vec<f64>) = kept.map(|(&site, &volume)| (site, volume)).unzip();
     let mut diagram = diagram(&sites, &[], Some(domain))?;
     let options = Options { second_moments: false, ..Options::default() };

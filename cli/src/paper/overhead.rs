@@ -39,7 +39,7 @@ pub(super) fn run(lab: &mut Lab, count: u32) -> Result<String> {
         text.push_str(&row(&[
             name.into(),
             grouped(sites.len() as u64),
-            grouped((output.status.len() - output.count(CellStatus::Empty)) as u64),
+            grouped((output.status().len() - output.count(CellStatus::Empty)) as u64),
             spread.map_or_else(|| "–".into(), |spread| format!("{:.2} %", 100.0 * spread)),
             timing.spread(),
             device(&timing),

@@ -28,10 +28,11 @@ pub(super) fn run(lab: &mut Lab, count: u32, args: &BackendArgs) -> Result<Strin
         let sites: Vec<[f64; 3]> = inside.sites.iter().copied().map(turned).collect();
         let vertices: Vec<[f64; 3]> = domain.vertices().iter().copied().map(turned).collect();
         let domain = Domain::new(&vertices, domain.triangles())?;
-        let mut output = evaluate(lab.backend.as_ref(), &diagram(&sites, &inside.weights, Some(&domain))?, &request)?;
-        output.barycenter.iter_mut().for_each(|b| *b = turned_back(*b));
+        let output = evaluate(lab.backend.as_ref(), &diagram(&sites, &inside.weights, Some(&domain))?, &request)?;
+        let mut arrays = output.into_arrays();
+        arrays.barycenter.iter_mut().for_each(|b| *b = turned_back(*b));
         (
-            output,
+            Output::new(arrays)?,
             "the same program on the input turned by 90°, which is exact and makes all grids, cones and sums others",
         )
     } else {
@@ -39,12 +40,12 @@ pub(super) fn run(lab: &mut Lab, count: u32, args: &BackendArgs) -> Result<Strin
         let output = evaluate(cpu.as_ref(), &diagram(&inside.sites, &inside.weights, Some(domain))?, &request)?;
         (output, "the backend `cpu`")
     };
-    let apart = ours.status.iter().zip(&theirs.status).filter(|(a, b)| a != b).count();
+    let apart = ours.status().iter().zip(theirs.status()).filter(|(a, b)| a != b).count();
     let mut text = format!(
         "**§6.3, precision**: the power diagram of Fig. 11, v and b volume and barycenter of each cell, against v′ and b′: {whose}. {} of {} \
          cells differ in status. The paper compares with Geogram.\n\n",
         grouped(apart as u64),
-        grouped(ours.status.len() as u64)
+        grouped(ours.status().len() as u64)
     );
     text.push_str(&head(&["figure", "paper", "here"]));
     for ((formula, paper), here) in FIGURES.into_iter().zip(figures(&ours, &theirs, domain)) {
@@ -63,12 +64,12 @@ fn figures(ours: &Output, theirs: &Output, domain: &Domain) -> [f64; 6] {
     let mut most_volume = 0.0_f64;
     let mut most_barycenter = 0.0_f64;
     let mut cells = 0_usize;
-    for i in 0..ours.status.len() {
-        let (v, b, other) = (ours.volume[i], ours.barycenter[i], theirs.barycenter[i]);
-        let is_cell = ours.status[i] != CellStatus::Empty;
+    for i in 0..ours.status().len() {
+        let (v, b, other) = (ours.volume()[i], ours.barycenter()[i], theirs.barycenter()[i]);
+        let is_cell = ours.status()[i] != CellStatus::Empty;
         cells += usize::from(is_cell);
         volume.add(v);
-        let off = (v - theirs.volume[i]).abs();
+        let off = (v - theirs.volume()[i]).abs();
         most_volume = most_volume.max(off);
         off_volume.add(off);
         for k in 0..3 {
@@ -76,7 +77,7 @@ fn figures(ours: &Output, theirs: &Output, domain: &Domain) -> [f64; 6] {
                 moment[k].add_product(v / whole, b[k]);
             }
             // A cell that only one of them has counts by its volume alone.
-            if is_cell && theirs.status[i] != CellStatus::Empty {
+            if is_cell && theirs.status()[i] != CellStatus::Empty {
                 let off = (b[k] - other[k]).abs() / center[k];
                 most_barycenter = most_barycenter.max(off);
                 off_barycenter[k].add(off);
@@ -106,6 +107,8 @@ fn turned_back([x, y, z]: [f64; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use laguerre::OutputArrays;
+
     use super::*;
     use crate::paper::domain;
 
@@ -114,13 +117,16 @@ mod tests {
         // Two halves of a torus's volume, one of them off by a thousandth of it, and its barycenter by 0.01 along y.
         let torus = domain("torus").unwrap();
         let (v, b) = (torus.volume(), torus.barycenter());
-        let mut ours = Output::default();
-        ours.status = vec![CellStatus::Complete; 2];
-        ours.volume = vec![0.5 * v; 2];
-        ours.barycenter = vec![b; 2];
+        let ours = OutputArrays {
+            status: vec![CellStatus::Complete; 2],
+            volume: vec![0.5 * v; 2],
+            barycenter: vec![b; 2],
+            ..OutputArrays::default()
+        };
         let mut theirs = ours.clone();
         theirs.volume[1] += 1e-3 * v;
         theirs.barycenter[1][1] += 0.01;
+        let (ours, theirs) = (Output::new(ours).unwrap(), Output::new(theirs).unwrap());
         let off = figures(&ours, &theirs, &torus);
         let expected = [0.0, 0.0, 2e-3, 0.01 / b[1], 1e-3, 0.005 / b[1]];
         assert!((0..6).all(|i| (off[i] - expected[i]).abs() < 1e-12), "{off:?} for {expected:?}");

@@ -25,7 +25,7 @@ pub(super) fn run(lab: &mut Lab, count: u32) -> Result<String> {
             text.push_str(&row(&[
                 format!("{}, {}", word(distribution), grouped(sites.len() as u64)),
                 name.into(),
-                grouped((output.status.len() - output.count(CellStatus::Empty)) as u64),
+                grouped((output.status().len() - output.count(CellStatus::Empty)) as u64),
                 timing.spread(),
                 device(&timing),
                 format!("{:+.0} %", 100.0 * (own / against - 1.0)),
@@ -43,7 +43,7 @@ pub(super) fn device(timing: &Timing) -> String {
 
 /// What each pass of the last evaluation did.
 fn passes(output: &Output) -> String {
-    let passes = output.passes.iter().enumerate().map(|(i, pass)| {
+    let passes = output.report().passes.iter().enumerate().map(|(i, pass)| {
         let time = if pass.device_seconds > 0.0 { pass.device_seconds } else { pass.seconds };
         let mut text = format!(
             "{}: P {}, V {}; {} cells, {} failed, {}",

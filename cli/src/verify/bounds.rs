@@ -72,7 +72,7 @@ impl<'a> Bounds<'a> {
         let faces = faces(&diagram.container()?);
         let n = diagram.positions().len();
         let cells: Vec<Scale> = (0..n).map(|i| scale(diagram, whole, again, i)).collect();
-        let areas = again.facets.as_ref().map_or(&[][..], |f| &f.area);
+        let areas = again.facets().map_or(&[][..], |f| f.area());
         let surface = faces.iter().map(|&[a, b, c]| length(cross(sub(b, a), sub(c, a))) / 2.0).sum();
         Ok(Self {
             diagram,
@@ -96,9 +96,9 @@ impl<'a> Bounds<'a> {
     /// grid: a cell's pieces outside the domain are taken off again, and their rounding stays.
     pub(super) fn widened(&self, some: impl IntoIterator<Item = usize>, convex: &Output) -> Self {
         let mut wide = self.clone();
-        let (Some(facets), Some(boundary)) = (&convex.facets, &convex.boundary) else { return wide };
+        let (Some(facets), Some(boundary)) = (convex.facets(), convex.boundary()) else { return wide };
         for i in some {
-            let surface = facets.area[facets.offsets[i]..facets.offsets[i + 1]].iter().sum::<f64>() + boundary[i].area;
+            let surface = facets.of(i).map(|facet| facet.area).sum::<f64>() + boundary[i].area;
             let scale = &mut wide.cells[i];
             if scale.boundary > 0.0 {
                 scale.surface = scale.surface.max(surface);
@@ -215,13 +215,12 @@ impl<'a> Bounds<'a> {
     /// nowhere, but cut the facet outside the container; a facet and a triangle that it touches; and in a cell of thickness t = V/A
     /// its two sides, with sine about t/R.
     fn condition(&self, i: usize) -> f64 {
-        let Some(facets) = &self.again.facets else { return 1.0 };
+        let Some(facets) = self.again.facets() else { return 1.0 };
         let Scale { reach, surface, boundary } = self.cells[i];
-        let volume = self.again.volume[i].abs();
+        let volume = self.again.volume()[i].abs();
         let mut worst = if volume > 0.0 { (surface * reach / volume).max(1.0) } else { 1.0 };
         let p = self.diagram.positions()[i];
-        let row = facets.offsets[i]..facets.offsets[i + 1];
-        let neighbors: Vec<usize> = facets.neighbor[row].iter().map(|j| j.site as usize).collect();
+        let neighbors: Vec<usize> = facets.of(i).map(|facet| facet.neighbor).collect();
         let normals: Vec<[f64; 3]> = neighbors.iter().map(|&j| unit(sub(self.diagram.positions()[j], p))).collect();
         for (k, &a) in normals.iter().enumerate() {
             for &b in normals[..k].iter().filter(|b| dot(a, **b) > 0.0) {
@@ -251,21 +250,20 @@ impl<'a> Bounds<'a> {
 /// The scale of cell `i`. The reach of one that is empty is to the whole container: nothing is known of where it almost is.
 fn scale(diagram: &PowerDiagram, whole: &Whole, again: &Output, i: usize) -> Scale {
     let p = diagram.positions()[i];
-    let (Some(facets), Some(boundary), Some(second)) = (&again.facets, &again.boundary, &again.second_moment) else {
+    let (Some(facets), Some(boundary), Some(second)) = (again.facets(), again.boundary(), again.second_moment()) else {
         return Scale { reach: 0.0, surface: 0.0, boundary: 0.0 };
     };
     let far = farthest_corner(diagram, whole, i);
-    let volume = again.volume[i];
+    let volume = again.volume()[i];
     if volume == 0.0 {
         return Scale { reach: far, surface: 0.0, boundary: 0.0 };
     }
-    let row = facets.offsets[i]..facets.offsets[i + 1];
-    let surface = facets.area[row.clone()].iter().sum::<f64>() + boundary[i].area;
-    let neighbors = facets.distance[row].iter().copied().fold(0.0, f64::max);
+    let surface = facets.of(i).map(|facet| facet.area).sum::<f64>() + boundary[i].area;
+    let neighbors = facets.of(i).map(|facet| facet.distance).fold(0.0, f64::max);
     let variance = second[i][..3].iter().sum::<f64>() / volume;
     // A convex body in three dimensions reaches from its barycenter at most √15 deviations along any direction (Kannan, Lovász,
     // Simonovits, 1995).
-    let reach = length(sub(again.barycenter[i], p)) + 4.0 * variance.max(0.0).sqrt() + neighbors;
+    let reach = length(sub(again.barycenter()[i], p)) + 4.0 * variance.max(0.0).sqrt() + neighbors;
     let reach = if boundary[i].area > 0.0 { far + neighbors } else { reach };
     Scale { reach, surface, boundary: boundary[i].area }
 }

@@ -1,7 +1,5 @@
 //! A file of facets, held against its own laws and against another evaluation.
 
-use std::ops::Range;
-
 use laguerre::io::FacetRow;
 use laguerre::{Error, Output, PowerDiagram, Result};
 
@@ -133,11 +131,12 @@ impl From<&FacetRow> for Facet {
 
 /// The facets of cell `i` of an output, its boundary first.
 fn facets_of(output: &Output, i: usize) -> Vec<Facet> {
-    let boundary = output.boundary.as_ref().map(|b| b[i]).filter(|b| b.area > 0.0);
+    let boundary = output.boundary().map(|b| b[i]).filter(|b| b.area > 0.0);
     let boundary = boundary.map(|b| Facet { neighbor: None, area: b.area, barycenter: b.barycenter });
-    let inner = output.facets.iter().flat_map(|list| {
-        let row: Range<usize> = list.offsets[i]..list.offsets[i + 1];
-        row.map(|k| Facet { neighbor: Some(list.neighbor[k].site), area: list.area[k], barycenter: list.barycenter[k] })
+    let inner = output.facets().into_iter().flat_map(|facets| facets.of(i)).map(|facet| Facet {
+        neighbor: Some(facet.neighbor as u32),
+        area: facet.area,
+        barycenter: facet.barycenter,
     });
     boundary.into_iter().chain(inner).collect()
 }

@@ -48,8 +48,8 @@ impl Wrong {
         let expected = match what {
             "order" => Value::Count(i as u64),
             _ => {
-                let (volume, barycenter) = (reference.volume[i], reference.barycenter[i]);
-                Value::Cell { volume, barycenter, status: Some(reference.status[i].word()) }
+                let (volume, barycenter) = (reference.volume()[i], reference.barycenter()[i]);
+                Value::Cell { volume, barycenter, status: Some(reference.status()[i].word()) }
             }
         };
         Self { site: i, neighbor: None, what, file, expected, off, bound }

@@ -102,21 +102,26 @@ fn deviations(fixture: &Fixture, output: &Output) -> Result<Vec<Deviation>, Stri
         container("volume of the container", scene.room.volume(), *volume),
         container("area of the container", scene.room.area(), *area),
     ];
-    let boundary = output.boundary.as_deref().ok_or("no boundary was computed")?;
+    let boundary = output.boundary().ok_or("no boundary was computed")?;
     for (i, row) in rows(output).iter().enumerate() {
         let mut add = |quantity, neighbor: Option<usize>, error: f64, exact: f64, bound: f64| {
             deviations.push(Deviation { quantity, place: (Some(i), neighbor), exact, error: error.abs(), bound });
         };
-        let is_empty = output.status[i] == CellStatus::Empty;
+        let is_empty = output.status()[i] == CellStatus::Empty;
         let Some(cell) = &cells[i] else {
-            ensure!(is_empty, "site {i} has no cell, but is {:?} with volume {:e}", output.status[i], output.volume[i]);
+            ensure!(
+                is_empty,
+                "site {i} has no cell, but is {:?} with volume {:e}",
+                output.status()[i],
+                output.volume()[i]
+            );
             continue;
         };
         ensure!(!is_empty || cell.volume <= volume_bound, "site {i} is empty, its volume is {:e}", cell.volume);
-        add("volume", None, output.volume[i] - cell.volume, cell.volume, volume_bound);
+        add("volume", None, output.volume()[i] - cell.volume, cell.volume, volume_bound);
         if !is_empty {
             let barycenter = DVec3::from(cell.barycenter);
-            let off = DVec3::from(output.barycenter[i]).distance(barycenter);
+            let off = DVec3::from(output.barycenter()[i]).distance(barycenter);
             add("first moment", None, cell.volume * off, cell.volume * barycenter.length(), moment_bound);
         }
         let boundary_bound = FACET * mean_area + CLOSURE * cell.boundary;

@@ -19,7 +19,7 @@ pub fn volume(backend: &dyn Backend, case: &Case) -> Verdict {
 /// Σ area · outward normal over facets and boundary is 0. The normals are those of the sites as the library has them in its
 /// frame: of sites next to each other and outside of the container they may be turned by any angle ([`Bounds::turn`]).
 pub fn of_areas(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
-    let boundary = output.boundary.as_deref().unwrap_or_default();
+    let boundary = output.boundary().unwrap_or_default();
     (0..scene.len()).try_for_each(|i| {
         closes(bounds, i, 1.0, |facets| {
             let mut sum = DVec3::from(boundary[i].vector_area);
@@ -38,9 +38,9 @@ pub fn of_areas(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
 
 /// (Σ height · area + flux through the boundary) / 3 is the volume, the height that of the bisector over the site.
 pub fn of_volumes(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
-    let boundary = output.boundary.as_deref().unwrap_or_default();
+    let boundary = output.boundary().unwrap_or_default();
     (0..scene.len()).try_for_each(|i| {
-        let volume = output.volume[i];
+        let volume = output.volume()[i];
         closes(bounds, i, bounds.reach(i), |facets| {
             let (mut sum, mut moved) = (boundary[i].flux, 0.0);
             for &(j, area) in facets {
@@ -78,6 +78,7 @@ fn closes(bounds: &Bounds, i: usize, length: f64, miss: impl Fn(&[(usize, f64)])
 #[cfg(test)]
 mod tests {
     use laguerre_core::oracle::Naive;
+    use laguerre_core::{Facets, OutputArrays};
 
     use super::*;
     use crate::bounds::Planes;
@@ -86,16 +87,19 @@ mod tests {
 
     /// Drops facets `i`-`j` and `j`-`i`.
     fn drop_facet(output: &mut Output, i: usize, j: usize) {
-        let facets = output.facets.as_mut().expect("facets");
+        let mut facets = output.facets().cloned().expect("facets");
         for (i, j) in [(i, j), (j, i)] {
-            let row = facets.offsets[i]..facets.offsets[i + 1];
-            let Some(at) = facets.neighbor[row.clone()].iter().position(|n| n.site as usize == j) else { continue };
-            facets.neighbor.remove(row.start + at);
-            facets.area.remove(row.start + at);
-            facets.barycenter.remove(row.start + at);
-            facets.distance.remove(row.start + at);
-            facets.offsets[i + 1..].iter_mut().for_each(|offset| *offset -= 1);
+            let Some(at) = facets.between(i, j) else { continue };
+            let mut arrays = facets.into_arrays();
+            arrays.neighbor.remove(at);
+            arrays.area.remove(at);
+            arrays.barycenter.remove(at);
+            arrays.distance.remove(at);
+            arrays.offsets[i + 1..].iter_mut().for_each(|offset| *offset -= 1);
+            facets = Facets::new(arrays).expect("rows of facets");
         }
+        *output =
+            Output::new(OutputArrays { facets: Some(facets), ..output.clone().into_arrays() }).expect("an output");
     }
 
     /// Whether the facets of `scene` close; whether they do without facet `i`-`j`; and whether a facet of its area, negated, may be missing.

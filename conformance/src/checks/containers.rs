@@ -74,9 +74,9 @@ fn sums_to(backend: &dyn Backend, scene: &Scene, parts: &[(f64, Mesh)]) -> Verdi
     let mut volume = vec![0.0; scene.len()];
     let mut moment = vec![DVec3::ZERO; scene.len()];
     let mut add = |sign: f64, output: &laguerre_core::Output| {
-        for i in (0..scene.len()).filter(|&i| output.volume[i] != 0.0) {
-            volume[i] += sign * output.volume[i];
-            moment[i] += sign * output.volume[i] * (DVec3::from(output.barycenter[i]) - scene.site(i));
+        for i in (0..scene.len()).filter(|&i| output.volume()[i] != 0.0) {
+            volume[i] += sign * output.volume()[i];
+            moment[i] += sign * output.volume()[i] * (DVec3::from(output.barycenter()[i]) - scene.site(i));
         }
     };
     for (sign, mesh) in parts {
@@ -88,9 +88,9 @@ fn sums_to(backend: &dyn Backend, scene: &Scene, parts: &[(f64, Mesh)]) -> Verdi
         // One evaluation for each part and one for the whole.
         let times = 1.0 + parts.len() as f64;
         let (off, bound) = (volume[i].abs(), times * bounds.volume(i));
-        ensure!(off <= bound, "site {i}: volume {:e}, its parts differ by {off:e}, bound {bound:e}", whole.volume[i]);
+        ensure!(off <= bound, "site {i}: volume {:e}, its parts differ by {off:e}, bound {bound:e}", whole.volume()[i]);
         // A cell whose parts cancel has no barycenter to compare.
-        if whole.volume[i] == 0.0 {
+        if whole.volume()[i] == 0.0 {
             continue;
         }
         let (off, bound) = (moment[i].length(), times * bounds.first_moment(i));

@@ -35,13 +35,13 @@ pub fn zero_is_seen(backend: &dyn Backend) -> Verdict {
     let output = scene.evaluate(backend, &Request::moments().with_epsilon(0.0))?;
     ensure!(output.count(CellStatus::Uncertified) > 0, "no cell is uncertified");
     let mut sum = Sum::default();
-    sum.extend(output.volume.iter().copied());
+    sum.extend(output.volume().iter().copied());
     let (total, volume) = (sum.total(), scene.room.volume());
     // Far above rounding: a missed site is a volume of the order of a cell.
     ensure!(total > volume * (1.0 + 1e-6), "the volumes sum to {total} of {volume}: nothing was missed");
     let certified = scene.evaluate(backend, &Request::moments())?;
-    for i in (0..scene.len()).filter(|&i| output.status[i] == CellStatus::Complete) {
-        let (a, b) = (output.volume[i], certified.volume[i]);
+    for i in (0..scene.len()).filter(|&i| output.status()[i] == CellStatus::Complete) {
+        let (a, b) = (output.volume()[i], certified.volume()[i]);
         ensure!((a - b).abs() <= 1e-12 * volume / scene.len() as f64, "site {i} is called complete: {a:e}, is {b:e}");
     }
     Ok(())

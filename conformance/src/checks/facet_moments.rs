@@ -73,10 +73,10 @@ pub fn closure(backend: &dyn Backend, case: &Case) -> Verdict {
     let request = Request::moments().with_facet_second_moments().with_second_moments();
     let output = scene.evaluate(backend, &request)?;
     let bounds = Bounds::new(&scene, &output, Planes::Same);
-    let second = output.second_moment.as_deref().unwrap_or_default();
+    let second = output.second_moment().unwrap_or_default();
     for (i, (row, facets)) in rows(&output)?.iter().zip(bounds.rows()).enumerate() {
-        let is_inner = output.boundary.as_ref().is_some_and(|b| b[i].area == 0.0);
-        if !is_inner || output.status[i] == CellStatus::Empty {
+        let is_inner = output.boundary().is_some_and(|b| b[i].area == 0.0);
+        if !is_inner || output.status()[i] == CellStatus::Empty {
             continue;
         }
         let site = scene.site(i);
@@ -87,10 +87,10 @@ pub fn closure(backend: &dyn Backend, case: &Case) -> Verdict {
             sum += height * (matrix(moment) + facet.area * square(facet.barycenter - site));
             moved += bounds.turn(i, j) * 0.5 * (facet.distance + shift.abs()) * facet.area;
         }
-        let own = matrix(second[i]) + output.volume[i] * square(DVec3::from(output.barycenter[i]) - site);
+        let own = matrix(second[i]) + output.volume()[i] * square(DVec3::from(output.barycenter()[i]) - site);
         let off = (sum / 5.0 - own).to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let arm = bounds.reach(i);
-        let bound = (CLOSURE * output.volume[i].abs() + moved + bounds.facet_rounding(i) * arm) * arm * arm;
+        let bound = (CLOSURE * output.volume()[i].abs() + moved + bounds.facet_rounding(i) * arm) * arm * arm;
         ensure!(off <= bound, "site {i}: second moment {own}, by its facets {}: bound {bound:e}", sum / 5.0);
     }
     Ok(())
@@ -117,9 +117,9 @@ pub fn only_where_asked_for(backend: &dyn Backend) -> Verdict {
         (Request::moments().with_facets(), false),
     ] {
         let output = scene.evaluate(backend, &request)?;
-        let facets = output.facets.ok_or("no facets")?;
-        let length = facets.second_moment.as_ref().map(Vec::len);
-        ensure!(length == wanted.then_some(facets.area.len()), "{length:?} second moments of {request:?}");
+        let facets = output.facets().ok_or("no facets")?;
+        let length = facets.second_moment().map(<[_]>::len);
+        ensure!(length == wanted.then_some(facets.area().len()), "{length:?} second moments of {request:?}");
     }
     Ok(())
 }
@@ -135,11 +135,11 @@ type Row = Vec<(usize, [f64; 6])>;
 
 /// The rows of all cells.
 fn rows(output: &Output) -> Result<Vec<Row>, String> {
-    let facets = output.facets.as_ref().ok_or("no facets")?;
-    let moments = facets.second_moment.as_ref().ok_or("no second moments of facets")?;
-    ensure!(moments.len() == facets.area.len(), "{} moments of {} facets", moments.len(), facets.area.len());
-    let of = |f: usize| (facets.neighbor[f].site as usize, moments[f]);
-    Ok(facets.offsets.windows(2).map(|row| (row[0]..row[1]).map(of).collect()).collect())
+    let facets = output.facets().ok_or("no facets")?;
+    let moments = facets.second_moment().ok_or("no second moments of facets")?;
+    ensure!(moments.len() == facets.area().len(), "{} moments of {} facets", moments.len(), facets.area().len());
+    let of = |f: usize| (facets.neighbor()[f] as usize, moments[f]);
+    Ok((0..facets.sites()).map(|i| facets.row(i).map(of).collect()).collect())
 }
 
 fn matrix([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> DMat3 {

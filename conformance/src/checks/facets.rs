@@ -35,7 +35,7 @@ pub fn are_mutual(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
                 continue;
             }
             let mut bound = bounds.area(i).max(bounds.area(j));
-            if output.status[j] == CellStatus::Empty {
+            if output.status()[j] == CellStatus::Empty {
                 bound = bound.max(bounds.facet_of_empty(j));
             }
             if back.is_none() && facet.area < 0.0 {
@@ -78,7 +78,7 @@ pub fn are_positive(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict 
             );
         }
     }
-    for (i, boundary) in output.boundary.iter().flatten().enumerate() {
+    for (i, boundary) in output.boundary().into_iter().flatten().enumerate() {
         ensure!(boundary.area >= 0.0, "site {i}: area {:e} of boundary", boundary.area);
     }
     Ok(())

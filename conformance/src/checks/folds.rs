@@ -21,7 +21,7 @@ pub fn volumes(backend: &dyn Backend) -> Verdict {
     each(backend, |scene, outputs, name| {
         for output in outputs {
             let mut sum = Sum::default();
-            sum.extend(output.volume.iter().copied());
+            sum.extend(output.volume().iter().copied());
             let (total, volume) = (sum.total(), scene.room.volume());
             let off = (total - volume).abs();
             ensure!(
@@ -40,8 +40,8 @@ pub fn order_of_axes(backend: &dyn Backend) -> Verdict {
         let of_volume = of_digits(backend) * bound;
         for other in others {
             for i in 0..scene.len() {
-                let (a, b) = (first.volume[i], other.volume[i]);
-                let (s, t) = (first.status[i], other.status[i]);
+                let (a, b) = (first.volume()[i], other.volume()[i]);
+                let (s, t) = (first.status()[i], other.status()[i]);
                 ensure!(
                     (a - b).abs() <= of_volume,
                     "{name}: site {i}: volumes {a:e} and {b:e}, {s:?} and {t:?}, bound {of_volume:e}"
@@ -74,7 +74,7 @@ fn each(backend: &dyn Backend, law: impl Fn(&Scene, &[Output; 3], &str) -> Verdi
             let scenes = [0, 1, 2].map(turned);
             let evaluate = |k: usize| scenes[k].evaluate(backend, &Request::moments());
             let outputs = [evaluate(0)?, evaluate(1)?, evaluate(2)?];
-            negative += outputs[0].volume.iter().filter(|v| **v < 0.0).count();
+            negative += outputs[0].volume().iter().filter(|v| **v < 0.0).count();
             law(&scenes[0], &outputs, &format!("{section:?}, {off:e} off its planes"))?;
         }
     }

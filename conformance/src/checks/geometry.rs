@@ -15,7 +15,7 @@ pub fn closed(backend: &dyn Backend, case: &Case) -> Verdict {
     hold(backend, case, |scene, output, geometry, _| {
         for i in 0..scene.len() {
             ensure!(is_closed(geometry.faces(i)), "the faces of site {i} do not close");
-            let is_empty = output.status[i] == CellStatus::Empty;
+            let is_empty = output.status()[i] == CellStatus::Empty;
             ensure!(!is_empty || geometry.faces(i).len() == 0, "the cell of site {i} is empty, and has faces");
             for solid in geometry.solids(i) {
                 ensure!(is_closed(solid.iter().copied()), "a solid of site {i} does not close");
@@ -30,10 +30,10 @@ pub fn volume(backend: &dyn Backend, case: &Case) -> Verdict {
     hold(backend, case, |scene, output, geometry, bounds| {
         let size = size_of(geometry);
         let mean = scene.room.volume() / scene.len() as f64;
-        for i in (0..scene.len()).filter(|&i| output.status[i] != CellStatus::Empty) {
-            let about = DVec3::from(output.barycenter[i]);
+        for i in (0..scene.len()).filter(|&i| output.status()[i] != CellStatus::Empty) {
+            let about = DVec3::from(output.barycenter()[i]);
             let sums = Sums::of(geometry, geometry.faces(i), about);
-            let expected = output.volume[i];
+            let expected = output.volume()[i];
             // Coordinates are rounded, and points that are as near as that are one.
             let moved = MOVED * U * size * sums.area;
             let bound = bounds.volume(i) + moved + OF_MEAN * mean;
@@ -55,7 +55,7 @@ pub fn volume(backend: &dyn Backend, case: &Case) -> Verdict {
 pub fn areas(backend: &dyn Backend, case: &Case) -> Verdict {
     hold(backend, case, |scene, output, geometry, bounds| {
         let extent = size_of(geometry);
-        for (i, boundary) in output.boundary.iter().flatten().enumerate() {
+        for (i, boundary) in output.boundary().into_iter().flatten().enumerate() {
             let mut areas: HashMap<Option<u32>, (DVec3, f64)> = HashMap::new();
             for face in geometry.faces(i) {
                 let beyond = if let Beyond::Site(j) = face.beyond { Some(j) } else { None };
@@ -94,7 +94,7 @@ const OF_MEAN: f64 = 1e-13;
 fn hold(backend: &dyn Backend, case: &Case, law: impl Fn(&Scene, &Output, &Geometry, &Bounds) -> Verdict) -> Verdict {
     let scene = case.scene();
     let output = scene.evaluate(backend, &Request::moments().with_facets().with_geometry())?;
-    let geometry = output.geometry.as_ref().ok_or("the output has no geometry")?;
+    let geometry = output.geometry().ok_or("the output has no geometry")?;
     law(&scene, &output, geometry, &Bounds::new(&scene, &output, Planes::Same))
 }
 

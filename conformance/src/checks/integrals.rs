@@ -41,14 +41,14 @@ pub fn moments(backend: &dyn Backend, case: &Case) -> Verdict {
     let request = Request::moments().with_facets().with_second_moments().with_integral(f.integrand()?);
     let output = scene.evaluate(backend, &request)?;
     let bounds = Bounds::new(&scene, &output, Planes::Same);
-    let second = output.second_moment.as_deref().unwrap_or_default();
+    let second = output.second_moment().unwrap_or_default();
     for (i, &found) in integrals(&output)?.iter().enumerate() {
-        let empty = output.status[i] == CellStatus::Empty;
+        let empty = output.status()[i] == CellStatus::Empty;
         ensure!(!empty || found == 0.0, "site {i} is empty with integral {found:e}");
         if empty {
             continue;
         }
-        let (v, b, s) = (output.volume[i], DVec3::from(output.barycenter[i]) - f.origin, second[i]);
+        let (v, b, s) = (output.volume()[i], DVec3::from(output.barycenter()[i]) - f.origin, second[i]);
         let moment = |powers: [u32; 3]| {
             let axes: Vec<usize> = (0..3).flat_map(|k| vec![k; powers[k] as usize]).collect();
             match axes[..] {
@@ -159,7 +159,7 @@ fn is_refused(backend: &dyn Backend, scene: &Scene, request: &Request) -> Verdic
 }
 
 fn integrals(output: &Output) -> Result<&[f64], String> {
-    output.integral.as_deref().filter(|all| all.len() == output.status.len()).ok_or("integrals are missing".to_owned())
+    output.integral().filter(|all| all.len() == output.status().len()).ok_or("integrals are missing".to_owned())
 }
 
 /// Bound of one cell's integral: of its volume, times the size of the function.

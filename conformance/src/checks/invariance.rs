@@ -1,7 +1,7 @@
 //! What must not matter does not matter.
 
 use glam::{DMat3, DVec3};
-use laguerre_core::{Backend, Output, Request};
+use laguerre_core::{Backend, Facet, FacetArrays, Facets, Output, Request};
 
 use crate::bounds::{Bounds, Planes, of_digits};
 use crate::compare::{identical, moved_back, same, same_within};
@@ -94,31 +94,33 @@ fn moving(backend: &dyn Backend, scene: &Scene, turn: DMat3, scale: f64, shift: 
 
 /// The output for sites `order[0], order[1], …` in the order of the sites themselves.
 fn unpermuted(output: &Output, order: &[usize]) -> Output {
-    let mut back = output.clone();
+    let mut back = output.clone().into_arrays();
     let mut place = vec![0; order.len()];
     for (k, &i) in order.iter().enumerate() {
         place[i] = k;
-        back.status[i] = output.status[k];
-        back.volume[i] = output.volume[k];
-        back.barycenter[i] = output.barycenter[k];
+        back.status[i] = output.status()[k];
+        back.volume[i] = output.volume()[k];
+        back.barycenter[i] = output.barycenter()[k];
     }
-    if let (Some(to), Some(from)) = (&mut back.boundary, &output.boundary) {
-        order.iter().enumerate().for_each(|(k, &i)| to[i] = from[k]);
-    }
-    if let (Some(to), Some(from)) = (&mut back.facets, &output.facets) {
+    back.facets = output.facets().map(|from| {
+        let mut offsets = vec![0];
         let mut taken = Vec::new();
-        to.offsets = vec![0];
         for &k in &place {
-            let mut row: Vec<usize> = (from.offsets[k]..from.offsets[k + 1]).collect();
-            row.sort_by_key(|&f| order[from.neighbor[f].site as usize]);
+            let mut row: Vec<Facet> = from.of(k).collect();
+            row.sort_by_key(|facet| order[facet.neighbor]);
             taken.extend(row);
-            to.offsets.push(taken.len());
+            offsets.push(taken.len());
         }
-        to.area = taken.iter().map(|&f| from.area[f]).collect();
-        to.barycenter = taken.iter().map(|&f| from.barycenter[f]).collect();
-        to.distance = taken.iter().map(|&f| from.distance[f]).collect();
-        to.neighbor = taken.iter().map(|&f| from.neighbor[f]).collect();
-        to.neighbor.iter_mut().for_each(|n| n.site = order[n.site as usize] as u32);
-    }
-    back
+        let facets = FacetArrays {
+            offsets,
+            neighbor: taken.iter().map(|facet| order[facet.neighbor] as u32).collect(),
+            area: taken.iter().map(|facet| facet.area).collect(),
+            barycenter: taken.iter().map(|facet| facet.barycenter).collect(),
+            distance: taken.iter().map(|facet| facet.distance).collect(),
+            second_moment: None,
+            boundary: place.iter().map(|&k| from.boundary()[k]).collect(),
+        };
+        Facets::new(facets).expect("rows of facets")
+    });
+    Output::new(back).expect("an output")
 }

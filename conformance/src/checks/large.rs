@@ -31,10 +31,9 @@ pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
         scene.weights.iter_mut().for_each(|w| *w *= share);
         let output = scene.with_facets(backend)?;
         let heavy = (0..scene.len()).find(|&i| scene.weight(i) > 0.0).unwrap_or_default();
-        let facets = output.facets.clone().unwrap_or_default();
+        let facets = output.facets().cloned().unwrap_or_default();
         let mut cells: Vec<usize> = (0..scene.len()).step_by(67).chain([heavy]).collect();
-        let row = facets.offsets[heavy]..facets.offsets[heavy + 1];
-        cells.extend(facets.neighbor[row].iter().map(|n| n.site as usize).take(100));
+        cells.extend(facets.of(heavy).map(|facet| facet.neighbor).take(100));
         as_the_oracle_says(&scene, &output, &cells)?;
     }
     Ok(())
@@ -120,7 +119,7 @@ pub fn clouds(backend: &dyn Backend) -> Verdict {
         let all = white(6000, weights, shape);
         let cells = all.evaluate(backend, &Request::moments())?;
         let (lo, hi) = all.room.bounding_box();
-        let near: Vec<usize> = (0..all.len()).filter(|&i| cells.volume[i] > 0.0).collect();
+        let near: Vec<usize> = (0..all.len()).filter(|&i| cells.volume()[i] > 0.0).collect();
         let aside = (0..all.len()).filter(|&i| all.positions[i][0] < lo[0] + 0.3 * (hi[0] - lo[0])).collect();
         for cloud in [near, aside] {
             let scene = Scene {
@@ -158,7 +157,7 @@ fn as_the_oracle_says(scene: &Scene, output: &Output, cells: &[usize]) -> Verdic
 /// The volumes sum to the container's.
 fn fills(scene: &Scene, backend: &dyn Backend, output: &Output) -> Verdict {
     let mut sum = Sum::default();
-    sum.extend(output.volume.iter().copied());
+    sum.extend(output.volume().iter().copied());
     let (total, volume) = (sum.total(), scene.room.volume());
     let off = (total - volume).abs() / volume;
     ensure!(off <= of_digits(backend) * SUM, "volumes sum to {total} of {volume}: off by {off:e}");

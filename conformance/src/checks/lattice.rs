@@ -19,8 +19,8 @@ const EQUAL: f64 = 1e-13;
 pub fn equal_volumes(backend: &dyn Backend) -> Verdict {
     let scene = Scene { positions: lattice([SIDE; 3]), weights: Vec::new(), room: unit_box() };
     let output = scene.with_facets(backend)?;
-    all_equal(&output.volume)?;
-    let facets = output.facets.as_ref().map_or(0, |f| f.area.len());
+    all_equal(output.volume())?;
+    let facets = output.facets().map_or(0, |f| f.area().len());
     ensure!(facets == 6 * SIDE * SIDE * (SIDE - 1), "{facets} facets, each cell has six but for those on the faces");
     Ok(())
 }
@@ -32,15 +32,15 @@ pub fn duplicated(backend: &dyn Backend) -> Verdict {
     twice.positions.extend_from_slice(&once.positions);
     let (single, double) =
         (once.evaluate(backend, &Request::moments())?, twice.evaluate(backend, &Request::moments())?);
-    let (first, second) = double.status.split_at(once.len());
+    let (first, second) = double.status().split_at(once.len());
     ensure!(first.iter().all(|s| *s == CellStatus::Complete), "a site that stood first has lost its cell");
     ensure!(second.iter().all(|s| *s == CellStatus::Empty), "a duplicate has a cell");
     let unit = 1.0 / once.len() as f64;
     for i in 0..once.len() {
-        let off = (single.volume[i] - double.volume[i]).abs();
+        let off = (single.volume()[i] - double.volume()[i]).abs();
         ensure!(off <= EQUAL * unit, "site {i}: its duplicate changed its volume by {off:e}");
     }
-    all_equal(&double.volume[..once.len()])
+    all_equal(&double.volume()[..once.len()])
 }
 
 /// The lattice turned, in a box that stays and in one that turns with it: sums to rounding, and (with it) equal volumes.
@@ -57,7 +57,7 @@ pub fn turned(backend: &dyn Backend) -> Verdict {
         let volume = scene.room.volume();
         let barycenter = DVec3::from(scene.room.barycenter());
         let mut sums = [Sum::default(); 4];
-        for (&v, &b) in output.volume.iter().zip(&output.barycenter).filter(|(v, _)| **v != 0.0) {
+        for (&v, &b) in output.volume().iter().zip(output.barycenter()).filter(|(v, _)| **v != 0.0) {
             let moment = v * (DVec3::from(b) - barycenter);
             [v, moment.x, moment.y, moment.z].into_iter().zip(&mut sums).for_each(|(x, sum)| sum.add(x));
         }
@@ -77,7 +77,7 @@ pub fn second_moments(backend: &dyn Backend) -> Verdict {
     for room in [unit_box(), Room::of((*unit_box().mesh()).clone())] {
         let scene = Scene { positions: lattice(dims), weights: Vec::new(), room };
         let output = scene.evaluate(backend, &Request::moments().with_second_moments())?;
-        for (i, moment) in output.second_moment.iter().flatten().enumerate() {
+        for (i, moment) in output.second_moment().into_iter().flatten().enumerate() {
             let volume = 1.0 / 60.0;
             for k in 0..6 {
                 let expected = if k < 3 { volume / (12.0 * (dims[k] * dims[k]) as f64) } else { 0.0 };

@@ -324,7 +324,7 @@ fn sums_to(backend: &dyn Backend, domain: &Domain, sites: &[[f64; 3]]) -> Verdic
     let output = backend.evaluate(&diagram, &Request::moments()).map_err(|e| e.to_string())?;
     ensure!(output.count(CellStatus::Complete) > 150, "{} cells", output.count(CellStatus::Complete));
     let mut sum = Sum::default();
-    sum.extend(output.volume.iter().copied());
+    sum.extend(output.volume().iter().copied());
     let (total, volume) = (sum.total(), domain.volume());
     ensure!((total - volume).abs() <= of_digits(backend) * SUM * volume, "the volumes sum to {total}, not {volume}");
     Ok(())

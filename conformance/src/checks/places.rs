@@ -18,9 +18,9 @@ pub fn cell_barycenters(backend: &dyn Backend, case: &Case) -> Verdict {
     }
     let output = scene.with_facets(backend)?;
     let bounds = Bounds::new(&scene, &output, Planes::Same);
-    for i in (0..scene.len()).filter(|&i| output.status[i] == CellStatus::Complete) {
-        let place = DVec3::from(output.barycenter[i]);
-        let off = bounds.displacement(i) + bounds.cell_rounding(i) * bounds.reach(i) / output.volume[i].abs();
+    for i in (0..scene.len()).filter(|&i| output.status()[i] == CellStatus::Complete) {
+        let place = DVec3::from(output.barycenter()[i]);
+        let off = bounds.displacement(i) + bounds.cell_rounding(i) * bounds.reach(i) / output.volume()[i].abs();
         no_site_is_nearer(&scene, place, i, off)
             .map_err(|reason| format!("site {i}: its barycenter {place}, off by {off:e} at most, {reason}"))?;
     }
@@ -66,7 +66,7 @@ pub fn random_points(backend: &dyn Backend, case: &Case) -> Verdict {
         }
         let owner =
             (1..scene.len()).fold(0, |best, i| if scene.power_difference(place, i, best) < 0.0 { i } else { best });
-        let owned: f64 = (0..scene.len()).filter(|&i| twins[i] == twins[owner]).map(|i| output.volume[i]).sum();
+        let owned: f64 = (0..scene.len()).filter(|&i| twins[i] == twins[owner]).map(|i| output.volume()[i]).sum();
         // A volume below its rounding may be called empty; a point in such a cell is too rare to be drawn.
         ensure!(
             owned > 0.0 || tied(&scene, place, owner, &bounds),

@@ -1,7 +1,7 @@
 //! Who has a cell and who has not.
 
 use laguerre_core::diagram::MergedSites;
-use laguerre_core::{Backend, CellStatus, PowerDiagram, Request};
+use laguerre_core::{Backend, CellStatus, Facets, Output, PowerDiagram, Request};
 
 use crate::bounds::{Bounds, Planes};
 use crate::{Case, Verdict, compare};
@@ -29,7 +29,7 @@ pub fn duplicates(backend: &dyn Backend, case: &Case) -> Verdict {
             j != i && twins[j] == twins[i] && (w > v || (w == v && j < i))
         });
         match beaten {
-            Some(j) => ensure!(output.status[i] == CellStatus::Empty, "site {i} has a cell where site {j} stands"),
+            Some(j) => ensure!(output.status()[i] == CellStatus::Empty, "site {i} has a cell where site {j} stands"),
             None => kept.push(i),
         }
     }
@@ -42,7 +42,7 @@ pub fn duplicates(backend: &dyn Backend, case: &Case) -> Verdict {
     let without = alone.with_facets(backend)?;
     let bounds = Bounds::new(&alone, &without, Planes::Same);
     for (k, &i) in kept.iter().enumerate() {
-        let (a, b, bound) = (without.volume[k], output.volume[i], bounds.volume(k));
+        let (a, b, bound) = (without.volume()[k], output.volume()[i], bounds.volume(k));
         ensure!((a - b).abs() <= bound, "site {i}: volume {b:e}, without duplicates {a:e}, bound {bound:e}");
     }
     Ok(())
@@ -53,25 +53,28 @@ pub fn one_site_has_everything(backend: &dyn Backend, case: &Case) -> Verdict {
     let scene = Case { count: 1, ..*case }.scene();
     let output = scene.with_facets(backend)?;
     let bounds = Bounds::new(&scene, &output, Planes::Same);
-    ensure!(output.status == [CellStatus::Complete], "the only site is {:?}", output.status);
-    let (volume, all, bound) = (output.volume[0], scene.room.volume(), bounds.volume_sum());
+    ensure!(output.status() == [CellStatus::Complete], "the only site is {:?}", output.status());
+    let (volume, all, bound) = (output.volume()[0], scene.room.volume(), bounds.volume_sum());
     ensure!((volume - all).abs() <= bound, "the only site has {volume} of {all}, bound {bound:e}");
-    let facets = output.facets.as_ref().map_or(0, |f| f.area.len());
+    let facets = output.facets().map_or(0, |f| f.area().len());
     ensure!(facets == 0, "the only site has {facets} neighbours");
     // Twice the same site: the second adds nothing.
     let mut twice = scene.clone();
     twice.positions.push(scene.positions[0]);
     twice.weights.extend(scene.weights.first().copied());
-    let mut both = twice.with_facets(backend)?;
-    ensure!(both.status[1] == CellStatus::Empty, "the second of two equal sites is {:?}", both.status[1]);
-    both.status.truncate(1);
-    both.volume.truncate(1);
-    both.barycenter.truncate(1);
-    if let (Some(facets), Some(boundary)) = (&mut both.facets, &mut both.boundary) {
+    let both = twice.with_facets(backend)?;
+    ensure!(both.status()[1] == CellStatus::Empty, "the second of two equal sites is {:?}", both.status()[1]);
+    let mut first = both.into_arrays();
+    first.status.truncate(1);
+    first.volume.truncate(1);
+    first.barycenter.truncate(1);
+    first.facets = first.facets.map(|facets| {
+        let mut facets = facets.into_arrays();
         facets.offsets.truncate(2);
-        boundary.truncate(1);
-    }
-    compare::identical(&output, &both)
+        facets.boundary.truncate(1);
+        Facets::new(facets).expect("one row")
+    });
+    compare::identical(&output, &Output::new(first).expect("one cell"))
 }
 
 /// Two sites near a corner of the box: down to any distance the one that is nearer to everything has it, or the diagram says that they
@@ -98,10 +101,10 @@ pub fn told_apart_or_said(backend: &dyn Backend) -> Verdict {
                 1
             };
             let near = 0.5 * 0.1_f64.powi(exponent) / (hi - lo);
-            let share = output.volume[winner] / (hi - lo).powi(3);
+            let share = output.volume()[winner] / (hi - lo).powi(3);
             let all = (corner != lo) || (share - (1.0 - near)).abs() <= 1e-12;
-            let everything = output.volume[winner] > output.volume[1 - winner];
-            ensure!(all && everything, "1e-{exponent} from {corner}: volumes {:?}, {merged:?}", output.volume);
+            let everything = output.volume()[winner] > output.volume()[1 - winner];
+            ensure!(all && everything, "1e-{exponent} from {corner}: volumes {:?}, {merged:?}", output.volume());
         }
     }
     ensure!(said > 500, "{said} pairs are not told apart");

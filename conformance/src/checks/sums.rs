@@ -44,7 +44,7 @@ pub fn boundary_area(backend: &dyn Backend, case: &Case) -> Verdict {
 pub fn volumes(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     let mut sum = Sum::default();
     let signed = has_negative_windings(&scene.room, scene.len());
-    for (i, &v) in output.volume.iter().enumerate() {
+    for (i, &v) in output.volume().iter().enumerate() {
         ensure!(signed || v >= 0.0, "site {i} has volume {v:e}");
         sum.add(v);
     }
@@ -62,7 +62,7 @@ pub fn volumes(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
 pub fn first_moments(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     let middle = DVec3::from(scene.room.barycenter());
     let mut sums = [Sum::default(); 3];
-    for (&v, &b) in output.volume.iter().zip(&output.barycenter).filter(|(v, _)| **v != 0.0) {
+    for (&v, &b) in output.volume().iter().zip(output.barycenter()).filter(|(v, _)| **v != 0.0) {
         let moment = v * (DVec3::from(b) - middle);
         (0..3).for_each(|k| sums[k].add(moment[k]));
     }
@@ -81,10 +81,10 @@ pub fn barycenters(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     }
     let (lo, hi) = scene.room.bounding_box();
     let (lo, hi) = (DVec3::from(lo), DVec3::from(hi));
-    for i in (0..scene.len()).filter(|&i| output.status[i] != CellStatus::Empty) {
-        let place = DVec3::from(output.barycenter[i]);
+    for i in (0..scene.len()).filter(|&i| output.status()[i] != CellStatus::Empty) {
+        let place = DVec3::from(output.barycenter()[i]);
         let off = (lo - place).max(place - hi).max_element();
-        let rounding = bounds.cell_rounding(i) * bounds.reach(i) / output.volume[i];
+        let rounding = bounds.cell_rounding(i) * bounds.reach(i) / output.volume()[i];
         let bound = bounds.displacement(i) + rounding.min(bounds.reach(i));
         ensure!(
             off <= bound,
@@ -97,15 +97,15 @@ pub fn barycenters(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
 /// Second moments, moved to a common point, sum to the container's, with what cells that are called empty take with them where signs cancel.
 pub fn second_moments(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     let middle = DVec3::from(scene.room.barycenter());
-    let moments = output.second_moment.as_deref().unwrap_or_default();
+    let moments = output.second_moment().unwrap_or_default();
     let bound = moment_bound(scene, bounds, middle, 2);
     let signed = has_negative_windings(&scene.room, scene.len());
     let mut sums = [Sum::default(); 6];
-    for (i, moment) in moments.iter().enumerate().filter(|(i, _)| output.volume[*i] != 0.0) {
-        let arm = DVec3::from(output.barycenter[i]) - middle;
+    for (i, moment) in moments.iter().enumerate().filter(|(i, _)| output.volume()[*i] != 0.0) {
+        let arm = DVec3::from(output.barycenter()[i]) - middle;
         for (k, [r, c]) in ENTRIES.into_iter().enumerate() {
             sums[k].add(moment[k]);
-            sums[k].add(output.volume[i] * arm[r] * arm[c]);
+            sums[k].add(output.volume()[i] * arm[r] * arm[c]);
         }
         // A moment about one's own barycenter: the variance along every axis is that of a measure, where no winding number is negative.
         ensure!(signed || moment[..3].iter().all(|m| *m >= -bound), "site {i}: second moment {moment:?}");
@@ -123,7 +123,7 @@ pub fn second_moments(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdic
 /// The cells' pieces of the boundary have together the area of the surface; no more is missing than lies in cells that are called empty.
 pub fn boundary_areas(scene: &Scene, output: &Output, bounds: &Bounds) -> Verdict {
     let mut sum = Sum::default();
-    sum.extend(output.boundary.iter().flatten().map(|b| b.area));
+    sum.extend(output.boundary().into_iter().flatten().map(|b| b.area));
     let (total, area) = (sum.total(), scene.room.area());
     let off = (total - area).abs();
     let in_surface = |i: usize, j: usize| lies_in_surface(scene, i, j, bounds);
@@ -159,7 +159,7 @@ pub fn thin(backend: &dyn Backend) -> Verdict {
                 let scene = Scene { positions, weights: Vec::new(), room };
                 let output = scene.evaluate(backend, &Request::moments())?;
                 let mut sum = Sum::default();
-                sum.extend(output.volume.iter().copied());
+                sum.extend(output.volume().iter().copied());
                 let (volume, bounds) = (scene.room.volume(), Bounds::new(&scene, &output, Planes::Same));
                 let (off, bound) = ((sum.total() - volume).abs(), bounds.volume_sum());
                 if std::env::var_os("LAGUERRE_WORST").is_some() {
@@ -239,6 +239,7 @@ fn folds(mesh: &Mesh) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use laguerre_core::Facets;
     use laguerre_core::oracle::Naive;
 
     use super::*;
@@ -250,17 +251,19 @@ mod tests {
         for name in ["slab_of_an_empty_cell_is_boundary", "wedge_of_an_empty_cell_is_boundary"] {
             let (_, given) = SCENES.iter().find(|(of, _)| *of == name).expect("a regression of this name");
             let scene = given.scene();
-            let mut output = scene.with_facets(&Naive::default()).expect("an output");
+            let output = scene.with_facets(&Naive::default()).expect("an output");
             let bounds = Bounds::new(&scene, &output, Planes::Same);
             let hidden = bounds.area_of_empty();
             assert!(hidden > 10.0 * bounds.area_sum(), "{name}: nothing to see, {hidden:e}");
             assert_eq!(boundary_areas(&scene, &output, &bounds), Ok(()), "{name}");
             // As much again, of a cell that is there.
             let lost = 2.0 * hidden + 2.0 * bounds.area_sum();
-            let largest = |b: &mut Vec<laguerre_core::Boundary>| {
-                b.iter_mut().max_by(|x, y| x.area.total_cmp(&y.area)).expect("a cell").area -= lost;
-            };
-            output.boundary.iter_mut().for_each(largest);
+            let mut arrays = output.into_arrays();
+            let mut facets = arrays.facets.take().expect("facets").into_arrays();
+            let largest = facets.boundary.iter_mut().max_by(|x, y| x.area.total_cmp(&y.area)).expect("a cell");
+            largest.area -= lost;
+            arrays.facets = Some(Facets::new(facets).expect("facets"));
+            let output = Output::new(arrays).expect("an output");
             let bounds = Bounds::new(&scene, &output, Planes::Same);
             assert!(boundary_areas(&scene, &output, &bounds).is_err(), "{name}");
         }
@@ -287,11 +290,12 @@ mod tests {
         assert_eq!(first_moments(&scene, &output, &bounds), Ok(()));
         // A barycenter that is off by as much as the bound twice, along that moment or against it.
         let moved = |moment: DVec3| {
-            let mut output = output.clone();
+            let mut arrays = output.clone().into_arrays();
             let largest =
-                (0..scene.len()).max_by(|&i, &j| output.volume[i].total_cmp(&output.volume[j])).expect("a cell");
-            let to = DVec3::from(output.barycenter[largest]) + moment / output.volume[largest];
-            output.barycenter[largest] = to.into();
+                (0..scene.len()).max_by(|&i, &j| output.volume()[i].total_cmp(&output.volume()[j])).expect("a cell");
+            let to = DVec3::from(output.barycenter()[largest]) + moment / output.volume()[largest];
+            arrays.barycenter[largest] = to.into();
+            let output = Output::new(arrays).expect("an output");
             first_moments(&scene, &output, &Bounds::new(&scene, &output, Planes::Same))
         };
         let by = 2.0 * bound * lost.normalize();
@@ -303,9 +307,10 @@ mod tests {
     #[test]
     fn cell_that_is_dropped_is_missed() {
         let (scene, output) = slabs_that_cancel();
-        for i in (0..scene.len()).filter(|&i| output.status[i] != CellStatus::Empty) {
-            let mut output = output.clone();
-            (output.status[i], output.volume[i], output.barycenter[i]) = (CellStatus::Empty, 0.0, [f64::NAN; 3]);
+        for i in (0..scene.len()).filter(|&i| output.status()[i] != CellStatus::Empty) {
+            let mut arrays = output.clone().into_arrays();
+            (arrays.status[i], arrays.volume[i], arrays.barycenter[i]) = (CellStatus::Empty, 0.0, [f64::NAN; 3]);
+            let output = Output::new(arrays).expect("an output");
             let bounds = Bounds::new(&scene, &output, Planes::Same);
             assert!(volumes(&scene, &output, &bounds).is_err(), "volume of cell {i}");
             assert!(first_moments(&scene, &output, &bounds).is_err(), "moment of cell {i}");

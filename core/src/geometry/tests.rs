@@ -52,17 +52,17 @@ fn before_faces(geometry: &Geometry, solid: &[Face<'_>]) -> f64 {
 /// Holds the faces and the solids of all cells to the cells' integrals, within 1e-12 of the mean volume.
 fn hold(what: &str, diagram: &PowerDiagram, whole: f64) -> Output {
     let output = Naive::default().evaluate(diagram, &Request::moments().with_geometry()).unwrap();
-    let geometry = output.geometry.as_ref().unwrap();
-    let bound = 1e-12 * whole / output.volume.len() as f64;
+    let geometry = output.geometry().unwrap();
+    let bound = 1e-12 * whole / output.volume().len() as f64;
     for i in 0..geometry.sites() {
-        let is_empty = output.status[i] == CellStatus::Empty;
-        assert_eq!(geometry.faces(i).len() == 0, is_empty, "{what}: cell {i} of volume {}", output.volume[i]);
+        let is_empty = output.status()[i] == CellStatus::Empty;
+        assert_eq!(geometry.faces(i).len() == 0, is_empty, "{what}: cell {i} of volume {}", output.volume()[i]);
         if is_empty {
             continue;
         }
-        let about = DVec3::from(output.barycenter[i]);
+        let about = DVec3::from(output.barycenter()[i]);
         let (volume, moment) = enclosed(geometry, geometry.faces(i), about);
-        let off = (volume - output.volume[i]).abs().max(moment.length());
+        let off = (volume - output.volume()[i]).abs().max(moment.length());
         assert!(off < bound, "{what}: cell {i} is off by {off:e}");
         let mut filled = 0.0;
         for solid in geometry.solids(i) {
@@ -106,7 +106,7 @@ fn faces_and_solids_are_the_cells() {
 fn cells_share_their_corners() {
     let in_box = |sites: &[[f64; 3]]| PowerDiagram::new(sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let output = hold("white in a box", &in_box(&white(500, [0.0; 3], [1.0; 3])), 1.0);
-    let geometry = output.geometry.unwrap();
+    let geometry = output.geometry().unwrap();
     // Of simple polytopes that fill a box: each corner within is one of four cells, on a face of the box of three, on an edge of two, in a corner of one.
     let mut cells: HashMap<u32, Vec<usize>> = HashMap::new();
     for i in 0..500 {

@@ -279,22 +279,22 @@ mod tests {
                 let bits = |v: f64, b: [f64; 3]| [v, b[0], b[1], b[2]].map(f64::to_bits);
                 assert_eq!(
                     bits(row.volume, row.barycenter),
-                    bits(output.volume[i], output.barycenter[i]),
+                    bits(output.volume()[i], output.barycenter()[i]),
                     "{name} {i}"
                 );
                 assert_eq!(row.site, i as u64);
-                assert_eq!(row.status, Some(output.status[i]).filter(|_| name == "cells.csv"));
+                assert_eq!(row.status, Some(output.status()[i]).filter(|_| name == "cells.csv"));
             }
         }
-        let list = output.facets.as_ref().unwrap();
+        let list = output.facets().unwrap();
         for (name, first) in [("facets.csv", 2), ("facets.npy", 1)] {
             write_facets(folder.join(name), &diagram, &output).unwrap();
             let facets = read_facets(folder.join(name)).unwrap();
             let inner: Vec<&FacetRow> = facets.iter().filter(|f| f.neighbor.is_some()).collect();
-            assert_eq!(inner.len(), list.area.len());
+            assert_eq!(inner.len(), list.area().len());
             for (k, row) in inner.iter().enumerate() {
-                assert_eq!((row.neighbor, row.area), (Some(list.neighbor[k].site), list.area[k]));
-                assert_eq!((row.barycenter, row.distance), (list.barycenter[k], Some(list.distance[k])));
+                assert_eq!((row.neighbor, row.area), (Some(list.neighbor()[k]), list.area()[k]));
+                assert_eq!((row.barycenter, row.distance), (list.barycenter()[k], Some(list.distance()[k])));
             }
             assert!(facets.iter().any(|f| f.neighbor.is_none() && f.distance.is_none()));
             assert!(facets.iter().enumerate().all(|(k, row)| row.line == k + first));

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::{CELLS_ENDINGS, FACETS_ENDINGS, atomic, npy, output_ending};
-use crate::{Boundary, Error, Neighbor, Output, PowerDiagram, Result};
+use crate::{Boundary, Error, Facet, Output, PowerDiagram, Result};
 
 /// Writes one row for each site, in the caller's order, by the file's ending.
 ///
@@ -25,8 +25,8 @@ pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Outp
     check_fit(diagram, output)?;
     match format {
         ".npy" => {
-            let rows = output.volume.iter().zip(&output.barycenter).flat_map(|(&v, &[x, y, z])| [v, x, y, z]);
-            atomic::write_whole(path, |w| npy::write_rows(w, output.volume.len(), 4, rows))
+            let rows = output.volume().iter().zip(output.barycenter()).flat_map(|(&v, &[x, y, z])| [v, x, y, z]);
+            atomic::write_whole(path, |w| npy::write_rows(w, output.volume().len(), 4, rows))
         }
         _ => atomic::write_whole(path, |w| cells_csv(w, output)),
     }
@@ -48,7 +48,7 @@ pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Out
     let path = path.as_ref();
     let format = output_ending(path, FACETS_ENDINGS)?;
     check_fit(diagram, output)?;
-    if output.facets.is_none() {
+    if output.facets().is_none() {
         return Err(Error::input("this output has no facets: ask for them with Request::with_facets"));
     }
     let rows = || facet_rows(output);
@@ -62,9 +62,9 @@ pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Out
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacetValues {
     /// The site on this side.
-    pub site: u32,
+    pub site: usize,
     /// The site beyond it; `None` for the boundary.
-    pub neighbor: Option<Neighbor>,
+    pub neighbor: Option<usize>,
     /// Area (length²).
     pub area: f64,
     /// Barycenter.
@@ -76,33 +76,28 @@ pub struct FacetValues {
 impl FacetValues {
     /// The number of the site beyond it, −1 for the boundary.
     pub fn neighbor_number(&self) -> i64 {
-        self.neighbor.map_or(-1, |neighbor| i64::from(neighbor.site))
+        self.neighbor.map_or(-1, |neighbor| neighbor as i64)
     }
 
     fn numbers(self) -> [f64; 7] {
         let [x, y, z] = self.barycenter;
-        [f64::from(self.site), self.neighbor_number() as f64, self.area, x, y, z, self.distance]
+        [self.site as f64, self.neighbor_number() as f64, self.area, x, y, z, self.distance]
     }
 }
 
 /// The facets of an output in the order of files: site by site, the piece of the boundary before the facets with other sites. None where
 /// facets were not asked for.
 pub fn facet_rows(output: &Output) -> impl Iterator<Item = FacetValues> {
-    let facets = output.facets.iter();
+    let facets = output.facets().into_iter();
     facets.flat_map(move |facets| {
-        facets.offsets.windows(2).enumerate().flat_map(move |(i, row)| {
-            let site = i as u32;
-            let piece = output.boundary.as_ref().map(|b| &b[i]).filter(|b| b.area > 0.0);
-            let boundary = piece.map(|piece| {
+        facets.boundary().iter().enumerate().flat_map(move |(site, piece)| {
+            let boundary = (piece.area > 0.0).then(|| {
                 let Boundary { area, barycenter, .. } = *piece;
                 FacetValues { site, neighbor: None, area, barycenter, distance: f64::NAN }
             });
-            boundary.into_iter().chain((row[0]..row[1]).map(move |k| FacetValues {
-                site,
-                neighbor: Some(facets.neighbor[k]),
-                area: facets.area[k],
-                barycenter: facets.barycenter[k],
-                distance: facets.distance[k],
+            boundary.into_iter().chain(facets.of(site).map(move |facet| {
+                let Facet { neighbor, area, barycenter, distance, .. } = facet;
+                FacetValues { site, neighbor: Some(neighbor), area, barycenter, distance }
             }))
         })
     })
@@ -110,41 +105,30 @@ pub fn facet_rows(output: &Output) -> impl Iterator<Item = FacetValues> {
 
 /// Number of facets of the cell of site `i`, its piece of the boundary counting as one; `None` where not asked for.
 pub fn facet_count(output: &Output, i: usize) -> Option<usize> {
-    let facets = output.facets.as_ref()?;
-    let boundary = output.boundary.as_ref().is_some_and(|b| b[i].area > 0.0);
-    Some(facets.offsets[i + 1] - facets.offsets[i] + usize::from(boundary))
+    let facets = output.facets()?;
+    Some(facets.row(i).len() + usize::from(facets.boundary()[i].area > 0.0))
 }
 
-/// An output is plain data that a caller can mix up; what is indexed below must be there.
+/// Refuses the output of another diagram.
 fn check_fit(diagram: &PowerDiagram, output: &Output) -> Result<()> {
     let n = diagram.positions().len();
-    let facets_fit = output.facets.as_ref().is_none_or(|f| {
-        let m = f.neighbor.len();
-        f.offsets.len() == n + 1
-            && f.offsets.windows(2).all(|w| w[0] <= w[1])
-            && f.offsets[n] <= m
-            && f.area.len() == m
-            && f.barycenter.len() == m
-            && f.distance.len() == m
-    });
-    let fit = output.volume.len() == n
-        && output.barycenter.len() == n
-        && output.status.len() == n
-        && output.boundary.as_ref().is_none_or(|b| b.len() == n)
-        && facets_fit;
-    if fit { Ok(()) } else { Err(Error::input(format!("this output is not that of a diagram of {n} sites"))) }
+    if output.sites() == n {
+        Ok(())
+    } else {
+        Err(Error::input(format!("this output is not that of a diagram of {n} sites")))
+    }
 }
 
 fn cells_csv(w: &mut dyn Write, output: &Output) -> io::Result<()> {
     writeln!(w, "site,volume,x,y,z,facets,status")?;
-    for (i, (volume, [x, y, z])) in output.volume.iter().zip(&output.barycenter).enumerate() {
+    for (i, (volume, [x, y, z])) in output.volume().iter().zip(output.barycenter()).enumerate() {
         // `{:?}` is the shortest text that reads back to the same number.
         write!(w, "{i},{volume:?},{x:?},{y:?},{z:?},")?;
         match facet_count(output, i) {
             Some(count) => write!(w, "{count}")?,
             None => write!(w, "NaN")?,
         }
-        writeln!(w, ",{}", output.status[i].number())?;
+        writeln!(w, ",{}", output.status()[i].number())?;
     }
     Ok(())
 }
@@ -161,38 +145,38 @@ fn facets_csv(w: &mut dyn Write, mut rows: impl Iterator<Item = FacetValues>) ->
 mod tests {
     use super::super::scratch;
     use super::*;
-    use crate::{CellStatus, FacetList};
+    use crate::{CellStatus, FacetArrays, Facets, OutputArrays};
 
     /// Two sites with a facet between them, and a third that is hidden.
     fn three() -> (PowerDiagram, Output) {
         let positions = [[0.25, 0.5, 0.5], [0.75, 0.5, 0.5], [0.75, 0.5, 0.5]];
         let diagram = PowerDiagram::new(&positions, &[]).unwrap();
-        let neighbor = |site| Neighbor { site, image: [0; 3] };
-        let output = Output {
-            status: vec![CellStatus::Complete, CellStatus::Uncertified, CellStatus::Empty],
-            volume: vec![1.0 / 3.0, 1e-300, 0.0],
-            barycenter: vec![[0.1, -0.2, 1e17], [0.75, 0.5, 0.5], [f64::NAN; 3]],
-            facets: Some(FacetList {
-                offsets: vec![0, 1, 2, 2],
-                neighbor: vec![neighbor(1), neighbor(0)],
-                area: vec![0.7, 0.7],
-                barycenter: vec![[0.5; 3]; 2],
-                distance: vec![0.5, 0.5],
-                second_moment: None,
-            }),
-            boundary: Some(vec![
+        let facets = FacetArrays {
+            offsets: vec![0, 1, 2, 2],
+            neighbor: vec![1, 0],
+            area: vec![0.7, 0.7],
+            barycenter: vec![[0.5; 3]; 2],
+            distance: vec![0.5, 0.5],
+            second_moment: None,
+            boundary: vec![
                 Boundary { area: 3.0, barycenter: [0.125, 0.5, 0.5], ..Boundary::default() },
                 Boundary::default(),
                 Boundary::default(),
-            ]),
-            ..Output::default()
+            ],
         };
-        (diagram, output)
+        let output = OutputArrays {
+            status: vec![CellStatus::Complete, CellStatus::Uncertified, CellStatus::Empty],
+            volume: vec![1.0 / 3.0, 1e-300, 0.0],
+            barycenter: vec![[0.1, -0.2, 1e17], [0.75, 0.5, 0.5], [f64::NAN; 3]],
+            facets: Some(Facets::new(facets).unwrap()),
+            ..OutputArrays::default()
+        };
+        (diagram, Output::new(output).unwrap())
     }
 
     #[test]
     fn cells_read_back_exactly() {
-        let (diagram, mut output) = three();
+        let (diagram, output) = three();
         let folder = scratch("cells");
         let csv = folder.join("cells.csv");
         write_cells(&csv, &diagram, &output).unwrap();
@@ -203,8 +187,8 @@ mod tests {
              1,1e-300,0.75,0.5,0.5,1,2\n2,0.0,NaN,NaN,NaN,0,1\n"
         );
         let volume: f64 = text.lines().nth(1).unwrap().split(',').nth(1).unwrap().parse().unwrap();
-        assert_eq!(volume, output.volume[0]);
-        (output.facets, output.boundary) = (None, None);
+        assert_eq!(volume, output.volume()[0]);
+        let output = Output::new(OutputArrays { facets: None, ..output.into_arrays() }).unwrap();
         write_cells(&csv, &diagram, &output).unwrap();
         assert!(std::fs::read_to_string(&csv).unwrap().contains("\n2,0.0,NaN,NaN,NaN,NaN,1\n"));
 
@@ -220,7 +204,7 @@ mod tests {
 
     #[test]
     fn facets_stand_in_both_directions_and_the_boundary_as_minus_one() {
-        let (diagram, mut output) = three();
+        let (diagram, output) = three();
         let path = scratch("facets").join("facets.csv");
         write_facets(&path, &diagram, &output).unwrap();
         assert_eq!(
@@ -236,18 +220,18 @@ mod tests {
         assert_eq!(numbers[..6], [0.0, -1.0, 3.0, 0.125, 0.5, 0.5]);
         assert!(numbers[6].is_nan());
         assert_eq!(numbers[7..14], [0.0, 1.0, 0.7, 0.5, 0.5, 0.5, 0.5]);
-        output.facets = None;
+        let output = Output::new(OutputArrays { facets: None, ..output.into_arrays() }).unwrap();
         assert_eq!(facet_rows(&output).count(), 0);
         assert!(write_facets(&path, &diagram, &output).unwrap_err().to_string().contains("has no facets"));
     }
 
     #[test]
     fn what_does_not_fit_leaves_nothing() {
-        let (diagram, mut output) = three();
+        let (diagram, output) = three();
         let folder = scratch("misfit");
         assert!(write_cells(folder.join("cells.vtk"), &diagram, &output).is_err());
-        output.volume.pop();
-        assert!(write_cells(folder.join("cells.csv"), &diagram, &output).is_err());
+        let other = PowerDiagram::new(&[[0.5; 3]], &[]).unwrap();
+        assert!(write_cells(folder.join("cells.csv"), &other, &output).is_err());
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
     }
 }

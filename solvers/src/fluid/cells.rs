@@ -1,7 +1,7 @@
 //! Cells of equal volume.
 
 use laguerre_core::diagram::Container;
-use laguerre_core::{Backend, Error, ErrorKind, FacetList, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, ErrorKind, Facets, Output, OutputArrays, PowerDiagram, Request, Result};
 
 use super::StepReport;
 use crate::density::Density;
@@ -32,7 +32,7 @@ pub fn settle(
     for _ in 0..rounds {
         let options = transport::Options { tolerance: SETTLED, second_moments: false, ..Default::default() };
         let solved = solved(backend, &mut diagram, &options)?;
-        positions = solved.output.barycenter;
+        positions = solved.output.into_arrays().barycenter;
         diagram.set_sites(&positions, &solved.weights)?;
     }
     Ok(positions)
@@ -44,7 +44,7 @@ pub(super) struct Cells {
     /// `b_i`.
     pub(super) barycenters: Vec<[f64; 3]>,
     /// Their facets.
-    pub(super) facets: FacetList,
+    pub(super) facets: Facets,
     /// The cost of transport, `Σ_i ∫_cell i ‖x − p_i‖² dx`.
     pub(super) cost: f64,
 }
@@ -58,10 +58,10 @@ impl Cells {
     pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram, volume: f64) -> Result<Self> {
         let output = backend.evaluate(diagram, &Request::moments().with_facets().with_second_moments())?;
         let is_other = |v: &f64| (v / volume - 1.0).abs() > VOLUME_TOLERANCE + OTHER_BACKEND;
-        if let Some(i) = output.volume.iter().position(is_other) {
+        if let Some(i) = output.volume().iter().position(is_other) {
             return Err(Error::input(format!(
                 "the weights are not those of these positions: particle {i} has volume {:e}, not {volume:e}; begin anew",
-                output.volume[i]
+                output.volume()[i]
             )));
         }
         let cost = Density::Uniform.cost(diagram.positions(), &output);
@@ -69,10 +69,11 @@ impl Cells {
     }
 
     fn of(output: Output, cost: Option<f64>) -> Result<Self> {
-        let (Some(facets), Some(cost)) = (output.facets, cost) else {
+        let OutputArrays { barycenter: barycenters, facets, .. } = output.into_arrays();
+        let (Some(facets), Some(cost)) = (facets, cost) else {
             return Err(Error::new(ErrorKind::Device, "the backend gave no facets or second moments though asked to"));
         };
-        Ok(Self { barycenters: output.barycenter, facets, cost })
+        Ok(Self { barycenters, facets, cost })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Viscosity: velocities of neighbouring cells drawn together, by the implicit Euler method.
 
-use laguerre_core::{Error, FacetList, Neighbor, Result};
+use laguerre_core::{Error, Facet, Facets, Result};
 use rayon::prelude::*;
 
 use crate::vectors::{add, dot};
@@ -14,16 +14,15 @@ const MOST_ITERATIONS: usize = 1000;
 ///
 /// # Errors
 /// `Input` where the solution is not found, as where the viscosity is so large that squares of momenta overflow.
-pub(super) fn slow(facets: &FacetList, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
+pub(super) fn slow(facets: &Facets, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
     let ties = ties(facets, strength);
-    let row = |i: usize| facets.offsets[i]..facets.offsets[i + 1];
-    let diagonal: Vec<f64> = (0..masses.len()).map(|i| masses[i] + ties[row(i)].iter().sum::<f64>()).collect();
+    let diagonal: Vec<f64> = (0..masses.len()).map(|i| masses[i] + ties[facets.row(i)].iter().sum::<f64>()).collect();
     let apply = |u: &[[f64; 3]]| -> Vec<[f64; 3]> {
         let product = |i: usize| {
             let mut sum = u[i].map(|x| diagonal[i] * x);
-            for k in row(i) {
-                let other = u[facets.neighbor[k].site as usize];
-                (0..3).for_each(|c| sum[c] -= ties[k] * other[c]);
+            for facet in facets.of(i) {
+                let (tie, other) = (ties[facet.number], u[facet.neighbor]);
+                (0..3).for_each(|c| sum[c] -= tie * other[c]);
             }
             sum
         };
@@ -58,19 +57,15 @@ pub(super) fn slow(facets: &FacetList, masses: &[f64], strength: f64, v: &mut [[
 
 /// `strength · A / distance` of each facet, the mean of both its sides, so that what one cell loses the other has; 0 where only
 /// one side has it, being below its rounding bound.
-fn ties(facets: &FacetList, strength: f64) -> Vec<f64> {
-    let tie = |k: usize| strength * facets.area[k] / facets.distance[k];
+fn ties(facets: &Facets, strength: f64) -> Vec<f64> {
+    let tie = |facet: Facet| strength * facet.area / facet.distance;
     let of_row = |i: usize| {
-        let row = facets.offsets[i]..facets.offsets[i + 1];
-        row.map(move |k| {
-            let other = facets.neighbor[k].site as usize;
-            let theirs = facets.offsets[other]..facets.offsets[other + 1];
-            let back = Neighbor { site: i as u32, image: facets.neighbor[k].image.map(|x| -x) };
-            let found = facets.neighbor[theirs.clone()].binary_search(&back);
-            found.map_or(0.0, |at| (tie(k) + tie(theirs.start + at)) / 2.0)
+        facets.of(i).map(move |facet| {
+            let back = facets.between(facet.neighbor, i);
+            back.map_or(0.0, |back| (tie(facet) + tie(facets.get(back))) / 2.0)
         })
     };
-    (0..facets.offsets.len().saturating_sub(1)).flat_map(of_row).collect()
+    (0..facets.sites()).flat_map(of_row).collect()
 }
 
 #[cfg(test)]
@@ -89,12 +84,12 @@ mod tests {
         let (n, strength) = (8, 0.3);
         let sites = lattice([1.0, 1.0, 0.25], n * n * n / 4);
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0, 1.0, 0.25]).unwrap();
-        let facets = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_facets()).unwrap().facets;
+        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_facets()).unwrap();
         let h = 1.0 / n as f64;
         let masses = vec![h.powi(3); sites.len()];
         let wave = |p: &[f64; 3]| [(PI * p[1]).cos(), 0.0, 0.5];
         let mut v: Vec<[f64; 3]> = sites.iter().map(wave).collect();
-        slow(&facets.unwrap(), &masses, strength, &mut v).unwrap();
+        slow(output.facets().unwrap(), &masses, strength, &mut v).unwrap();
         let factor = 1.0 + strength * (2.0 - 2.0 * (PI * h).cos()) / (h * h);
         for (p, v) in sites.iter().zip(&v) {
             let [x, y, z] = wave(p);
@@ -108,7 +103,7 @@ mod tests {
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
         let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_facets()).unwrap();
         let mut v: Vec<[f64; 3]> = sites.clone();
-        let error = slow(&output.facets.unwrap(), &[1.0 / 27.0; 27], 1e300, &mut v).unwrap_err();
+        let error = slow(output.facets().unwrap(), &[1.0 / 27.0; 27], 1e300, &mut v).unwrap_err();
         assert!(error.kind() == ErrorKind::Input && error.to_string().contains("smaller viscosity"), "{error}");
     }
 }

@@ -3,7 +3,7 @@
 //! Where two particles pass close by each other, their bisector turns quickly, and weights of a moment ago put it beyond one of the two
 //! cells. One empty cell makes transport start from nothing, at several times the cost.
 
-use laguerre_core::FacetList;
+use laguerre_core::Facets;
 
 use crate::vectors::distance2;
 
@@ -13,15 +13,14 @@ const DEPTH: f64 = 0.1;
 /// Changes `weights` for sites at `positions` as little as it takes for `expected`, where the cells' barycenters are expected, to be in their cells: for
 /// each pair of neighbours of the last diagram the bisector is moved between the two, or to their middle where they are in the wrong
 /// order. `size` is a cell's.
-pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64; 3]], facets: &FacetList, size: f64) {
+pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64; 3]], facets: &Facets, size: f64) {
     let found = weights.to_vec();
     let depth = |i: usize, j: usize, distance: f64| {
         let power = |k: usize| distance2(expected[i], positions[k]) - found[k];
         (power(j) - power(i)) / (2.0 * distance)
     };
     for i in 0..positions.len() {
-        for neighbor in &facets.neighbor[facets.offsets[i]..facets.offsets[i + 1]] {
-            let j = neighbor.site as usize;
+        for j in facets.of(i).map(|facet| facet.neighbor) {
             let distance = distance2(positions[i], positions[j]).sqrt();
             let [mine, theirs] = [depth(i, j, distance), depth(j, i, distance)];
             // Both have it where there is room for both, else half of what there is.
@@ -38,15 +37,22 @@ pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64
 
 #[cfg(test)]
 mod tests {
-    use laguerre_core::Neighbor;
+    use laguerre_core::{Boundary, FacetArrays};
 
     use super::*;
 
     #[test]
     fn a_bisector_is_put_between_the_barycenters() {
-        let neighbor = |site| Neighbor { site, image: [0; 3] };
-        let facets =
-            FacetList { offsets: vec![0, 1, 2], neighbor: vec![neighbor(1), neighbor(0)], ..FacetList::default() };
+        let facets = Facets::new(FacetArrays {
+            offsets: vec![0, 1, 2],
+            neighbor: vec![1, 0],
+            area: vec![1.0; 2],
+            barycenter: vec![[0.0; 3]; 2],
+            distance: vec![0.01; 2],
+            second_moment: None,
+            boundary: vec![Boundary::default(); 2],
+        });
+        let facets = facets.unwrap();
         let positions = [[0.0; 3], [0.01, 0.0, 0.0]];
         // Where along x the bisector is.
         let at = |w: &[f64]| (w[0] - w[1] + 0.01 * 0.01) / (2.0 * 0.01);

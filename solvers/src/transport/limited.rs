@@ -40,10 +40,10 @@ pub(super) fn limit(
     facet: [f64; 3],
     distance: f64,
 ) -> f64 {
-    let (p, q, b) = (problem.positions[site], problem.positions[other], state.output.barycenter[other]);
+    let (p, q, b) = (problem.positions[site], problem.positions[other], state.output.barycenter()[other]);
     let depth = (0..3).map(|k| (b[k] - facet[k]) * (q[k] - p[k])).sum::<f64>() / distance;
     // The facet goes by the weights' difference over twice the distance.
-    2.0 * distance * REACH * depth.max(FLATTEST * state.output.volume[other].cbrt())
+    2.0 * distance * REACH * depth.max(FLATTEST * state.output.volume()[other].cbrt())
 }
 
 /// What a limited step came to: the state after it, if there is one, which part of it was gone, and the iterations.

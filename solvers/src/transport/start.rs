@@ -80,7 +80,7 @@ const LIFTS: i32 = 9;
 /// Raises the weights of the cells that are empty until none is, where they are few: slivers, that are no more than their own rounding.
 fn lifted(problem: &mut Problem<'_>, mut state: State) -> Result<State> {
     let sites = state.masses.len();
-    let size2 = (state.output.volume.iter().sum::<f64>() / sites as f64).powf(2.0 / 3.0);
+    let size2 = (state.output.volume().iter().sum::<f64>() / sites as f64).powf(2.0 / 3.0);
     for halvings in (0..LIFTS).rev() {
         let empty: Vec<usize> = (0..sites).filter(|&i| state.masses[i] <= 0.0).collect();
         if empty.is_empty() || empty.len() > sites / ONE_IN {
@@ -115,13 +115,13 @@ fn interior_point(backend: &dyn Backend, domain: &Domain) -> Result<Option<[f64;
         let diagram = PowerDiagram::new(&lattice, &[])?.restricted_to(domain);
         let output = backend.evaluate(&diagram, &Request::moments().with_facets())?;
         if let Some(cell) = deepest(&output) {
-            return Ok(Some(output.barycenter[cell]));
+            return Ok(Some(output.barycenter()[cell]));
         }
         // All cells meet the surface: look closer at the fullest of those that are no larger than a voxel.
-        let share = |i: &usize| output.volume[*i];
+        let share = |i: &usize| output.volume()[*i];
         let inner = |i: &usize| {
-            let b = output.barycenter[*i];
-            output.volume[*i] > 0.0 && (0..3).all(|k| (b[k] - lattice[*i][k]).abs() <= width[k] / 2.0)
+            let b = output.barycenter()[*i];
+            output.volume()[*i] > 0.0 && (0..3).all(|k| (b[k] - lattice[*i][k]).abs() <= width[k] / 2.0)
         };
         let Some(full) = (0..lattice.len()).filter(inner).max_by(|i, j| share(i).total_cmp(&share(j))) else {
             return Ok(None);
@@ -136,23 +136,22 @@ fn interior_point(backend: &dyn Backend, domain: &Domain) -> Result<Option<[f64;
 /// The cell that is most facets away from those that meet the surface, of equals the largest; `None` where all do. It is convex, and
 /// with its barycenter inside the domain.
 fn deepest(output: &Output) -> Option<usize> {
-    let (facets, boundary) = (output.facets.as_ref()?, output.boundary.as_ref()?);
+    let (facets, boundary) = (output.facets()?, output.boundary()?);
     let mut is_reached: Vec<bool> =
-        (0..output.volume.len()).map(|i| output.volume[i] <= 0.0 || boundary[i].area > 0.0).collect();
+        (0..output.volume().len()).map(|i| output.volume()[i] <= 0.0 || boundary[i].area > 0.0).collect();
     let mut front: Vec<usize> = (0..is_reached.len()).filter(|&i| is_reached[i]).collect();
     loop {
         let mut next = Vec::new();
         for &i in &front {
-            for neighbor in &facets.neighbor[facets.offsets[i]..facets.offsets[i + 1]] {
-                let j = neighbor.site as usize;
+            for j in facets.of(i).map(|facet| facet.neighbor) {
                 if !std::mem::replace(&mut is_reached[j], true) {
                     next.push(j);
                 }
             }
         }
         if next.is_empty() {
-            let inside = front.into_iter().filter(|&i| output.volume[i] > 0.0 && boundary[i].area == 0.0);
-            return inside.max_by(|&i, &j| output.volume[i].total_cmp(&output.volume[j]));
+            let inside = front.into_iter().filter(|&i| output.volume()[i] > 0.0 && boundary[i].area == 0.0);
+            return inside.max_by(|&i, &j| output.volume()[i].total_cmp(&output.volume()[j]));
         }
         front = next;
     }

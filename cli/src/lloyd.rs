@@ -1,5 +1,6 @@
 //! `laguerre lloyd`: sites moved until each is the barycenter of its cell.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -127,6 +128,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
             let _ = print(&format!("{header}{count:9}  {evaluations:8}  {energy:12.6e}  {gradient:12.4e}\n"));
         }
         count += 1;
+        ControlFlow::Continue(())
     };
     let relaxed = pool
         .install(|| lloyd::relax(&WithBar(backend.as_ref()), &mut diagram, &options, &mut table))

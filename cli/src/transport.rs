@@ -1,5 +1,6 @@
 //! `laguerre transport`: weights such that each cell has the mass asked for.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -111,12 +112,8 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
-    let options = Options {
-        density: args.density.unwrap_or_default(),
-        tolerance: args.tolerance,
-        most_iterations: args.iterations as usize,
-        ..Options::default()
-    };
+    let options =
+        Options::default().of(args.density.unwrap_or_default()).until(args.iterations as usize, args.tolerance);
     options.density.check(&diagram.container().map_err(of_sites)?).map_err(|e| e.at("--density"))?;
     if let Some(path) = &args.masses {
         transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
@@ -131,6 +128,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
             // Where nobody reads, the work goes on.
             let _ = print(&format!("{header}{}", line(done)));
         }
+        ControlFlow::Continue(())
     };
     let start = Instant::now();
     end_well_when_interrupted();

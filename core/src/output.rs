@@ -11,7 +11,7 @@ pub enum CellStatus {
     Complete,
     /// The cell is empty, by proof, or its volume is below its own rounding bound.
     Empty,
-    /// The search was ended by `--epsilon` before completeness was proved; the cell may be too large.
+    /// The search was ended by `Request::epsilon` before completeness was proved; the cell may be too large.
     Uncertified,
 }
 

@@ -16,6 +16,7 @@ mod lbfgs;
 use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use std::ops::ControlFlow;
 
 use crate::vectors::{distance2, dot, inner};
 use lbfgs::Memory;
@@ -82,7 +83,7 @@ pub struct Relaxation {
     pub iterations: Vec<Iteration>,
     /// Whether the gradient is within the bound.
     pub converged: bool,
-    /// Whether the backend said that someone wants this to stop: what is here is then of the last iteration.
+    /// Whether someone wanted this to stop: what is here is then of the last iteration.
     pub interrupted: bool,
     /// The last evaluation: volumes, barycenters, second moments.
     pub output: Output,
@@ -95,8 +96,8 @@ pub struct Relaxation {
 /// Lloyd, which it falls back on, may where weights differ. Sites stay where they are while their cells are empty. A site may leave a domain that is not convex: it goes where
 /// the barycenter of its cell is. A diagram without a domain or box keeps the bounding box of its sites at the start.
 ///
-/// A backend that says [`ErrorKind::Interrupted`] ends it: the diagram is then that of the last iteration, and
-/// [`Relaxation::interrupted`] is true.
+/// `Break` from `on_iteration`, or a watched backend that says [`ErrorKind::Interrupted`], ends it: the diagram is then that of the last
+/// iteration, and [`Relaxation::interrupted`] is true.
 ///
 /// # Errors
 /// `Interrupted` where there is not even the diagram at the start; `Input` where the tolerance is no number from 0; else as [`Backend::evaluate`].
@@ -104,7 +105,7 @@ pub fn relax(
     backend: &dyn Backend,
     diagram: &mut PowerDiagram,
     options: &Options,
-    on_iteration: &mut dyn FnMut(&Iteration),
+    on_iteration: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation> {
     if options.tolerance.is_nan() || options.tolerance < 0.0 {
         return Err(Error::input(format!("gradient bound {}: a number from 0 is needed", options.tolerance)));
@@ -122,11 +123,11 @@ pub fn relax(
     let mut iterations = Vec::new();
     loop {
         let done = Iteration { energy: here.energy, gradient: here.residual(), evaluations: evaluated };
-        on_iteration(&done);
+        let interrupted = on_iteration(&done).is_break();
         iterations.push(done);
         let converged = done.gradient <= options.tolerance;
-        if converged || iterations.len() > options.most_iterations {
-            return Ok(Relaxation { iterations, converged, interrupted: false, output: here.output });
+        if converged || interrupted || iterations.len() > options.most_iterations {
+            return Ok(Relaxation { iterations, converged, interrupted, output: here.output });
         }
         let start = diagram.positions().to_vec();
         let mut next = || {
@@ -332,6 +333,8 @@ fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 mod tests {
     use laguerre_cpu::Cpu;
 
+    use std::ops::ControlFlow::Continue;
+
     use super::*;
 
     #[test]
@@ -348,7 +351,7 @@ mod tests {
                 (0..60).map(|i| [0.754_877, 0.569_840, 0.430_159].map(|s| unit * (f64::from(i) * s).fract())).collect();
             let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [unit; 3]).unwrap();
             let backend = Cpu::new(Some(1)).unwrap();
-            relax(&backend, &mut diagram, &Options::default().until(20, 1e-3), &mut |_| {}).unwrap();
+            relax(&backend, &mut diagram, &Options::default().until(20, 1e-3), &mut |_| Continue(())).unwrap();
             diagram.positions().iter().map(|p| p.map(|x| x / unit)).collect::<Vec<_>>()
         };
         let [small, large] = [-190, 190].map(|power| relaxed(2.0_f64.powi(power)));

@@ -16,6 +16,7 @@ mod sparse;
 mod start;
 mod system;
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use laguerre_core::summation::Sum;
@@ -30,6 +31,7 @@ use system::System;
 
 /// How to solve.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Options {
     /// What is transported.
     pub density: Density,
@@ -44,6 +46,26 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self { density: Density::Uniform, tolerance: 1e-9, most_iterations: 100, second_moments: true }
+    }
+}
+
+impl Options {
+    /// The same of another density.
+    #[must_use]
+    pub fn of(self, density: Density) -> Self {
+        Self { density, ..self }
+    }
+
+    /// The same with another number of steps and bound on the residual.
+    #[must_use]
+    pub fn until(self, most_iterations: usize, tolerance: f64) -> Self {
+        Self { most_iterations, tolerance, ..self }
+    }
+
+    /// The same without the second moments of the last evaluation, and so without the cost.
+    #[must_use]
+    pub fn without_cost(self) -> Self {
+        Self { second_moments: false, ..self }
     }
 }
 
@@ -105,7 +127,7 @@ pub struct Solution {
 ///
 /// The result does not depend on the number of threads.
 ///
-/// A backend that says [`ErrorKind::Interrupted`] ends it, with the weights of the last step.
+/// `Break` from `on_iteration`, or a watched backend that says [`ErrorKind::Interrupted`], ends it, with the weights of the last step.
 ///
 /// # Errors
 /// `Interrupted` where there are not even first weights; `Input` where the masses are not positive, or do not sum to the domain's (by more than the tolerance; by less they are scaled), where
@@ -116,7 +138,7 @@ pub fn solve(
     diagram: &mut PowerDiagram,
     masses: &[f64],
     options: &Options,
-    on_iteration: &mut dyn FnMut(&Iteration),
+    on_iteration: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Solution> {
     let begin = Instant::now();
     let mut problem = Problem::new(backend, diagram, masses, options)?;
@@ -125,10 +147,13 @@ pub fn solve(
     let mut iterations = Vec::new();
     let mut iteration = Iteration { residual: state.residual, ..problem.take_costs(begin) };
     let end = loop {
-        on_iteration(&iteration);
+        let goes_on = on_iteration(&iteration).is_continue();
         iterations.push(iteration);
         if state.residual <= options.tolerance {
             break End::Converged;
+        }
+        if !goes_on {
+            break End::Interrupted;
         }
         if iteration.number == options.most_iterations {
             break End::MostIterations;

@@ -6,6 +6,7 @@ use laguerre_core::{Backend, PowerDiagram, Request};
 use laguerre_cpu::Cpu;
 use laguerre_solvers::fluid::{Fluid, Scene, Settings, Start, VOLUME_TOLERANCE, lattice, settle};
 use laguerre_solvers::transport;
+use std::ops::ControlFlow::Continue;
 
 const SCENES_IN_BOXES: [Scene; 4] = [Scene::RayleighTaylor, Scene::DamBreak, Scene::TaylorGreen, Scene::Beltrami];
 
@@ -77,12 +78,12 @@ fn springs_are_the_gradient_of_the_cost() {
     let state = fluid.state();
     let volume = 1.0 / 64.0;
     for (i, k) in [(0, 0), (21, 1), (42, 2), (63, 0)] {
-        let options = transport::Options { tolerance: 1e-12, ..transport::Options::default() };
+        let options = transport::Options::default().until(100, 1e-12);
         let cost = |by: f64| {
             let mut positions = state.positions.clone();
             positions[i][k] += by;
             let mut diagram = PowerDiagram::new(&positions, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-            transport::solve(&cpu(), &mut diagram, &[], &options, &mut |_| {}).unwrap().cost.unwrap()
+            transport::solve(&cpu(), &mut diagram, &[], &options, &mut |_| Continue(())).unwrap().cost.unwrap()
         };
         let step = 1e-4;
         let measured = (cost(step) - cost(-step)) / (2.0 * step);

@@ -1,6 +1,6 @@
 //! The law of interrupts: whenever one comes, what is left is the diagram of the last iteration, whole.
 
-use std::ops::ControlFlow;
+use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use laguerre_core::{Backend, BackendInfo, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
@@ -64,37 +64,49 @@ fn check(diagram: &PowerDiagram, output: &Output) {
 fn a_relaxation_keeps_its_last_iteration() {
     for method in [Method::Lbfgs, Method::Lloyd] {
         let options = lloyd::Options::default().by(method).until(6, 0.0);
-        let whole = relax(&Interrupted::after(usize::MAX), &mut crowded(), &options, &mut |_| {}).unwrap();
+        let whole = relax(&Interrupted::after(usize::MAX), &mut crowded(), &options, &mut |_| Continue(())).unwrap();
         assert!(!whole.interrupted);
         let diagrams = whole.iterations.last().unwrap().evaluations;
         let mut diagram = crowded();
-        let error = relax(&Interrupted::after(0), &mut diagram, &options, &mut |_| {}).unwrap_err();
+        let error = relax(&Interrupted::after(0), &mut diagram, &options, &mut |_| Continue(())).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Interrupted);
         for count in 1..diagrams {
             let mut diagram = crowded();
-            let relaxed = relax(&Interrupted::after(count), &mut diagram, &options, &mut |_| {}).unwrap();
+            let relaxed = relax(&Interrupted::after(count), &mut diagram, &options, &mut |_| Continue(())).unwrap();
             assert!(relaxed.interrupted && !relaxed.converged);
             let done = relaxed.iterations.len();
             assert_eq!(relaxed.iterations, whole.iterations[..done]);
             assert!(whole.iterations[done].evaluations > count, "the last that was finished");
             check(&diagram, &relaxed.output);
         }
+        let mut diagram = crowded();
+        let mut told = 0;
+        let stopped = relax(&Interrupted::after(usize::MAX), &mut diagram, &options, &mut |_| {
+            told += 1;
+            if told == 3 { Break(()) } else { Continue(()) }
+        });
+        let stopped = stopped.unwrap();
+        assert!(stopped.interrupted && stopped.iterations == whole.iterations[..3]);
+        check(&diagram, &stopped.output);
     }
 }
 
 #[test]
 fn a_transport_keeps_its_last_step() {
     for density in [Density::Uniform, Density::Linear { value: 1.0, gradient: [0.0, 0.0, 2.0] }] {
-        let options = transport::Options { density, ..transport::Options::default() };
-        let whole = solve(&Interrupted::after(usize::MAX), &mut crowded(), &[], &options, &mut |_| {}).unwrap();
+        let options = transport::Options::default().of(density);
+        let whole =
+            solve(&Interrupted::after(usize::MAX), &mut crowded(), &[], &options, &mut |_| Continue(())).unwrap();
         assert_eq!(whole.end, End::Converged);
         let of = |steps: &[transport::Iteration]| steps.iter().map(|step| step.diagram_evaluations).sum::<usize>();
         let first = of(&whole.iterations[..1]);
         for count in 0..of(&whole.iterations) {
             let mut diagram = crowded();
             let mut told = Vec::new();
-            let found =
-                solve(&Interrupted::after(count), &mut diagram, &[], &options, &mut |step| told.push(step.residual));
+            let found = solve(&Interrupted::after(count), &mut diagram, &[], &options, &mut |step| {
+                told.push(step.residual);
+                Continue(())
+            });
             if count < first {
                 assert_eq!(found.unwrap_err().kind(), ErrorKind::Interrupted);
                 assert!(told.is_empty());

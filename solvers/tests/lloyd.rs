@@ -4,6 +4,7 @@ use laguerre_core::shapes::{cuboid, double_torus};
 use laguerre_core::{Backend, CellStatus, Domain, PowerDiagram};
 use laguerre_cpu::Cpu;
 use laguerre_solvers::lloyd::{Method, Options, energy, energy_request, equalize, gradient, relative_deviation, relax};
+use std::ops::ControlFlow::Continue;
 
 /// Numbers in [0, 1) that are spread evenly and look random: multiples of irrational numbers.
 fn spread(count: usize) -> Vec<[f64; 3]> {
@@ -58,7 +59,11 @@ fn no_step_raises_the_energy() {
         let mut diagram = start.clone();
         let mut told = Vec::new();
         let options = Options::default().by(method).until(40, 0.0);
-        let relaxed = relax(&cpu(), &mut diagram, &options, &mut |i| told.push(*i)).unwrap();
+        let relaxed = relax(&cpu(), &mut diagram, &options, &mut |i| {
+            told.push(*i);
+            Continue(())
+        })
+        .unwrap();
         assert_eq!(told, relaxed.iterations);
         let energies: Vec<f64> = told.iter().map(|i| i.energy).collect();
         assert!(energies.windows(2).all(|e| e[1] <= e[0] * (1.0 + 1e-14)), "{method:?}: {energies:?}");
@@ -74,7 +79,7 @@ fn quasi_newton_needs_a_quarter_of_the_diagrams() {
     let start = cube(&spread(1000), &[]);
     let run = |method, iterations| {
         let options = Options::default().by(method).until(iterations, 0.0);
-        relax(&cpu(), &mut start.clone(), &options, &mut |_| {}).unwrap().iterations
+        relax(&cpu(), &mut start.clone(), &options, &mut |_| Continue(())).unwrap().iterations
     };
     let lloyd = run(Method::Lloyd, 100);
     let goal = lloyd.last().unwrap();
@@ -92,7 +97,7 @@ fn a_known_optimum_is_found() {
         .collect();
     let mut diagram = cube(&near, &[]);
     let options = Options::default().until(100, 1e-12);
-    let relaxed = relax(&cpu(), &mut diagram, &options, &mut |_| {}).unwrap();
+    let relaxed = relax(&cpu(), &mut diagram, &options, &mut |_| Continue(())).unwrap();
     assert!(relaxed.converged, "{:?}", relaxed.iterations.last());
     assert!((relaxed.iterations.last().unwrap().energy - 1.0 / 16.0).abs() < 1e-15);
     for (i, p) in diagram.positions().iter().enumerate() {
@@ -106,7 +111,7 @@ fn unit_and_place_change_nothing() {
         let sites: Vec<[f64; 3]> = spread(200).iter().map(|p| p.map(|x| scale * x + shift)).collect();
         let mut diagram = PowerDiagram::new(&sites, &[]).unwrap();
         diagram = diagram.in_box([shift; 3], [scale + shift; 3]).unwrap();
-        relax(&cpu(), &mut diagram, &Options::default().until(10, 0.0), &mut |_| {}).unwrap().iterations
+        relax(&cpu(), &mut diagram, &Options::default().until(10, 0.0), &mut |_| Continue(())).unwrap().iterations
     };
     let (one, other) = (run(1.0, 0.0), run(1e-6, 3e-6));
     for (a, b) in one.iter().zip(&other) {
@@ -122,7 +127,7 @@ fn empty_cells_stay_and_harm_nobody() {
     // Hidden by the heavier ones, whose cells are smaller than this.
     let weights: Vec<f64> = (0..110).map(|i| if i < 100 { 0.2 } else { 0.0 }).collect();
     let mut diagram = cube(&sites, &weights);
-    let relaxed = relax(&cpu(), &mut diagram, &Options::default().until(20, 0.0), &mut |_| {}).unwrap();
+    let relaxed = relax(&cpu(), &mut diagram, &Options::default().until(20, 0.0), &mut |_| Continue(())).unwrap();
     let empty = |i: &usize| relaxed.output.status()[*i] == CellStatus::Empty;
     assert!((0..100).all(|i| !empty(&i)), "no step empties a cell");
     assert!((100..110).any(|i| empty(&i)) && (100..110).filter(empty).all(|i| diagram.positions()[i] == sites[i]));
@@ -135,7 +140,7 @@ fn the_same_bits_for_any_number_of_threads() {
         let mut diagram = cube(&spread(5000), &[]);
         let options = Options::default().until(6, 0.0);
         let backend = Cpu::new(Some(threads)).unwrap();
-        let relaxed = relax(&backend, &mut diagram, &options, &mut |_| {}).unwrap();
+        let relaxed = relax(&backend, &mut diagram, &options, &mut |_| Continue(())).unwrap();
         (diagram.positions().to_vec(), relaxed.iterations)
     };
     let first = run(1);
@@ -157,12 +162,13 @@ fn volumes_are_equalized_and_refused_places_not_entered() {
 fn wrong_bounds_are_refused() {
     let mut diagram = cube(&spread(10), &[]);
     for bound in [-1.0, f64::NAN] {
-        let error = relax(&cpu(), &mut diagram, &Options::default().until(1, bound), &mut |_| {}).unwrap_err();
+        let error =
+            relax(&cpu(), &mut diagram, &Options::default().until(1, bound), &mut |_| Continue(())).unwrap_err();
         assert!(error.to_string().contains("a number from 0"), "{error}");
     }
     // Nothing to be done at the optimum.
     let mut middle = PowerDiagram::new(&[[0.5; 3]], &[]).unwrap().restricted_to(&box_domain());
-    let relaxed = relax(&cpu(), &mut middle, &Options::default(), &mut |_| {}).unwrap();
+    let relaxed = relax(&cpu(), &mut middle, &Options::default(), &mut |_| Continue(())).unwrap();
     assert!(relaxed.converged && relaxed.iterations.len() == 1);
 }
 

@@ -5,6 +5,7 @@ use laguerre_core::{Backend, Domain, PowerDiagram, Request};
 use laguerre_cpu::Cpu;
 use laguerre_solvers::density::Density;
 use laguerre_solvers::transport::{End, Iteration, Options, Solution, solve, targets};
+use std::ops::ControlFlow::Continue;
 
 /// Not in the package of this crate (`fixtures/meshes/README.md`).
 const BUNNY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/meshes/bunny.obj");
@@ -25,7 +26,11 @@ fn cpu() -> Cpu {
 
 fn solved(diagram: &mut PowerDiagram, masses: &[f64], options: &Options) -> Solution {
     let mut seen: Vec<Iteration> = Vec::new();
-    let solution = solve(&cpu(), diagram, masses, options, &mut |done| seen.push(*done)).unwrap();
+    let solution = solve(&cpu(), diagram, masses, options, &mut |done| {
+        seen.push(*done);
+        Continue(())
+    })
+    .unwrap();
     assert_eq!(seen, solution.iterations);
     assert_eq!(solution.end, End::Converged, "{:?}", solution.iterations);
     assert_eq!(diagram.weights(), solution.weights);
@@ -55,7 +60,7 @@ fn weights_of_a_known_diagram_are_recovered() {
     let masses = cpu().evaluate(&diagram, &Request::moments()).unwrap().into_arrays().volume;
     assert!(masses.iter().all(|&m| m > 0.0));
     diagram.set_sites(&sites, &[]).unwrap();
-    let options = Options { tolerance: 1e-11, ..Options::default() };
+    let options = Options::default().until(100, 1e-11);
     let solution = solved(&mut diagram, &masses, &options);
     let mean = known.iter().sum::<f64>() / n as f64;
     known.iter_mut().for_each(|w| *w -= mean);
@@ -145,7 +150,7 @@ fn parts_that_do_not_touch_exchange_mass() {
 #[test]
 fn linear_densities_are_exact() {
     let density = Density::Linear { value: 1.0, gradient: [0.5, -0.25, 2.0] };
-    let options = Options { density, ..Options::default() };
+    let options = Options::default().of(density);
     let (lo, hi) = ([0.0; 3], [1.0, 2.0, 1.0]);
     let sites = white(500, lo, hi, 11);
     let total = 2.0 * (1.0 + 0.25 - 0.25 + 1.0);
@@ -174,7 +179,7 @@ fn linear_densities_are_exact() {
     let nearly = Density::Linear { value: 1.0, gradient: [1e-14, 0.0, 0.0] };
     let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box(lo, hi).unwrap();
     let uniform = solved(&mut diagram, &[], &Options::default()).cost.unwrap();
-    let linear = solved(&mut diagram, &[], &Options { density: nearly, ..Options::default() }).cost.unwrap();
+    let linear = solved(&mut diagram, &[], &Options::default().of(nearly)).cost.unwrap();
     assert!((linear / uniform - 1.0).abs() < 1e-10, "{linear} {uniform}");
 }
 
@@ -185,7 +190,7 @@ fn the_result_is_the_same_to_the_last_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
         let backend = Cpu::new(Some(threads)).unwrap();
-        pool.install(|| solve(&backend, &mut diagram, &[], &Options::default(), &mut |_| {})).unwrap().weights
+        pool.install(|| solve(&backend, &mut diagram, &[], &Options::default(), &mut |_| Continue(()))).unwrap().weights
     };
     let one = run(1);
     assert!(one == run(1));
@@ -215,7 +220,7 @@ fn what_cannot_be_is_said() {
     let sites = white(10, [0.0; 3], [1.0; 3], 17);
     let said = |sites: &[[f64; 3]], masses: &[f64], options: &Options| {
         let mut diagram = PowerDiagram::new(sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-        solve(&cpu(), &mut diagram, masses, options, &mut |_| {}).unwrap_err().to_string()
+        solve(&cpu(), &mut diagram, masses, options, &mut |_| Continue(())).unwrap_err().to_string()
     };
     let plain = Options::default();
     assert_eq!(said(&sites, &[0.1; 9], &plain), "9 masses for 10 sites: give one for each");
@@ -234,9 +239,7 @@ fn what_cannot_be_is_said() {
     twice[8] = twice[2];
     assert!(said(&twice, &[], &plain).starts_with("sites 2 and 8 are at the same place ["));
     let density = Density::Linear { value: 0.5, gradient: [0.0, -0.5, 0.0] };
-    assert!(
-        said(&sites, &[], &Options { density, ..plain.clone() }).starts_with("the density is 0 at [0.0, 1.0, 0.0]: ")
-    );
+    assert!(said(&sites, &[], &plain.clone().of(density)).starts_with("the density is 0 at [0.0, 1.0, 0.0]: "));
     // What is off by less than the tolerance is scaled.
     let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let aimed = targets(&diagram, &[0.1 * (1.0 + 1e-10); 10], &plain).unwrap();
@@ -247,13 +250,14 @@ fn what_cannot_be_is_said() {
 fn without_enough_steps_the_best_is_returned() {
     let sites = white(300, [0.0; 3], [1.0; 3], 19);
     let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-    let run =
-        |diagram: &mut PowerDiagram, options: &Options| solve(&cpu(), diagram, &[], options, &mut |_| {}).unwrap();
-    let short = run(&mut diagram, &Options { most_iterations: 2, ..Options::default() });
+    let run = |diagram: &mut PowerDiagram, options: &Options| {
+        solve(&cpu(), diagram, &[], options, &mut |_| Continue(())).unwrap()
+    };
+    let short = run(&mut diagram, &Options::default().until(2, 1e-9));
     assert_eq!((short.end, short.iterations.len()), (End::MostIterations, 3));
     assert!(short.residual > 1e-9 && short.output.facets().is_some());
     // No rounding is as small as that.
-    let deep = run(&mut diagram, &Options { tolerance: 1e-17, ..Options::default() });
+    let deep = run(&mut diagram, &Options::default().until(100, 1e-17));
     assert_eq!(deep.end, End::Stalled);
     assert!(deep.residual < 1e-11, "{:e}", deep.residual);
     assert!(deep.output.facets().is_some() && deep.cost.is_some());

@@ -2,6 +2,7 @@
 
 use laguerre::solvers::transport::{End, Options, solve};
 use laguerre::{Backend, Domain, Error, Request, Result};
+use std::ops::ControlFlow::Continue;
 
 use super::diagram;
 use crate::evaluate::evaluate;
@@ -24,8 +25,8 @@ pub(super) fn inside(backend: &dyn Backend, sites: &[[f64; 3]], domain: &Domain)
     let kept = sites.iter().zip(all.volume()).filter(|&(_, &volume)| volume > 0.0);
     let (sites, volumes): (Vec<[f64; 3]>, Vec<f64>) = kept.map(|(&site, &volume)| (site, volume)).unzip();
     let mut diagram = diagram(&sites, &[], Some(domain))?;
-    let options = Options { second_moments: false, ..Options::default() };
-    let solution = solve(&WithBar(backend), &mut diagram, &[], &options, &mut |_| {})?;
+    let options = Options::default().without_cost();
+    let solution = solve(&WithBar(backend), &mut diagram, &[], &options, &mut |_| Continue(()))?;
     if solution.end != End::Converged {
         return Err(Error::input(format!("no weights for equal volumes: the residual stays at {}", solution.residual)));
     }

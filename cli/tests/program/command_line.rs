@@ -159,7 +159,10 @@ fn single_precision_is_opencl_and_says_so() {
     assert!(report["relative_error"].as_f64().unwrap() < 1e-6, "{report}");
     let (output, args) = run(&["-o", "a.csv", "--facets", "f.csv"]);
     let line = failed(&output, 2, &[args.as_str()]);
-    assert!(line.contains("--precision f32 gives volumes and barycenters only"), "{line}");
+    assert!(
+        line.contains("in f32 there are volumes, barycenters and geometry only") && line.ends_with("(--precision f64)"),
+        "{line}"
+    );
     assert!(!folder.path().join("a.csv").exists() && !folder.path().join("f.csv").exists());
 }
 

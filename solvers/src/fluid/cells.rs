@@ -2,6 +2,7 @@
 
 use laguerre_core::diagram::Container;
 use laguerre_core::{Backend, Error, ErrorKind, Facets, Output, OutputArrays, PowerDiagram, Request, Result};
+use std::ops::ControlFlow::Continue;
 
 use super::StepReport;
 use crate::density::Density;
@@ -102,7 +103,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
 
 /// Weights for equal volumes; half of the way there is of no use here.
 fn solved(backend: &dyn Backend, diagram: &mut PowerDiagram, options: &transport::Options) -> Result<Solution> {
-    let solved = transport::solve(backend, diagram, &[], options, &mut |_| {})?;
+    let solved = transport::solve(backend, diagram, &[], options, &mut |_| Continue(()))?;
     match solved.end {
         End::Interrupted => Err(Error::new(ErrorKind::Interrupted, "interrupted before all volumes are equal")),
         _ => Ok(solved),

@@ -3,6 +3,7 @@
 
 mod codegen;
 mod count;
+mod features;
 mod fixtures;
 mod lanes;
 mod paper;
@@ -22,7 +23,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
                    --write makes that anew
   check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; every crate packs;
-                   generated text as it should be
+                   generated text as it should be; then `features`
+  features         the library brings few crates, and compiles with each feature alone; its tests, documentation and examples with the default ones
   codegen          the OpenCL C of core/src/cell/ and of backend-ocl/src/interface/; with --check only says whether it is up to date
   fixtures         makes the CGAL fixtures anew (needs g++ and libcgal-dev) and fails if any changed; with --worst holds the
                    backends to those that are there and prints the largest errors
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         ["count"] => count::run(false),
         ["count", "--write"] => count::run(true),
         ["check"] => check(),
+        ["features"] => features::run(),
         ["fixtures"] => fixtures::run(),
         ["fixtures", "--worst"] => fixtures::worst(),
         ["paper", ref arguments @ ..] => paper::run(arguments),
@@ -96,5 +99,6 @@ fn check() -> Result<(), String> {
     // Versions and files are there; without building what was packed, which takes five minutes (`cargo package --workspace` does).
     let package = ["package", "--locked", "--offline", "--workspace", "--no-verify", "--allow-dirty", "--quiet"];
     cargo(&package, &[])?;
-    codegen::run(true)
+    codegen::run(true)?;
+    features::run()
 }

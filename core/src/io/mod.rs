@@ -9,6 +9,7 @@ mod atoms;
 mod geometry;
 mod lines;
 mod mesh;
+#[cfg_attr(not(feature = "npy"), path = "npy_absent.rs")]
 mod npy;
 mod obj;
 mod off;
@@ -49,12 +50,18 @@ pub const GEOMETRY_ENDINGS: &[&str] = &[".vtu", ".vtp", ".ply"];
 /// Endings that [`write_facets`] knows.
 pub const FACETS_ENDINGS: &[&str] = &[".csv", ".npy"];
 
+/// What is said of NumPy's files where nothing reads or writes them.
+const NPY_IS_OFF: &str = "NumPy's files are not part of this build: build with the feature `npy`";
+
 /// The ending of `path`, with its dot, in lower case, if it is one of `known`.
 ///
 /// # Errors
-/// `Input`, listing what is known.
+/// `Input`, listing what is known; or saying that `.npy` takes the feature `npy`.
 pub fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
     let found = path.extension().map(|e| format!(".{}", e.to_string_lossy().to_lowercase())).unwrap_or_default();
+    if cfg!(not(feature = "npy")) && found == ".npy" && known.contains(&".npy") {
+        return Err(Error::input(format!("{}: {NPY_IS_OFF}", path.display())));
+    }
     known.iter().copied().find(|&k| k == found).ok_or_else(|| {
         let found = if found.is_empty() { "no ending".into() } else { format!("unknown ending '{found}'") };
         Error::input(format!("{}: {found}; known here: {}", path.display(), known.join(", ")))
@@ -122,6 +129,12 @@ fn io_error(path: &Path, what: &str, error: std::io::Error) -> Error {
     Error::new(ErrorKind::Io, format!("cannot {what}: {error}")).because(error).in_file(path)
 }
 
+/// Those of some files' names that this build knows.
+#[cfg(test)]
+fn known<'a>(names: &[&'a str]) -> Vec<&'a str> {
+    names.iter().copied().filter(|name| cfg!(feature = "npy") || !name.ends_with(".npy")).collect()
+}
+
 /// A folder of its own for one test, emptied at the start.
 #[cfg(test)]
 fn scratch(name: &str) -> PathBuf {
@@ -165,9 +178,11 @@ mod tests {
     #[test]
     fn damaged_files_are_no_more_than_wrong() {
         let folder = scratch("damaged");
-        write_sites(folder.join("s.npy"), &[[0.5, 1.0, 2.0]; 2], &[0.25, 0.5]).unwrap();
-        write_sites(folder.join("s.ply"), &[[0.5, 1.0, 2.0]; 2], &[0.25, 0.5]).unwrap();
-        let [npy, sites_ply] = ["s.npy", "s.ply"].map(|name| std::fs::read(folder.join(name)).unwrap());
+        let written = known(&["s.ply", "s.npy"]).into_iter().map(|name| {
+            write_sites(folder.join(name), &[[0.5, 1.0, 2.0]; 2], &[0.25, 0.5]).unwrap();
+            (name, std::fs::read(folder.join(name)).unwrap())
+        });
+        let written: Vec<(&str, Vec<u8>)> = written.collect();
         let mut stl = vec![b'x'; 84 + 2 * 50];
         stl[80..84].copy_from_slice(&[2, 0, 0, 0]);
         let ply =
@@ -180,13 +195,11 @@ mod tests {
         let text_stl = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
         let dump = b"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 2\n0 3\n\
             ITEM: ATOMS id xs ys zs\n7 0.5 0.25 1\n";
-        let files: [(&str, &[u8]); 12] = [
+        let files: [(&str, &[u8]); 10] = [
             ("s.dump", dump),
             ("s.xyz", b"2\nwater\nFe 1 2 3\nO 4 5 6\n"),
             ("s.xyz", b"1\nProperties=id:I:1:pos:R:3 a=1\n7 1 2 3\n"),
             ("s.xyz", b"# c\n2\nx y z w\n1 2 3 4\n-5e-1,6,7,8\n"),
-            ("s.npy", &npy),
-            ("s.ply", &sites_ply),
             ("m.ply", ply),
             ("m.ply", text_ply),
             ("m.stl", &stl),
@@ -194,7 +207,7 @@ mod tests {
             ("m.obj", b"v 0 0 0\nv 1 0 0 2\nv 0 1 0\ng a\nf 1/1 2//3 \\\n-1\nf 1 2 3 1\n"),
             ("m.off", b"COFF\n3 2 0\n0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2\n4 0 1 2 1 255\n"),
         ];
-        for (name, file) in files {
+        for (name, file) in files.into_iter().chain(written.iter().map(|(name, file)| (*name, &file[..]))) {
             let read = |bytes: &[u8]| {
                 let error = match name.starts_with('s') {
                     true => parse_sites(bytes, name).err(),

@@ -92,15 +92,9 @@ impl<R: BufRead> Array<R> {
     }
 }
 
-/// Writes `rows` × `columns` numbers, given row by row, as little-endian `f64` in C order.
-pub(super) fn write_rows(
-    writer: &mut dyn Write,
-    rows: usize,
-    columns: usize,
-    numbers: impl Iterator<Item = f64>,
-) -> io::Result<()> {
-    let shape = [rows as u64, columns as u64];
-    let mut npy = npyz::WriteOptions::<f64>::new().default_dtype().shape(&shape).writer(writer).begin_nd()?;
+/// Writes an array of the given shape, its numbers in C order, as little-endian `f64`.
+pub(super) fn write(writer: &mut dyn Write, shape: &[u64], numbers: impl Iterator<Item = f64>) -> io::Result<()> {
+    let mut npy = npyz::WriteOptions::<f64>::new().default_dtype().shape(shape).writer(writer).begin_nd()?;
     npy.extend(numbers)?;
     npy.finish()
 }

@@ -26,7 +26,7 @@ pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Outp
     match format {
         ".npy" => {
             let rows = output.volume().iter().zip(output.barycenter()).flat_map(|(&v, &[x, y, z])| [v, x, y, z]);
-            atomic::write_whole(path, |w| npy::write_rows(w, output.volume().len(), 4, rows))
+            atomic::write_whole(path, |w| npy::write(w, &[output.volume().len() as u64, 4], rows))
         }
         _ => atomic::write_whole(path, |w| cells_csv(w, output)),
     }
@@ -53,7 +53,7 @@ pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Out
     }
     let rows = || facet_rows(output);
     atomic::write_whole(path, |w| match format {
-        ".npy" => npy::write_rows(w, rows().count(), 7, rows().flat_map(FacetValues::numbers)),
+        ".npy" => npy::write(w, &[rows().count() as u64, 7], rows().flat_map(FacetValues::numbers)),
         _ => facets_csv(w, rows()),
     })
 }
@@ -191,8 +191,13 @@ mod tests {
         let output = Output::new(OutputArrays { facets: None, ..output.into_arrays() }).unwrap();
         write_cells(&csv, &diagram, &output).unwrap();
         assert!(std::fs::read_to_string(&csv).unwrap().contains("\n2,0.0,NaN,NaN,NaN,NaN,1\n"));
+    }
 
-        let path = folder.join("cells.npy");
+    #[cfg(feature = "npy")]
+    #[test]
+    fn cells_are_an_array() {
+        let (diagram, output) = three();
+        let path = scratch("cells-array").join("cells.npy");
         write_cells(&path, &diagram, &output).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
@@ -212,7 +217,16 @@ mod tests {
             "site,neighbor,area,x,y,z,distance\n0,-1,3.0,0.125,0.5,0.5,NaN\n0,1,0.7,0.5,0.5,0.5,0.5\n\
              1,0,0.7,0.5,0.5,0.5,0.5\n"
         );
-        let array = path.with_extension("npy");
+        let output = Output::new(OutputArrays { facets: None, ..output.into_arrays() }).unwrap();
+        assert_eq!(facet_rows(&output).count(), 0);
+        assert!(write_facets(&path, &diagram, &output).unwrap_err().to_string().contains("has no facets"));
+    }
+
+    #[cfg(feature = "npy")]
+    #[test]
+    fn facets_are_an_array() {
+        let (diagram, output) = three();
+        let array = scratch("facets-array").join("facets.npy");
         write_facets(&array, &diagram, &output).unwrap();
         let npy = npyz::NpyFile::new(std::io::BufReader::new(std::fs::File::open(array).unwrap())).unwrap();
         assert_eq!(npy.shape(), [3, 7]);
@@ -220,9 +234,6 @@ mod tests {
         assert_eq!(numbers[..6], [0.0, -1.0, 3.0, 0.125, 0.5, 0.5]);
         assert!(numbers[6].is_nan());
         assert_eq!(numbers[7..14], [0.0, 1.0, 0.7, 0.5, 0.5, 0.5, 0.5]);
-        let output = Output::new(OutputArrays { facets: None, ..output.into_arrays() }).unwrap();
-        assert_eq!(facet_rows(&output).count(), 0);
-        assert!(write_facets(&path, &diagram, &output).unwrap_err().to_string().contains("has no facets"));
     }
 
     #[test]

@@ -66,7 +66,10 @@ pub fn write_sites(path: impl AsRef<Path>, positions: &[[f64; 3]], weights: &[f6
     let columns = if weights.is_empty() { 3 } else { 4 };
     let mut rows = rows.map(|(row, weight)| weight.map_or(row, |&w| [row[0], row[1], row[2], w]));
     atomic::write_whole(path, |w| match format {
-        ".npy" => npy::write_rows(w, positions.len(), columns, rows.flat_map(|row| row.into_iter().take(columns))),
+        ".npy" => {
+            let shape = [positions.len() as u64, columns as u64];
+            npy::write(w, &shape, rows.flat_map(|row| row.into_iter().take(columns)))
+        }
         ".ply" => ply::write_vertices(w, positions.len(), &["x", "y", "z", "w"][..columns], rows),
         ".csv" => {
             writeln!(w, "{}", ["x", "y", "z", "weight"][..columns].join(","))?;
@@ -234,7 +237,7 @@ fn parse_names<'a>(names: impl Iterator<Item = &'a str>) -> Row {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scratch;
+    use super::super::{known, scratch};
     use super::*;
     use crate::ErrorKind;
 
@@ -300,7 +303,7 @@ mod tests {
         let folder = scratch("sites-round");
         let positions =
             [[0.1, 1.0 / 3.0, -1e-300], [f64::MAX, f64::MIN_POSITIVE, 5e-324], [-0.0, 123_456_789.123_456_79, 2.5e17]];
-        for name in ["s.xyz", "s.txt", "s.csv", "s.npy", "s.ply"] {
+        for name in known(&["s.xyz", "s.txt", "s.csv", "s.npy", "s.ply"]) {
             for weights in [&[][..], &[0.7, -1e-9, 1e22][..]] {
                 let path = folder.join(name);
                 write_sites(&path, &positions, weights).unwrap();

@@ -1,9 +1,8 @@
 //! A picture of a diagram: a slice through the domain, each cell in a colour of its own.
 
-use std::num::NonZero;
 use std::path::Path;
 
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use kd_tree::KdMap;
 use laguerre::{Domain, Error, Facets, Output, PowerDiagram, Result, io};
 use rayon::prelude::*;
 use tiny_skia::{Color, FillRule, LineJoin, Mask, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Stroke, Transform};
@@ -11,7 +10,7 @@ use tiny_skia::{Color, FillRule, LineJoin, Mask, Paint, PathBuilder, Pixmap, Pre
 use crate::slice::{SlicePlane, dot};
 
 /// Sites that are compared at a pixel: those on whose borders it may lie, and some to spare.
-const NEAREST: NonZero<usize> = NonZero::new(8).unwrap();
+const NEAREST: usize = 8;
 /// Half the width of a cell's border, in pixels, and how dark it is at its middle.
 const BORDER: f64 = 0.9;
 const BORDER_DARKNESS: f64 = 0.62;
@@ -108,7 +107,7 @@ impl View {
         let mut picture = Pixmap::new(self.width, self.height)?;
         picture.fill(Color::WHITE);
 
-        let cells = Cells::new(diagram, colors)?;
+        let cells = Cells::new(diagram, colors);
         let width = self.width as usize;
         let rows = picture.pixels_mut().par_chunks_mut(width).zip(mask.data().par_chunks(width)).enumerate();
         rows.for_each(|(y, (pixels, mask))| {
@@ -150,20 +149,19 @@ struct Cells<'a> {
     diagram: &'a PowerDiagram,
     /// Sites lifted to the height `√(W − w)`, `W` the largest weight: squared distances to points at height 0 are then power
     /// distances plus `W`.
-    tree: ImmutableKdTree<f64, 4>,
+    tree: KdMap<[f64; 4], u32>,
     /// The colour of each site's cell.
     colors: &'a [[u8; 3]],
 }
 
 impl<'a> Cells<'a> {
-    fn new(diagram: &'a PowerDiagram, colors: &'a [[u8; 3]]) -> Option<Self> {
+    fn new(diagram: &'a PowerDiagram, colors: &'a [[u8; 3]]) -> Self {
         let weights = diagram.weights();
         let largest = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let lift = |i: usize| weights.get(i).map_or(0.0, |w| (largest - w).sqrt());
         let sites = diagram.positions().iter().enumerate();
-        let lifted: Vec<[f64; 4]> = sites.map(|(i, &[x, y, z])| [x, y, z, lift(i)]).collect();
-        let tree = ImmutableKdTree::new_from_slice(&lifted).ok()?;
-        Some(Self { diagram, tree, colors })
+        let lifted = sites.map(|(i, &[x, y, z])| ([x, y, z, lift(i)], i as u32)).collect();
+        Self { diagram, tree: KdMap::build_by_ordered_float(lifted), colors }
     }
 
     /// The colour at a pixel: its cell's, darker within a border's half-width of the nearest border in the plane. The distance to
@@ -171,22 +169,21 @@ impl<'a> Cells<'a> {
     fn color(&self, view: &View, [x, y]: [f64; 2]) -> [u8; 3] {
         let [a, b] = [view.corner[0] + x / view.scale, view.corner[1] - y / view.scale];
         let [px, py, pz] = view.plane.point([a, b]);
-        let found = self.tree.query(&[px, py, pz, 0.0]).nearest_n::<SquaredEuclidean<f64>>(NEAREST).execute();
+        let found = self.tree.nearests(&[px, py, pz, 0.0], NEAREST);
         let Some(owner) = found.first() else { return [255; 3] };
-        let site = |item: u32| self.diagram.positions()[item as usize];
-        let p = site(owner.item);
+        let (p, at) = (self.diagram.positions()[owner.item.1 as usize], owner.squared_distance);
         let border = found[1..]
             .iter()
             .map(|other| {
-                let q = site(other.item);
+                let q = self.diagram.positions()[other.item.1 as usize];
                 let apart: [f64; 3] = std::array::from_fn(|k| q[k] - p[k]);
                 // The power distances differ by this much a unit of length in the plane, twice.
                 let slope = dot(apart, view.plane.u).hypot(dot(apart, view.plane.v));
-                (other.distance - owner.distance) / (2.0 * slope)
+                (other.squared_distance - at) / (2.0 * slope)
             })
             .fold(f64::INFINITY, f64::min);
         let line = (BORDER + 0.5 - border * view.scale).clamp(0.0, 1.0);
-        mixed(self.colors[owner.item as usize], INK, BORDER_DARKNESS * line)
+        mixed(self.colors[owner.item.1 as usize], INK, BORDER_DARKNESS * line)
     }
 }
 

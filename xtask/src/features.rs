@@ -1,18 +1,16 @@
 //! What the library is without its features, and with each alone: how many crates it brings, that it compiles, and what its default ones test.
 
 use std::collections::BTreeSet;
-use std::process::Command;
 
-use crate::run::{cargo, root, succeed};
+use crate::run::{cargo, command, succeed};
 
 /// Crates that the library with its solvers may bring besides its own. (It brings 31; it brought 55 with npyz and `ahash` in its tree.)
 const MOST_CRATES: usize = 35;
 
 /// Counts the crates that a user of the library compiles into a program, and compiles it with every choice of one feature.
 pub(crate) fn run() -> Result<(), String> {
-    let mut tree = Command::new("cargo");
-    tree.args(["tree", "--locked", "-p", "laguerre", "--features", "solvers", "-e", "normal", "--prefix", "none"]);
-    let crates = others(&succeed(tree.current_dir(root()))?);
+    let tree = ["tree", "--locked", "-p", "laguerre", "--features", "solvers", "-e", "normal", "--prefix", "none"];
+    let crates = others(&succeed(&mut command(&tree, &[]))?);
     if crates.len() > MOST_CRATES {
         let all: Vec<&str> = crates.iter().map(String::as_str).collect();
         return Err(format!(

@@ -56,7 +56,8 @@ pub(crate) fn cargo_test(arguments: &[&str], variables: &[(&str, &str)]) -> Resu
     Ok((counts, status.success()))
 }
 
-fn command(arguments: &[&str], variables: &[(&str, &str)]) -> Command {
+/// Cargo in the root of the workspace.
+pub(crate) fn command(arguments: &[&str], variables: &[(&str, &str)]) -> Command {
     // Cargo says which cargo started this program.
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).envs(variables.iter().copied());

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod polynomial;
 mod values;
 
 use std::path::PathBuf;
@@ -7,9 +8,11 @@ use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
-use laguerre::DeviceChoice;
+use laguerre::{DeviceChoice, Integrand};
 
+use crate::derivatives::{self, Asked};
 use crate::uneven::{self, Uneven};
+use polynomial::parse_polynomial;
 pub(crate) use values::parse_count;
 use values::{MOST_SITES, parse_box, parse_devices, parse_epsilon, parse_percent, parse_threads};
 
@@ -47,6 +50,8 @@ pub(crate) enum Command {
     Tune(TuneArgs),
     Bench(BenchArgs),
     Devices(DevicesArgs),
+    Completions(CompletionsArgs),
+    Man(ManArgs),
     Paper(PaperArgs),
 }
 
@@ -57,6 +62,34 @@ pub(crate) struct DevicesArgs {
     #[arg(long)]
     pub(crate) json: bool,
 }
+
+/// What a shell completes after `laguerre`, for it to read: printed, to be saved where it looks.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = COMPLETIONS_EXAMPLES)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    pub(crate) shell: clap_complete::Shell,
+}
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  laguerre completions bash > ~/.local/share/bash-completion/completions/laguerre
+  laguerre completions zsh > ~/.zfunc/_laguerre                      with ~/.zfunc in $fpath
+  laguerre completions fish > ~/.config/fish/completions/laguerre.fish";
+
+/// Pages for `man`: laguerre.1, and one for each command, as laguerre-integrate.1.
+#[derive(ClapArgs, Debug)]
+#[command(after_help = MAN_EXAMPLES)]
+pub(crate) struct ManArgs {
+    /// Where to write the pages; made if it is not there
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+}
+
+const MAN_EXAMPLES: &str = "\
+Examples:
+  laguerre man ~/.local/share/man/man1      then: man laguerre-integrate";
 
 /// Volume and barycenter of the power cell of every site, cut by a domain.
 ///
@@ -74,7 +107,7 @@ pub(crate) struct IntegrateArgs {
     pub(crate) container: ContainerArgs,
 
     /// Where to write the cells: .csv (site,volume,x,y,z,facets,status, the status 0 complete, 1 empty, 2 not certified; NaN for what there
-    /// is not), .npy (N×4: volume, barycenter), .npz (arrays volume, barycenter, status, facets, second_moment) or - for standard output, as .csv;
+    /// is not), .npy (N×4: volume, barycenter), .npz (arrays volume, barycenter, status, facets, second_moment, integral) or - for standard output, as .csv;
     /// their geometry, cut by the domain: .vtu (solids: a polyhedron, or the tetrahedra of a cell that the domain cuts), .vtp or .ply (polygons)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -84,6 +117,17 @@ pub(crate) struct IntegrateArgs {
     /// i are offsets[i] to offsets[i + 1]) or - for standard output, as .csv
     #[arg(long, value_name = "FILE")]
     pub(crate) facets: Option<PathBuf>,
+
+    /// Also the integral of a polynomial over every cell, such as "2*x^2*y - z + 1", of a degree up to 31: the sum is printed, and an .npz of
+    /// cells has an array integral
+    #[arg(long, value_name = "POLYNOMIAL", allow_hyphen_values = true, value_parser = parse_polynomial)]
+    pub(crate) integral: Option<Integrand>,
+
+    /// Where to write derivatives, as sparse rows for scipy.sparse.load_npz, once for each matrix: volumes-by-weights=FILE.npz (N×N, minus the
+    /// weighted Laplacian), volumes-by-positions (N×3N), barycenters-by-weights (3N×N), barycenters-by-positions (3N×3N). A coordinate of site i
+    /// is row or column 3 i, 3 i + 1 or 3 i + 2
+    #[arg(long, value_name = "NAME=FILE", value_parser = derivatives::parse)]
+    pub(crate) derivatives: Vec<Asked>,
 
     /// Also the second moments of each cell about its barycenter, 3×3, for an .npz of cells
     #[arg(long)]
@@ -107,6 +151,7 @@ Examples:
   laguerre integrate sites.xyz --domain out/swan.off -o cells.csv --facets facets.csv
   laguerre integrate sites.npy --weights weights.npy --box 0,0,0,1,1,1 --json
   laguerre integrate sites.npy --domain out/swan.off -o cells.npz --facets facets.npz      NumPy: np.load
+  laguerre integrate sites.npy --box 0,0,0,1,1,1 --derivatives volumes-by-weights=jacobian.npz --integral 'x^2 + y^2'
   generate | laguerre integrate - --domain part.stl -o cells.vtu";
 
 /// Whether a result file, whoever wrote it, is right: its sums, its cells, its facets.
@@ -244,6 +289,10 @@ pub(crate) struct DemoArgs {
     /// Number of sites
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = parse_count::<1, 10_000_000>)]
     pub(crate) sites: u32,
+
+    /// Print one JSON object instead of the summary, as integrate does
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// What the cells of SITES need: histograms of neighbours visited, half-spaces, vertices and triangles, and capacities for 95 % of them.

@@ -11,7 +11,7 @@ use crate::container::Whole;
 use crate::domains;
 use crate::evaluate::{evaluate, open_default};
 use crate::integrate::{outcome, write_cells};
-use crate::outcome::{Outcome, print};
+use crate::outcome::{Outcome, print, print_json};
 use crate::picture::draw;
 use crate::report::{Report, Seconds};
 use crate::sample::Sampler;
@@ -55,8 +55,12 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     seconds.write = start.elapsed().as_secs_f64();
 
     let report = Report::new(&output, &Whole::of(&diagram)?, backend.info(), seconds);
-    let written = names.map(|path| path.display().to_string()).join(", ");
-    print(&format!("{}written      {written}\n", report.summary()))?;
+    if args.json {
+        print_json(&report)?;
+    } else {
+        let written = names.map(|path| path.display().to_string()).join(", ");
+        print(&format!("{}written      {written}\n", report.summary()))?;
+    }
     Ok(outcome(&report))
 }
 

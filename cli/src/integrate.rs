@@ -1,6 +1,6 @@
 //! `laguerre integrate`: the main job.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use laguerre::io::{self, CELLS_ENDINGS, FACETS_ENDINGS, GEOMETRY_ENDINGS};
@@ -8,6 +8,7 @@ use laguerre::{Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::args::IntegrateArgs;
 use crate::container::{Container, Whole, note_if_merged};
+use crate::derivatives;
 use crate::evaluate::{evaluate, open};
 use crate::files::{names_same_file, refuse_inputs, share_standard_output};
 use crate::npz;
@@ -40,6 +41,8 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let request = if args.second_moments { request.with_second_moments() } else { request };
     let has_geometry = args.output.as_deref().is_some_and(|path| io::ending(path, GEOMETRY_ENDINGS).is_ok());
     let request = if has_geometry { request.with_geometry() } else { request };
+    let request = if args.derivatives.is_empty() { request } else { derivatives::request(request) };
+    let request = args.integral.iter().cloned().fold(request, Request::with_integral);
     let request = args.epsilon.into_iter().fold(request, Request::with_epsilon);
     let start = Instant::now();
     // What is wrong with valid input only now is a site out of the container's range.
@@ -54,6 +57,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     if let Some(path) = &args.facets {
         npz::write_facets(path, &diagram, &output)?;
     }
+    args.derivatives.iter().try_for_each(|asked| derivatives::write(asked, &diagram, &output))?;
     seconds.write = start.elapsed().as_secs_f64();
 
     let report = Report::new(&output, &whole, backend.info(), seconds);
@@ -62,7 +66,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     } else {
         print(&report.summary())?;
     }
-    if args.output.is_none() && args.facets.is_none() && !args.json && report.uncertified == 0 {
+    if outputs(args).next().is_none() && !args.json && report.uncertified == 0 {
         note("only the summary is printed; name a file with -o to keep the cells");
     }
     Ok(outcome(&report))
@@ -105,13 +109,24 @@ fn check(args: &IntegrateArgs) -> Result<()> {
             return Err(Error::input(format!("{}: named for cells and for facets; give two files", path.display())));
         }
     }
+    for asked in &args.derivatives {
+        io::check_output(&asked.path, &[npz::ENDING])?;
+        if outputs(args).filter(|path| names_same_file(path, &asked.path)).count() > 1 {
+            return Err(Error::input(format!("{}: named for two outputs; give two files", asked.path.display())));
+        }
+    }
     let has_room = args.output.as_ref().is_some_and(|path| io::ending(path, &[npz::ENDING]).is_ok());
     if args.second_moments && !has_room {
         return Err(Error::input("--second-moments: only .npz has room for them; name one with -o"));
     }
     let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
-    args.output.iter().chain(&args.facets).try_for_each(|path| refuse_inputs(path, &inputs))?;
-    share_standard_output(args.output.iter().chain(&args.facets), args.json)
+    outputs(args).try_for_each(|path| refuse_inputs(path, &inputs))?;
+    share_standard_output(outputs(args), args.json)
+}
+
+/// All files that are to be written.
+fn outputs(args: &IntegrateArgs) -> impl Iterator<Item = &PathBuf> {
+    args.output.iter().chain(&args.facets).chain(args.derivatives.iter().map(|asked| &asked.path))
 }
 
 /// Every point of a domain belongs to some cell, so sites that are all elsewhere give an answer; it is seldom the one wanted.

@@ -5,6 +5,7 @@ mod args;
 mod bench;
 mod container;
 mod demo;
+mod derivatives;
 mod devices;
 mod domains;
 mod evaluate;
@@ -13,6 +14,7 @@ mod fluid;
 mod inside;
 mod integrate;
 mod lloyd;
+mod manual;
 mod npz;
 mod outcome;
 mod paper;
@@ -49,6 +51,8 @@ fn main() -> ExitCode {
             Command::Tune(args) => tune::run(&args),
             Command::Bench(args) => bench::run(&args),
             Command::Devices(args) => devices::run(&args),
+            Command::Completions(args) => manual::completions(&args),
+            Command::Man(args) => manual::man(&args),
             Command::Paper(args) => paper::run(&args),
         },
         Err(error) => return outcome::command_line(&error),

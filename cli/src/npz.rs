@@ -19,8 +19,8 @@ pub(crate) fn with_npz(known: &[&'static str]) -> Vec<&'static str> {
     known.iter().copied().chain([ENDING]).collect()
 }
 
-/// Writes cells: `volume` (N), `barycenter` (N, 3), `status` (N), and where the output has them `facets`, their number (N), and
-/// `second_moment` (N, 3, 3).
+/// Writes cells: `volume` (N), `barycenter` (N, 3), `status` (N), and where the output has them `facets`, their number (N),
+/// `integral` (N) and `second_moment` (N, 3, 3).
 ///
 /// # Errors
 /// `Io` where writing failed.
@@ -33,6 +33,9 @@ pub(crate) fn write_cells(path: &Path, output: &Output) -> Result<()> {
         npz.add("status", &[n], output.status().iter().copied().map(CellStatus::number))?;
         if output.facets().is_some() {
             npz.add("facets", &[n], (0..n).map(|i| io::facet_count(output, i).unwrap_or(0) as i64))?;
+        }
+        if let Some(integral) = output.integral() {
+            npz.add("integral", &[n], integral.iter().copied())?;
         }
         if let Some(moments) = output.second_moment() {
             let matrix = |&[xx, yy, zz, xy, xz, yz]: &[f64; 6]| [xx, xy, xz, xy, yy, yz, xz, yz, zz];
@@ -69,6 +72,47 @@ pub(crate) fn write_facets(path: &Path, diagram: &PowerDiagram, output: &Output)
     })
 }
 
+/// A sparse matrix in compressed rows.
+pub(crate) struct Csr<S, E> {
+    pub(crate) shape: [usize; 2],
+    /// How many entries there are.
+    pub(crate) count: usize,
+    /// Where each row starts, and where the last ends.
+    pub(crate) starts: S,
+    /// Makes the column and the number of each entry, row by row.
+    pub(crate) entries: E,
+}
+
+/// Writes a sparse matrix for `scipy.sparse.load_npz`: `format`, `shape`, `data`, `indices`, `indptr`.
+///
+/// # Errors
+/// `Io` where writing failed.
+pub(crate) fn write_csr<S, F, E>(path: &Path, csr: Csr<S, F>) -> Result<()>
+where
+    S: Iterator<Item = usize>,
+    F: Fn() -> E,
+    E: Iterator<Item = (usize, f64)>,
+{
+    let Csr { shape: [rows, columns], count, starts, entries } = csr;
+    // SciPy's direct solvers take no wider indices than these, where they suffice.
+    let narrow = i32::try_from(count.max(rows).max(columns)).is_ok();
+    let indices = entries().map(|(column, _)| column);
+    io::write_whole(path, |w| {
+        let mut npz = Npz::new(w);
+        npz.add("format", &[], [*b"csr"].into_iter())?;
+        npz.add("shape", &[2], [rows as i64, columns as i64].into_iter())?;
+        npz.add("data", &[count], entries().map(|(_, x)| x))?;
+        if narrow {
+            npz.add("indices", &[count], indices.map(|i| i as i32))?;
+            npz.add("indptr", &[rows + 1], starts.map(|i| i as i32))?;
+        } else {
+            npz.add("indices", &[count], indices.map(|i| i as i64))?;
+            npz.add("indptr", &[rows + 1], starts.map(|i| i as i64))?;
+        }
+        npz.finish()
+    })
+}
+
 /// Numbers that an array can be of.
 trait Number {
     /// What NumPy calls them.
@@ -95,8 +139,19 @@ macro_rules! number {
 number! {
     f64, "<f8";
     i64, "<i8";
+    i32, "<i4";
     u8, "|u1";
     i8, "|i1";
+}
+
+/// A word, as an array of no dimension.
+impl Number for [u8; 3] {
+    const NAME: &str = "|S3";
+    type Bytes = Self;
+
+    fn bytes(self) -> Self {
+        self
+    }
 }
 
 /// What is being written.

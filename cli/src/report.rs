@@ -20,6 +20,9 @@ pub(crate) struct Report {
     pub(crate) relative_error: f64,
     /// max over the axes of |Σ v b / V − B|, over the box's diagonal.
     pub(crate) barycenter_error: f64,
+    /// The sum of the integrals, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) integral_sum: Option<f64>,
     /// Cells that needed exact arithmetic.
     pub(crate) exact_cells: usize,
     /// Cells that a device handed back to the host.
@@ -96,6 +99,7 @@ impl Report {
             domain_volume: whole.volume,
             relative_error: (volume_sum - whole.volume).abs() / whole.volume,
             barycenter_error,
+            integral_sum: output.integral().map(total),
             exact_cells: output.report().exact_cells,
             host_cells: output.report().host_cells,
             backend: info.backend,
@@ -111,10 +115,12 @@ impl Report {
     pub(crate) fn summary(&self) -> String {
         let rate = self.sites as f64 / self.seconds.compute.max(f64::MIN_POSITIVE);
         let threads = if self.threads == 1 { "1 thread".into() } else { format!("{} threads", self.threads) };
+        let integral = self.integral_sum.map_or_else(String::new, |sum| format!("integral     {sum}\n"));
         format!(
             "sites        {}: {} cells, {} empty, {} not certified\n\
              volume       {} of {}, relative error {:.1e}\n\
              barycenter   off by {:.1e} of the diagonal\n\
+             {integral}\
              exact        {} cells needed exact arithmetic\n\
              compute      {:.3} s, {} sites/s ({}, {}, {}, {})\n",
             grouped(self.sites as u64),
@@ -154,6 +160,13 @@ fn sums(output: &Output, whole: &Whole) -> (f64, f64) {
     }
     let off = |k: usize| (moment[k].total() - (whole.barycenter[k] - center[k])).abs();
     (volume.total(), off(0).max(off(1)).max(off(2)) / whole.diagonal())
+}
+
+/// A sum that does not depend on what is large and what is small.
+fn total(numbers: &[f64]) -> f64 {
+    let mut sum = Sum::default();
+    sum.extend(numbers.iter().copied());
+    sum.total()
 }
 
 /// The processor in its own words, and the threads that it has.

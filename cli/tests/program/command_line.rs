@@ -47,6 +47,8 @@ fn a_wrong_command_line_is_said_in_one_line() {
     }
     let line = wrong(&["integrate", "white.xyz", "--second-moments", "-o", "a.csv"]);
     assert_eq!(line, "--second-moments: only .npz has room for them; name one with -o");
+    let line = wrong(&["fluid", "dam-break", "--checkpoint", "x.ck"]);
+    assert_eq!(line, "x.ck: unknown ending '.ck'; known here: .fluid");
     assert!(wrong(&["sample", "white", "9", "--inside", "-o", "a.xyz"]).contains("--domain"));
 }
 

@@ -9,7 +9,9 @@ mod command_line;
 mod devices;
 mod fluid;
 mod formats;
+mod integrals;
 mod lloyd;
+mod manual;
 mod measures;
 #[cfg(target_os = "linux")]
 mod memory;

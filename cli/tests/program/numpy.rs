@@ -15,13 +15,18 @@ fn numbers(path: &Path, columns: usize) -> Vec<Vec<f64>> {
 }
 
 /// The numbers of an array of 64-bit floats in an uncompressed archive, found by its name.
-fn floats(archive: &[u8], name: &str, count: usize) -> Vec<f64> {
+pub(crate) fn floats(archive: &[u8], name: &str, count: usize) -> Vec<f64> {
+    bytes_of(archive, name, 8 * count).chunks(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap())).collect()
+}
+
+/// So many bytes of an array.
+pub(crate) fn bytes_of<'a>(archive: &'a [u8], name: &str, count: usize) -> &'a [u8] {
     let name = format!("{name}.npy");
     let at = archive.windows(name.len()).position(|bytes| bytes == name.as_bytes()).unwrap() + name.len();
     let magic = archive[at..].windows(6).position(|bytes| bytes == b"\x93NUMPY").unwrap() + at;
     let start = magic + 10 + usize::from(u16::from_le_bytes([archive[magic + 8], archive[magic + 9]]));
     assert_eq!(start - magic, 128, "as NumPy pads it");
-    archive[start..start + 8 * count].chunks(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap())).collect()
+    &archive[start..start + count]
 }
 
 #[test]

@@ -86,8 +86,9 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
     let prepared = diagram.prepare()?;
     let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let mut assembler = Assembler::new(diagram, &prepared.container, &request);
-    let mut geometry =
-        request.geometry.then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame));
+    let mut geometry = request
+        .geometry
+        .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids));
     let mut exact_cells = 0;
     let all = (0..prepared.sites.len() as u32).collect();
     let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
@@ -119,7 +120,7 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         Ok(outcome)
     })?;
     let report = Report { exact_cells, passes, ..Report::default() };
-    assembler.finish(report, geometry.map(GeometryAssembler::finish))
+    assembler.finish(report, geometry.map(GeometryAssembler::finish).transpose()?)
 }
 
 /// Cannot happen while the signs are exact; said instead of a panic.
@@ -140,7 +141,7 @@ fn run_chunks(
     let new_worker = || Worker {
         store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
         search: Search::new(prepared),
-        shaper: Shaper::default(),
+        shaper: Shaper::new(request.solids),
     };
     cells
         .par_chunks(CHUNK)

@@ -150,7 +150,7 @@ impl Backend for Single {
             fallback::compute(&prepared, &watched.of(&proved), &for_host, &mut assembler)?;
         }
         let report = Report { exact_cells, host_cells: for_host.len(), device_seconds, passes };
-        let geometry = if request.geometry { Some(geometry::on_host(diagram, None)?) } else { None };
+        let geometry = if request.geometry { Some(geometry::on_host(diagram, &watched.of(&proved))?) } else { None };
         let output = assembler.finish(report, geometry)?;
         check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)

@@ -38,7 +38,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let (sites, _) = Sampler::new(Corners { lo, hi }, Some(&domain), 1).blue(args.sites, 0.0, STEPS)?;
     let diagram = PowerDiagram::new(&sites, &[])?.restricted_to(&domain);
     let start = Instant::now();
-    let output = evaluate(backend.as_ref(), &diagram, &Request::moments().with_facets().with_geometry())?;
+    let output = evaluate(backend.as_ref(), &diagram, &Request::moments().with_facets().with_solids())?;
     seconds.compute = start.elapsed().as_secs_f64();
 
     let start = Instant::now();

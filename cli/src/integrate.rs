@@ -43,6 +43,8 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let request = if has_geometry { request.with_geometry() } else { request };
     let request = if args.derivatives.is_empty() { request } else { derivatives::request(request) };
     let request = args.integral.iter().cloned().fold(request, Request::with_integral);
+    let has_solids = args.output.as_deref().is_some_and(|path| io::ending(path, &[".vtu"]).is_ok());
+    let request = if has_solids { request.with_solids() } else { request };
     let request = args.epsilon.into_iter().fold(request, Request::with_epsilon);
     let start = Instant::now();
     // What is wrong with valid input only now is a site out of the container's range.

@@ -32,9 +32,10 @@ impl Backend for Naive {
         let mut assembler = Assembler::new(diagram, &prepared.container, request);
         let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
         let flags = cell::flags_of(request);
-        let mut geometry =
-            request.geometry.then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame));
-        let mut shaper = Shaper::default();
+        let mut geometry = request
+            .geometry
+            .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids));
+        let mut shaper = Shaper::new(request.solids);
         let sites: Vec<[f64; 4]> = prepared.sites.sites().collect();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
             let site = prepared.sites.order()[i];
@@ -77,6 +78,6 @@ impl Backend for Naive {
             }
             watched.advance(1)?;
         }
-        assembler.finish(Report::default(), geometry.map(GeometryAssembler::finish))
+        assembler.finish(Report::default(), geometry.map(GeometryAssembler::finish).transpose()?)
     }
 }

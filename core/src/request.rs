@@ -14,6 +14,8 @@ pub struct Request {
     pub facet_second_moments: bool,
     /// The cells as polygons.
     pub geometry: bool,
+    /// The cells as convex solids; only with `geometry`.
+    pub solids: bool,
     /// A function to be integrated over every cell.
     pub integral: Option<Integrand>,
     /// `Some(ε)`: stop each cell at the paper's security radius enlarged by the factor `1 + ε` (paper §2.3), with no
@@ -45,11 +47,17 @@ impl Request {
         Self { facets: true, facet_second_moments: true, ..self }
     }
 
-    /// Also the geometry of the restricted cells: polygons, and convex solids. The CPU makes it in the pass that integrates, at about the cost of
+    /// Also the geometry of the restricted cells as polygons. The CPU makes it in the pass that integrates, at about the cost of
     /// facets where cells have few triangles of the domain in them; what other backends compute the host then computes once more, for this alone.
     #[must_use]
     pub fn with_geometry(self) -> Self {
         Self { geometry: true, ..self }
+    }
+
+    /// Also the geometry, as [`Request::with_geometry`] does, and every cell that is not convex as convex solids.
+    #[must_use]
+    pub fn with_solids(self) -> Self {
+        Self { geometry: true, solids: true, ..self }
     }
 
     /// Also the integral of a given function over each cell: a polynomial on any backend of double precision, a function of the caller's on

@@ -93,7 +93,7 @@ const OF_MEAN: f64 = 1e-13;
 
 fn hold(backend: &dyn Backend, case: &Case, law: impl Fn(&Scene, &Output, &Geometry, &Bounds) -> Verdict) -> Verdict {
     let scene = case.scene();
-    let output = scene.evaluate(backend, &Request::moments().with_facets().with_geometry())?;
+    let output = scene.evaluate(backend, &Request::moments().with_facets().with_solids())?;
     let geometry = output.geometry().ok_or("the output has no geometry")?;
     law(&scene, &output, geometry, &Bounds::new(&scene, &output, Planes::Same))
 }

@@ -7,6 +7,7 @@
 
 use super::Beyond;
 use super::faces::{Faces, edges, vector_area};
+use super::near::{join_near, unite};
 use super::surface::{Key, Line, Pieces, sorted, triangles_near};
 use crate::cell::{COMPLETE, DomainStore, Polytope, Real, TAG_BOX, UNCERTAIN, V3, cross, dot, sub};
 use foldhash::fast::FixedState;
@@ -46,7 +47,7 @@ struct Passage {
 }
 
 /// The geometry of one cell, and room for making it.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Cell {
     pub(super) keys: Vec<Key>,
     /// In the frame of the site.
@@ -337,27 +338,15 @@ impl Cell {
         self.same.clear();
         self.same.extend(0..self.points.len() as u32);
         let (points, same) = (&self.points, &mut self.same);
-        let mut join = |[a, b]: [u32; 2]| {
-            let way = sub(points[a as usize], points[b as usize]);
-            if way.x.abs() <= SAME && way.y.abs() <= SAME && way.z.abs() <= SAME {
-                let [a, b] = [a, b].map(|mut i| {
-                    while same[i as usize] != i {
-                        i = same[i as usize];
-                    }
-                    i
-                });
-                same[a.max(b) as usize] = a.min(b);
-            }
-        };
         if self.pieces.is_empty() {
-            self.edges.iter().for_each(|e| join(e.ends));
-        } else {
-            let mut along: Vec<u32> = (0..points.len() as u32).collect();
-            let x = |i: u32| points[i as usize].x;
-            along.sort_unstable_by(|&a, &b| x(a).total_cmp(&x(b)));
-            for (k, &a) in along.iter().enumerate() {
-                along[k + 1..].iter().take_while(|&&b| x(b) - x(a) <= SAME).for_each(|&b| join([a, b]));
+            for &Edge { ends: [a, b], .. } in &self.edges {
+                let way = sub(points[a as usize], points[b as usize]);
+                if way.x.abs() <= SAME && way.y.abs() <= SAME && way.z.abs() <= SAME {
+                    unite(same, a, b);
+                }
             }
+        } else {
+            join_near((0..).zip(points.iter().copied()), SAME, |a, b| unite(same, a, b));
         }
         for i in 0..self.same.len() {
             self.same[i] = self.same[self.same[i] as usize];

@@ -2,11 +2,13 @@
 
 use super::cell::Cell;
 use super::faces::Faces;
+use super::near::{join_near, unite};
 use super::solids::Solids;
 use super::surface::Key;
 use super::{Beyond, Geometry};
-use crate::cell::{COMPLETE, DomainStore, TAG_BOX};
+use crate::cell::{COMPLETE, DomainStore, TAG_BOX, v3};
 use crate::frame::Frame;
+use crate::{Error, Result};
 use foldhash::fast::FixedState;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -60,6 +62,7 @@ struct Shape {
 /// Makes the geometry of cells, one after the other, and keeps its room.
 #[derive(Debug, Default)]
 pub struct Shaper {
+    with_solids: bool,
     cell: Cell,
     solids: Solids,
     /// Of each point of the cell its number among those that are used.
@@ -67,6 +70,11 @@ pub struct Shaper {
 }
 
 impl Shaper {
+    /// For cells as polygons, or as solids, too.
+    pub fn new(with_solids: bool) -> Self {
+        Self { with_solids, ..Self::default() }
+    }
+
     /// Adds the geometry of a finished cell, of sorted site `site` and of restricted volume `volume` (in the frame), to `shapes`. The tags are sorted
     /// sites, and `order` the caller's. Returns `COMPLETE`, or `UNCERTAIN`, which cannot happen while signs are exact.
     pub fn add<S: DomainStore>(
@@ -82,7 +90,9 @@ impl Shaper {
         if status != COMPLETE {
             return status;
         }
-        self.solids.make(store, &self.cell);
+        if self.with_solids {
+            self.solids.make(store, &self.cell);
+        }
         let (cell, solids) = (&self.cell, &self.solids);
         let (keys, points) =
             if solids.ends.is_empty() { (&cell.keys, &cell.points) } else { (&solids.keys, &solids.points) };
@@ -159,19 +169,33 @@ pub struct GeometryAssembler {
     geometry: Geometry,
     /// Points that more cells are still to come to, and how many.
     waiting: HashMap<Meeting, (u32, u8), FixedState>,
+    /// Numbers of points that a cell has as one.
+    same: Vec<[u32; 2]>,
     /// How near a point is to where another cell has it, to be the same.
     agreed: f64,
+    most_points: usize,
 }
 
 impl GeometryAssembler {
-    /// For so many sites, with the frame of their container.
-    pub fn new(sites: usize, frame: &Frame) -> Self {
-        let geometry = Geometry { rows: vec![0..0; sites], solid_rows: vec![0..0; sites], ..Geometry::default() };
-        Self { geometry, waiting: HashMap::default(), agreed: AGREED * frame.unit() }
+    /// For so many sites, with the frame of their container; `with_solids` as those who make the shapes have it.
+    pub fn new(sites: usize, frame: &Frame, with_solids: bool) -> Self {
+        let geometry = Geometry {
+            has_solids: with_solids,
+            rows: vec![0..0; sites],
+            solid_rows: vec![0..0; sites],
+            ..Geometry::default()
+        };
+        let (waiting, same) = (HashMap::default(), Vec::new());
+        Self { geometry, waiting, same, agreed: AGREED * frame.unit(), most_points: NONE as usize }
     }
 
     /// Adds some cells.
     pub fn add(&mut self, shapes: &Shapes) {
+        if self.geometry.points.len() + shapes.points.len() > self.most_points {
+            // `finish` says so.
+            self.most_points = 0;
+            return;
+        }
         let mut begin = Shape { site: 0, points: 0, shared: 0, faces: 0, solids: 0 };
         let mut numbers: Vec<u32> = Vec::new();
         for end in &shapes.cells {
@@ -180,11 +204,18 @@ impl GeometryAssembler {
             let shared = &shapes.shared[begin.shared..end.shared];
             for s in shared {
                 let number = &mut numbers[s.point as usize];
-                if let Some((known, _)) = self.waiting.get(&s.meeting).filter(|_| *number == NONE) {
+                if let Some(&(known, _)) = self.waiting.get(&s.meeting) {
                     let here = shapes.points[begin.points + s.point as usize];
-                    let there = self.geometry.points[*known as usize];
-                    if (0..3).all(|k| (here[k] - there[k]).abs() <= self.agreed) {
-                        *number = *known;
+                    let there = self.geometry.points[known as usize];
+                    // The caller's coordinates are rounded, too.
+                    let near = |k: usize| self.agreed + 2.0 * f64::EPSILON * there[k].abs();
+                    if (0..3).any(|k| (here[k] - there[k]).abs() > near(k)) {
+                        continue;
+                    }
+                    if *number == NONE {
+                        *number = known;
+                    } else if *number != known {
+                        self.same.push([*number, known]);
                     }
                 }
             }
@@ -240,7 +271,56 @@ impl GeometryAssembler {
     }
 
     /// All of it.
-    pub fn finish(self) -> Geometry {
-        self.geometry
+    ///
+    /// # Errors
+    /// `Input` where there are more points than their numbers can tell apart, 2³².
+    pub fn finish(mut self) -> Result<Geometry> {
+        if self.most_points == 0 {
+            let message = "the geometry of these sites has more than 4,294,967,295 points; take fewer sites, or a part of the domain";
+            return Err(Error::input(message));
+        }
+        self.join_points();
+        Ok(self.geometry)
+    }
+
+    /// Makes one of points that are in one place, though no two cells know them by the same meeting. Where more than four cells meet, each has decided
+    /// for itself which of them are its vertex; so there points wait for cells that do not come, or a cell has one that two others have apart.
+    fn join_points(&mut self) {
+        let geometry = &mut self.geometry;
+        let mut waiting: Vec<u32> = self.waiting.values().map(|&(point, _)| point).collect();
+        waiting.sort_unstable();
+        waiting.dedup();
+        let largest =
+            waiting.iter().flat_map(|&i| geometry.points[i as usize]).fold(0.0, |most: f64, x| most.max(x.abs()));
+        let near = self.agreed + 2.0 * f64::EPSILON * largest;
+        let place = |&i: &u32| {
+            let [x, y, z] = geometry.points[i as usize];
+            (i, v3(x, y, z))
+        };
+        join_near(waiting.iter().map(place), near, |a, b| self.same.push([a, b]));
+        if self.same.is_empty() {
+            return;
+        }
+        let mut numbers: Vec<u32> = (0..geometry.points.len() as u32).collect();
+        self.same.iter().for_each(|&[a, b]| unite(&mut numbers, a, b));
+        // Lesser numbers come first, so each that stands for others has its new one before them.
+        let mut kept = 0;
+        for i in 0..numbers.len() {
+            numbers[i] = if numbers[i] == i as u32 {
+                geometry.points[kept] = geometry.points[i];
+                kept += 1;
+                (kept - 1) as u32
+            } else {
+                numbers[numbers[i] as usize]
+            };
+        }
+        geometry.points.truncate(kept);
+        let number = |i: u32| numbers[i as usize];
+        for (faces, rows) in
+            [(&mut geometry.faces, &mut geometry.rows), (&mut geometry.solid_faces, &mut geometry.solids)]
+        {
+            let kept = faces.renumber(number);
+            rows.iter_mut().for_each(|row| *row = kept[row.start]..kept[row.end]);
+        }
     }
 }

@@ -42,27 +42,25 @@ impl Faces {
 
     /// Adds the face, from its corners after points that count as one have one number, if anything is left of it.
     pub(super) fn push_simplified(&mut self, corners: &mut Vec<u32>, beyond: Beyond) {
-        // A corner that repeats the one before it goes, and so does a way there and back.
-        let mut done = false;
-        while !done && corners.len() > 2 {
-            done = true;
-            for i in 0..corners.len() {
-                let n = corners.len();
-                let (here, next, after) = (corners[i], corners[(i + 1) % n], corners[(i + 2) % n]);
-                if here == next || here == after {
-                    let mut gone = [(i + 1) % n, if here == next { n } else { (i + 2) % n }];
-                    gone.sort_unstable();
-                    for &k in gone.iter().rev().filter(|&&k| k < n) {
-                        corners.remove(k);
-                    }
-                    done = false;
-                    break;
-                }
-            }
-        }
+        let corners = simplify(corners);
         if corners.len() > 2 {
             self.push(corners.iter().copied(), beyond);
         }
+    }
+
+    /// Gives corners other numbers, and drops faces of which nothing is left; of each face, and of the end of all, which number it then has.
+    pub(super) fn renumber(&mut self, number: impl Fn(u32) -> u32) -> Vec<usize> {
+        let mut kept = Faces::default();
+        let mut numbers = vec![0];
+        let mut corners = Vec::new();
+        for face in 0..self.len() {
+            corners.clear();
+            corners.extend(self.corners_of(face).iter().map(|&corner| number(corner)));
+            kept.push_simplified(&mut corners, self.beyond[face]);
+            numbers.push(kept.len());
+        }
+        *self = kept;
+        numbers
     }
 
     /// Adds the part of a plane of outward normal `normal` that is on the left of directed segments, whose ends are numbers of `points`: as often
@@ -82,6 +80,32 @@ impl Faces {
             self.push(triangle.into_iter(), beyond);
         }
     }
+}
+
+/// What is left of a loop: a corner that repeats the one before it goes, and so does a way there and back.
+fn simplify(corners: &mut Vec<u32>) -> &[u32] {
+    let mut n = 0;
+    for i in 0..corners.len() {
+        let here = corners[i];
+        if n > 1 && corners[n - 2] == here {
+            n -= 1;
+        } else if n == 0 || corners[n - 1] != here {
+            corners[n] = here;
+            n += 1;
+        }
+    }
+    // The same where the end meets the beginning.
+    let (mut begin, mut end) = (0, n);
+    while end - begin > 2 {
+        if corners[begin] == corners[end - 1] || corners[begin] == corners[end - 2] {
+            end -= 1;
+        } else if corners[begin + 1] == corners[end - 1] {
+            begin += 1;
+        } else {
+            break;
+        }
+    }
+    &corners[begin..end]
 }
 
 /// Drops segments that lead nowhere, and those that another leads back.

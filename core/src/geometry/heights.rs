@@ -19,7 +19,7 @@ pub(super) struct Height {
 }
 
 /// Heights of some vertices of the surface over all half-spaces of a cell.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Heights {
     site: V3,
     planes: Vec<Plane>,

@@ -3,21 +3,21 @@
 use super::{Geometry, GeometryAssembler, Shaper, Shapes};
 use crate::cell::{self, CellSums, PlainStore};
 use crate::search::Search;
-use crate::{Error, ErrorKind, PowerDiagram, Result};
+use crate::{Error, ErrorKind, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 
 /// Cells that one task computes, and those that are computed before they are put together.
 const CHUNK: usize = 256;
 const WAVE: usize = 32 * CHUNK;
 
-/// The geometry of all cells; `epsilon` as in the request that they are computed for.
+/// The geometry of all cells, as the request that they are computed for has it.
 ///
 /// # Errors
 /// `Input` where sites are out of range of the container.
-pub fn on_host(diagram: &PowerDiagram, epsilon: Option<f64>) -> Result<Geometry> {
+pub fn on_host(diagram: &PowerDiagram, request: &Request) -> Result<Geometry> {
     let prepared = diagram.prepare()?;
     let (order, frame) = (prepared.sites.order(), &prepared.container.frame);
-    let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame);
+    let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame, request.solids);
     let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
     for wave in all.chunks(WAVE) {
         let compute = |(search, shaper): &mut (Search<'_>, Shaper), chunk: &[u32]| {
@@ -26,7 +26,7 @@ pub fn on_host(diagram: &PowerDiagram, epsilon: Option<f64>) -> Result<Geometry>
                 let [x, y, z, _] = prepared.sites.site(site);
                 let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
                 let mut sums = CellSums::default();
-                let mut status = search.complete(&mut store, site, epsilon).status;
+                let mut status = search.complete(&mut store, site, request.epsilon).status;
                 if status == cell::COMPLETE {
                     status = cell::integrate_cell(&mut store, cell::VOLUME_ONLY, 0, &mut sums);
                 }
@@ -42,11 +42,11 @@ pub fn on_host(diagram: &PowerDiagram, epsilon: Option<f64>) -> Result<Geometry>
             }
             Ok(shapes)
         };
-        let rooms = || (Search::new(&prepared), Shaper::default());
+        let rooms = || (Search::new(&prepared), Shaper::new(request.solids));
         let made: Vec<Result<Shapes>> = wave.par_chunks(CHUNK).map_init(rooms, compute).collect();
         for shapes in made {
             geometry.add(&shapes?);
         }
     }
-    Ok(geometry.finish())
+    geometry.finish()
 }

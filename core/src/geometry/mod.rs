@@ -8,6 +8,7 @@ mod collect;
 mod faces;
 mod heights;
 mod host;
+mod near;
 mod solids;
 mod surface;
 
@@ -43,14 +44,15 @@ pub struct Face<'a> {
 /// domain's surface.
 ///
 /// The faces of a cell close it: the volume that they enclose, and its barycenter, are those of the cell, but for the rounding of coordinates.
-/// Where the winding number is not one they stand as often as it says, turned where it is negative. Cells share the corners that they have in common.
-/// Where more than four cells meet in a point, as in a lattice, or cells are as small as coordinates are rounded, points are there several times.
+/// Where the winding number is not one they stand as often as it says, turned where it is negative. Cells share the corners that they have in common,
+/// also where more than four meet in one, as in a lattice.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     points: Vec<[f64; 3]>,
     faces: Faces,
     /// Of each site its faces.
     rows: Vec<Range<usize>>,
+    has_solids: bool,
     solid_faces: Faces,
     /// Of each solid its faces.
     solids: Vec<Range<usize>>,
@@ -77,13 +79,20 @@ impl Geometry {
         range_of(&self.faces, self.rows[i].clone())
     }
 
-    /// The cell of site `i` as convex solids: itself where it is convex, else pyramids, or larger ones where those would not do.
+    /// Whether there are solids, which [`Request::with_solids`](crate::Request::with_solids) asks for.
+    pub fn has_solids(&self) -> bool {
+        self.has_solids
+    }
+
+    /// The cell of site `i` as convex solids: itself where it is convex, else pyramids, or larger ones where those would not do. None where
+    /// solids were not asked for.
     ///
     /// # Panics
     /// Where there is no such site.
     pub fn solids(&self, i: usize) -> impl Iterator<Item = Vec<Face<'_>>> {
         let pieces = self.solid_rows[i].clone();
-        let itself = (pieces.is_empty() && !self.rows[i].is_empty()).then(|| self.faces(i).collect());
+        let itself =
+            (self.has_solids && pieces.is_empty() && !self.rows[i].is_empty()).then(|| self.faces(i).collect());
         itself.into_iter().chain(pieces.map(|k| range_of(&self.solid_faces, self.solids[k].clone()).collect()))
     }
 }

@@ -1,7 +1,9 @@
 //! A cell that is not convex as convex solids, which is what most programs take a polyhedron for (VTK's volumes are those of convex hulls).
 //!
-//! What is star-shaped about some point becomes pyramids over its faces with their apex there. What is not is cut in two by the plane of a triangle
-//! that turns its back to where the apex would be best, and the halves are made as cells are.
+//! What is star-shaped about some point becomes pyramids over its faces with their apex there. What is not is cut in two, and the halves are made as
+//! cells are: what has many triangles in the middle of those, so that there are few on each side, else by the plane of a triangle that turns its back
+//! to where the apex would be best. (By planes of triangles alone, each of which goes on through all that is beyond, one cell of a hollow ball of 6,144
+//! triangles took 18 s and 3 GB, and was not done.)
 
 use super::Beyond;
 use super::cell::{Cell, Known};
@@ -23,11 +25,15 @@ const NO_PYRAMID: Real = 1e-16;
 /// then behind it, and leave no sheets of nothing before it.
 const BEFORE: Real = 2e-14;
 
-/// Cuts one after the other at most: the stack has room for some 700.
+/// Cuts one after the other at most.
 const MOST_CUTS: usize = 256;
 
-/// Solids of one cell at most. What is left then is one, though it is not convex.
+/// Solids of one cell at most, or so many for each of its triangles. What is left then is one, though it is not convex.
 const MOST_SOLIDS: usize = 20_000;
+const MOST_OF_TRIANGLE: usize = 32;
+
+/// Triangles more than these are parted by halves.
+const MANY_TRIANGLES: usize = 24;
 
 /// The solids of one cell; none where it is convex itself.
 #[derive(Debug, Default)]
@@ -40,6 +46,15 @@ pub(super) struct Solids {
     numbers: HashMap<Key, u32>,
     planes: u32,
     volume: Real,
+}
+
+/// A convex part of a cell: the triangles whose planes have cut it are used.
+struct Part<'a> {
+    store: PlainStore<'a>,
+    cell: Cell,
+    /// Of each of its points the number among the solids'.
+    numbers: Vec<u32>,
+    used: Vec<u32>,
 }
 
 /// A face as seen from a point: its vector area, and a point of its plane.
@@ -84,23 +99,34 @@ impl Solids {
                 self.push(cell, &numbers, &faces);
             }
         } else {
-            self.add(store, cell, &numbers, &mut Vec::new());
+            self.add_all(Part { store: copy(store), cell: cell.clone(), numbers, used: Vec::new() });
         }
     }
 
-    /// Adds all of a cell, whose points have these numbers; `used` are triangles whose planes have cut it.
-    fn add<S: DomainStore>(&mut self, store: &S, cell: &Cell, numbers: &[u32], used: &mut Vec<u32>) {
-        let components = components(cell);
-        let apexes: Vec<_> = components.iter().map(|faces| apex(store, cell, faces)).collect();
-        // What the whole cell has none of does not count.
-        let counts = |faces: &[usize]| volume_of(cell, faces).abs() > NOTHING * self.volume;
-        if let Some(turned) = components.iter().zip(&apexes).filter(|c| counts(c.0)).find_map(|c| c.1.as_ref().err())
-            && self.ends.len() < MOST_SOLIDS
-            && used.len() < MOST_CUTS
-            && self.split(store, cell, turned, used)
-        {
-            return;
+    /// Adds a part, and what it is cut into, of which the list holds no more than one for each cut.
+    fn add_all(&mut self, whole: Part<'_>) {
+        let most = MOST_SOLIDS.max(MOST_OF_TRIANGLE * whole.cell.triangles.len());
+        let mut parts = vec![whole];
+        while let Some(part) = parts.pop() {
+            parts.extend(self.add(part, most).into_iter().flatten());
         }
+    }
+
+    /// Adds a part, or returns its halves; while there are fewer than `most` solids.
+    fn add<'a>(&mut self, part: Part<'a>, most: usize) -> Option<[Part<'a>; 2]> {
+        let components = components(&part.cell);
+        let apexes: Vec<_> = components.iter().map(|faces| apex(&part.store, &part.cell, faces)).collect();
+        // What the whole cell has none of does not count.
+        let counts = |faces: &[usize]| volume_of(&part.cell, faces).abs() > NOTHING * self.volume;
+        let turned = components.iter().zip(&apexes).filter(|c| counts(c.0)).find_map(|c| c.1.as_ref().err());
+        if let Some(turned) = turned
+            && self.ends.len() < most
+            && part.used.len() < MOST_CUTS
+            && let Some(halves) = self.split(&part, turned)
+        {
+            return Some(halves);
+        }
+        let Part { cell, numbers, .. } = &part;
         for (faces, apex) in components.iter().zip(apexes) {
             if volume_of(cell, faces).abs() <= NOTHING * self.volume {
                 continue;
@@ -112,6 +138,7 @@ impl Solids {
                 _ => self.push(cell, numbers, faces),
             }
         }
+        None
     }
 
     /// Adds some faces as one solid.
@@ -145,39 +172,47 @@ impl Solids {
         (self.points.len() - 1) as u32
     }
 
-    /// Cuts the cell by the plane of the first triangle that parts it, and adds both halves; whether one does.
-    fn split<S: DomainStore>(&mut self, store: &S, cell: &Cell, turned: &[u32], used: &mut Vec<u32>) -> bool {
-        for &t in turned {
-            if used.contains(&t) {
-                continue;
-            }
-            used.push(t);
-            let [plane, behind] = planes_before(store, t);
-            let (mut front, mut back) = (copy(store), copy(store));
-            if clip(&mut front, plane, TAG_CAP) == CUT && clip(&mut back, behind, TAG_CAP) == CUT {
-                let vertices = cell.keys.iter().zip(&cell.windings);
-                let windings = vertices.filter_map(|(key, &w)| match key {
-                    Key::Vertex(planes) => Some((*planes, w)),
-                    _ => None,
-                });
-                let windings: HashMap<[u32; 3], i32> = windings.collect();
-                let mut halves = [Cell::default(), Cell::default()];
-                let made = [&front, &back]
-                    .into_iter()
-                    .zip(&mut halves)
-                    .all(|(half, made)| made.make_of(half, &cell.triangles, &Known::Windings(&windings)) == COMPLETE);
-                if made {
-                    for (half, made) in [front, back].iter().zip(&halves) {
-                        let numbers = self.numbers_of(made);
-                        self.add(half, made, &numbers, used);
-                    }
-                    used.pop();
-                    return true;
-                }
-            }
-            used.pop();
+    /// Cuts a part in the middle of its triangles where they are many, else by the plane of the first of those that parts it; `None` where none does.
+    fn split<'a>(&mut self, part: &Part<'a>, turned: &[u32]) -> Option<[Part<'a>; 2]> {
+        let is_many = part.cell.triangles.len() > MANY_TRIANGLES;
+        if let Some(planes) = middle_of_surface(&part.cell).filter(|_| is_many)
+            && let Some(halves) = self.cut(part, planes, TAG_CAP)
+        {
+            return Some(halves);
         }
-        false
+        let fresh = turned.iter().filter(|t| !part.used.contains(t));
+        fresh.into_iter().find_map(|&t| self.cut(part, planes_before(&part.store, t), t))
+    }
+
+    /// Cuts a part by a plane, which is that of triangle `used`, if that is one.
+    fn cut<'a>(&mut self, part: &Part<'a>, planes: [Plane; 2], used: u32) -> Option<[Part<'a>; 2]> {
+        let (mut front, mut back) = (again(&part.store), again(&part.store));
+        if clip(&mut front, planes[0], TAG_CAP) != CUT || clip(&mut back, planes[1], TAG_CAP) != CUT {
+            return None;
+        }
+        let vertices = part.cell.keys.iter().zip(&part.cell.windings);
+        let windings = vertices.filter_map(|(key, &w)| match key {
+            Key::Vertex(planes) => Some((*planes, w)),
+            _ => None,
+        });
+        let windings: HashMap<[u32; 3], i32> = windings.collect();
+        let mut made = [front, back].map(|store| {
+            let mut cell = Cell::default();
+            let status = cell.make_of(&store, &part.cell.triangles, &Known::Windings(&windings));
+            (status == COMPLETE).then_some((store, cell))
+        });
+        let mut half = |made: &mut Option<(PlainStore<'a>, Cell)>| {
+            let (store, cell) = made.take()?;
+            let numbers = self.numbers_of(&cell);
+            let used = part.used.iter().copied().chain([used]).collect();
+            Some(Part { store, cell, numbers, used })
+        };
+        let [front, back] = &mut made;
+        if front.is_none() || back.is_none() {
+            return None;
+        }
+        // That in front is the first to be taken from the list.
+        Some([half(back)?, half(front)?])
     }
 
     /// The numbers of a half's points: those that the whole cell has keep theirs.
@@ -197,6 +232,26 @@ impl Solids {
             .map(|(number, &point)| number.unwrap_or_else(|| self.inner(point)))
             .collect()
     }
+}
+
+/// The two half-spaces of a plane across the axis along which the surface within a cell is longest: in the widest gap between its corners among
+/// the middle half of them, so that none is in the plane.
+fn middle_of_surface(cell: &Cell) -> Option<[Plane; 2]> {
+    let corners = cell.points.iter().skip(cell.windings.len());
+    let along = |axis: usize| -> Vec<Real> {
+        let mut all: Vec<Real> = corners.clone().map(|x| [x.x, x.y, x.z][axis]).collect();
+        all.sort_unstable_by(Real::total_cmp);
+        all
+    };
+    let length = |all: &[Real]| all.last().zip(all.first()).map_or(0.0, |(hi, lo)| hi - lo);
+    let all: Vec<(usize, Vec<Real>)> = (0..3).map(|axis| (axis, along(axis))).collect();
+    let (axis, all) = all.into_iter().max_by(|a, b| length(&a.1).total_cmp(&length(&b.1)))?;
+    let middle = &all[all.len() / 4..all.len() - all.len() / 4];
+    let gap = middle.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    let place = 0.5 * (gap[0] + gap[1]);
+    let unit = [0, 1, 2].map(|k| if k == axis { 1.0 } else { 0.0 });
+    let plane = |sign: Real| Plane { n: v3(sign * unit[0], sign * unit[1], sign * unit[2]), d: -sign * place };
+    (gap[0] < place && place < gap[1]).then(|| [plane(1.0), plane(-1.0)])
 }
 
 /// The two half-spaces of a plane just before a triangle: that with the triangle, and the other.
@@ -226,6 +281,13 @@ fn copy<'a, S: DomainStore>(store: &'a S) -> PlainStore<'a> {
         copy.set_position(v, store.position(v), store.radius(v));
     }
     copy.set_vertices(store.vertices());
+    copy
+}
+
+/// The same of a store that is a copy.
+fn again<'a>(store: &PlainStore<'a>) -> PlainStore<'a> {
+    let mut copy = store.clone();
+    (0..store.planes()).for_each(|f| copy.set_link(f, 0));
     copy
 }
 

@@ -52,7 +52,7 @@ pub(super) struct Corner {
 }
 
 /// The pieces of the surface within one cell.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Pieces {
     heights: Heights,
     numbers: HashMap<u32, u32, FixedState>,

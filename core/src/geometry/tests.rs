@@ -2,7 +2,7 @@ use super::*;
 use crate::oracle::Naive;
 use crate::shapes::{self, Contact};
 use crate::{Backend, CellStatus, Output, PowerDiagram, Request};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 
 /// Sites that hardly touch anything, within a box.
@@ -51,7 +51,7 @@ fn before_faces(geometry: &Geometry, solid: &[Face<'_>]) -> f64 {
 
 /// Holds the faces and the solids of all cells to the cells' integrals, within 1e-12 of the mean volume.
 fn hold(what: &str, diagram: &PowerDiagram, whole: f64) -> Output {
-    let output = Naive::default().evaluate(diagram, &Request::moments().with_geometry()).unwrap();
+    let output = Naive::default().evaluate(diagram, &Request::moments().with_solids()).unwrap();
     let geometry = output.geometry().unwrap();
     let bound = 1e-12 * whole / output.volume().len() as f64;
     for i in 0..geometry.sites() {
@@ -123,5 +123,114 @@ fn cells_share_their_corners() {
         let on_box = place.iter().filter(|&&x| x.min(1.0 - x).abs() < 1e-15).count();
         assert_eq!(cells.len(), [4, 3, 2, 1][on_box], "corner {place:?}");
     }
-    hold("lattice in a box", &in_box(&lattice(5, [0.0; 3], [1.0; 3])), 1.0);
+}
+
+/// The points of a geometry, and those that faces have.
+fn counted(geometry: &Geometry) -> [usize; 2] {
+    let mut used: Vec<u32> =
+        (0..geometry.sites()).flat_map(|i| geometry.faces(i)).flat_map(|face| face.corners).copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    [geometry.points().len(), used.len()]
+}
+
+#[test]
+fn cells_of_lattices_share_their_corners() {
+    for n in [1, 2, 3, 5, 8] {
+        for (lo, hi) in [([0.0; 3], [1.0; 3]), ([-0.1, 0.3, 7.0], [0.7, 0.9, 7.7]), ([1e6; 3], [1e6 + 1.0; 3])] {
+            let diagram = PowerDiagram::new(&lattice(n, lo, hi), &[]).unwrap().in_box(lo, hi).unwrap();
+            let output = Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap();
+            assert_eq!(counted(&output.geometry.unwrap()), [(n + 1).pow(3); 2], "{n}³ from {lo:?}");
+        }
+    }
+    // Of a face-centred lattice: rhombic dodecahedra, of 14 corners, of which 8 are of four cells and 6 of six; those at the box are not counted so.
+    let n = 4;
+    let at = |i: usize| [i % n, i / n % n, i / n / n].map(|k| k as f64);
+    let shifts = [[0.25; 3], [0.25, 0.75, 0.75], [0.75, 0.25, 0.75], [0.75, 0.75, 0.25]];
+    let sites = (0..n.pow(3)).flat_map(|i| shifts.map(|s| [0, 1, 2].map(|k| (at(i)[k] + s[k]) / n as f64)));
+    let diagram = PowerDiagram::new(&sites.collect::<Vec<_>>(), &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let output = hold("face-centred", &diagram, 1.0);
+    let geometry = output.geometry.unwrap();
+    let mut places: Vec<[i64; 3]> =
+        geometry.points().iter().map(|p| p.map(|x| (x * 4096.0 * n as f64).round() as i64)).collect();
+    places.sort_unstable();
+    places.dedup();
+    assert_eq!(places.len(), geometry.points().len(), "two points in one place");
+}
+
+#[test]
+fn points_that_are_apart_stay_so() {
+    // Two lattices of one plane each, the second moved by some thousand roundings: its corners are near those of the first, and are others.
+    let shift = 1e-11;
+    let mut sites = lattice(4, [0.0; 3], [1.0; 3]);
+    sites.iter_mut().filter(|x| x[2] > 0.5).for_each(|x| x[0] += shift);
+    let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let output = hold("sheared", &diagram, 1.0);
+    let geometry = output.geometry.unwrap();
+    let [points, used] = counted(&geometry);
+    assert_eq!(points, used);
+    let middle: Vec<_> =
+        geometry.points().iter().filter(|p| (p[2] - 0.5).abs() < 1e-9 && (p[1] - 0.5).abs() < 1e-9).collect();
+    // Along the line of those: 5 of the lattice below, and the 3 within of that above.
+    assert_eq!(middle.len(), 8, "{middle:?}");
+}
+
+#[test]
+fn coordinates_far_from_the_origin_share_their_corners_too() {
+    let (lo, hi) = ([1e9, -1e9, 0.0], [1e9 + 1.0, -1e9 + 1.0, 1.0]);
+    let diagram = PowerDiagram::new(&white(200, lo, hi), &[]).unwrap().in_box(lo, hi).unwrap();
+    let output = Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap();
+    let [points, used] = counted(&output.geometry.unwrap());
+    let diagram = PowerDiagram::new(&white(200, [0.0; 3], [1.0; 3]), &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let output = Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap();
+    // Coordinates that have lost 23 bits make a few cells others.
+    let expected = counted(&output.geometry.unwrap())[0];
+    assert_eq!(points, used);
+    assert!(points.abs_diff(expected) * 50 < expected, "{points} against {expected}");
+}
+
+#[test]
+fn solids_are_made_where_they_are_asked_for() {
+    let domain = shapes::box_with_cavity(1).domain();
+    let (lo, hi) = domain.bounding_box();
+    let diagram = PowerDiagram::new(&white(20, lo, hi), &[]).unwrap().restricted_to(&domain);
+    let [without, with] = [Request::moments().with_geometry(), Request::moments().with_solids()]
+        .map(|request| Naive::default().evaluate(&diagram, &request).unwrap().geometry.unwrap());
+    assert!(!without.has_solids() && with.has_solids());
+    assert_eq!((0..20).flat_map(|i| without.solids(i)).count(), 0);
+    let [points, used] = counted(&without);
+    assert_eq!(points, used, "points of solids alone");
+    assert!(with.points().len() > points);
+}
+
+#[test]
+fn one_cell_of_a_hollow_ball_is_solids() {
+    let sphere = shapes::icosphere(4);
+    let inner = sphere.transformed(DMat3::from_diagonal(DVec3::splat(0.5)), DVec3::ZERO).flipped();
+    let domain = sphere.merged(&inner).domain();
+    let diagram = PowerDiagram::new(&[[0.1, 0.2, 0.3]], &[]).unwrap().restricted_to(&domain);
+    let output = hold("hollow ball", &diagram, domain.volume());
+    let solids = output.geometry.unwrap().solids(0).count();
+    assert!(solids < 32 * domain.triangles().len(), "{solids} solids");
+}
+
+#[test]
+fn loops_lose_what_leads_nowhere() {
+    for (given, left) in [
+        (&[1, 2, 3][..], &[1, 2, 3][..]),
+        (&[1, 1, 2, 2, 3, 3], &[1, 2, 3]),
+        (&[1, 2, 1, 3, 4], &[1, 3, 4]),
+        (&[2, 1, 3, 4, 1], &[1, 3, 4]),
+        (&[5, 1, 2, 3, 1, 5, 4], &[1, 2, 3]),
+        (&[1, 2, 3, 1, 4, 5], &[1, 2, 3, 1, 4, 5]),
+        (&[1, 2, 3, 2], &[]),
+        (&[1, 2], &[]),
+    ] {
+        let mut faces = faces::Faces::default();
+        faces.push_simplified(&mut given.to_vec(), Beyond::Nothing);
+        let mut found = faces.iter().next().map_or(Vec::new(), |face| face.0.to_vec());
+        let begin = (0..found.len()).find(|&k| left.iter().eq(found[k..].iter().chain(&found[..k])));
+        found.rotate_left(begin.unwrap_or(0));
+        assert_eq!(found, left, "{given:?}");
+    }
 }

@@ -1,12 +1,15 @@
-//! The geometry of restricted cells as files: `.vtu` (solids, for ParaView and PyVista), `.vtp` and `.ply` (polygons).
+//! The geometry of restricted cells as files: `.vtu` (solids, for ParaView and PyVista), `.vtp` and `.ply` (polygons), `.glb` (triangles, for viewers).
 
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::glb::Glb;
+use super::polyhedra::Polyhedra;
 use super::vtk::{Array, Put, array, write_xml};
 use super::{GEOMETRY_ENDINGS, atomic, ending, results};
 use crate::geometry::{Beyond, Face};
 use crate::{Error, Geometry, Output, PowerDiagram, Result};
+use rayon::prelude::*;
 
 /// VTK's number for a polyhedron.
 const VTK_POLYHEDRON: u8 = 42;
@@ -35,15 +38,39 @@ pub fn write_geometry(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &O
             "this output has no geometry of this diagram: ask for it with Request::with_geometry",
         ));
     };
+    if kind == ".vtu" && !geometry.has_solids() {
+        return Err(Error::input(
+            "this output has no solids, which a .vtu consists of: ask for them with Request::with_solids",
+        ));
+    }
     let cells = Cells { diagram, output, geometry };
-    if kind == ".vtu" {
-        cells.check_solids()?;
-    }
     match kind {
-        ".vtu" => atomic::write_whole(path, |w| cells.write_vtu(w)),
+        ".vtu" => {
+            let polyhedra = cells.polyhedra();
+            cells.check_solids(&polyhedra)?;
+            atomic::write_whole(path, |w| cells.write_vtu(&polyhedra, w))
+        }
+        ".glb" => {
+            let glb = Glb::new(geometry);
+            let most = u32::MAX as usize;
+            refuse_beyond(path, glb.bytes(sites), most, "bytes, and .glb has room for", ".vtu or .vtp")?;
+            atomic::write_whole(path, |w| glb.write(geometry, w))
+        }
         ".vtp" => atomic::write_whole(path, |w| cells.write_vtp(w)),
-        _ => atomic::write_whole(path, |w| cells.write_ply(w)),
+        _ => {
+            let most = geometry.points().len().max(sites);
+            refuse_beyond(path, most, i32::MAX as usize, "points, and .ply has numbers for", ".vtu or .vtp")?;
+            atomic::write_whole(path, |w| cells.write_ply(w))
+        }
     }
+}
+
+/// Refuses what a format cannot count.
+fn refuse_beyond(path: &Path, count: usize, most: usize, what: &str, instead: &str) -> Result<()> {
+    if count <= most {
+        return Ok(());
+    }
+    Err(Error::input(format!("{}: it would have {count} {what} {most}; write {instead}", path.display())))
 }
 
 /// How much of its volume the tetrahedra of a cell may miss, as a share of the mean.
@@ -119,10 +146,21 @@ impl Cells<'_> {
         ]
     }
 
-    /// The solids of the cell of site `i`.
-    fn solids(&self, i: usize) -> impl Iterator<Item = Solid<'_>> {
-        let is_whole = self.geometry.faces(i).all(|face| !matches!(face.beyond, Beyond::Surface(_)));
-        self.geometry.solids(i).flat_map(move |faces| match is_whole {
+    /// Of each site whether its cell stands as a polyhedron.
+    fn polyhedra(&self) -> Vec<bool> {
+        let is_one = |polyhedra: &mut Polyhedra, i: usize| {
+            let faces = self.geometry.faces(i);
+            let mut solids = self.geometry.solids(i);
+            let is_itself = solids.next().is_some() && solids.next().is_none();
+            let meets_surface = faces.clone().any(|face| matches!(face.beyond, Beyond::Surface(_)));
+            is_itself && !meets_surface && polyhedra.keeps(self.geometry.points(), faces)
+        };
+        (0..self.geometry.sites()).into_par_iter().map_init(Polyhedra::default, is_one).collect()
+    }
+
+    /// The solids of the cell of site `i`, which is a polyhedron or not.
+    fn solids(&self, i: usize, is_polyhedron: bool) -> impl Iterator<Item = Solid<'_>> {
+        self.geometry.solids(i).flat_map(move |faces| match is_polyhedron {
             true => vec![Solid::Polyhedron(faces)],
             false => self.tetrahedra(&faces),
         })
@@ -130,8 +168,8 @@ impl Cells<'_> {
 
     /// A convex solid as tetrahedra, from one of its corners to the triangles of all faces that do not have it.
     fn tetrahedra(&self, faces: &[Face<'_>]) -> Vec<Solid<'static>> {
-        let top = faces[0].corners[0];
         let mut tetrahedra = Vec::new();
+        let Some(top) = faces.first().map(|face| face.corners[0]) else { return tetrahedra };
         for corners in faces.iter().map(|face| face.corners).filter(|corners| !corners.contains(&top)) {
             let fan = corners[1..].windows(2).map(|pair| (corners[0], pair[0], pair[1]));
             tetrahedra.extend(
@@ -143,10 +181,10 @@ impl Cells<'_> {
     }
 
     /// Refuses cells that their tetrahedra do not fill.
-    fn check_solids(&self) -> Result<()> {
+    fn check_solids(&self, polyhedra: &[bool]) -> Result<()> {
         let mean = self.output.volume().iter().map(|v| v.abs()).sum::<f64>() / self.output.volume().len().max(1) as f64;
         for i in 0..self.geometry.sites() {
-            let volumes = self.solids(i).map(|solid| match solid {
+            let volumes = self.solids(i, polyhedra[i]).map(|solid| match solid {
                 Solid::Polyhedron(_) => None,
                 Solid::Tetrahedron([a, c, b, top]) => Some(self.volume_of(top, [a, b, c])),
             });
@@ -172,14 +210,14 @@ impl Cells<'_> {
     }
 
     /// Polyhedra and tetrahedra.
-    fn write_vtu(&self, w: &mut dyn Write) -> io::Result<()> {
+    fn write_vtu(&self, polyhedra: &[bool], w: &mut dyn Write) -> io::Result<()> {
         let geometry = self.geometry;
         let (mut sites, mut solids): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
         // Of each solid its points, each once; and of each polyhedron where the numbers end that say its faces.
         let (mut points, mut point_ends): (Vec<u32>, Vec<usize>) = (Vec::new(), Vec::new());
         let (mut words, mut word_ends): (usize, Vec<Option<usize>>) = (0, Vec::new());
         for i in 0..geometry.sites() {
-            for (k, solid) in self.solids(i).enumerate() {
+            for (k, solid) in self.solids(i, polyhedra[i]).enumerate() {
                 match solid {
                     Solid::Polyhedron(faces) => {
                         let mut corners: Vec<u32> = faces.iter().flat_map(|face| face.corners).copied().collect();
@@ -218,7 +256,7 @@ impl Cells<'_> {
             arrays.extend([
                 // Of each polyhedron: number of faces; then of each face its number of corners and the corners.
                 array("Cells", "faces", "Int64", 1, words, |put| {
-                    for solid in (0..geometry.sites()).flat_map(|i| self.solids(i)) {
+                    for solid in (0..geometry.sites()).flat_map(|i| self.solids(i, polyhedra[i])) {
                         if let Solid::Polyhedron(faces) = solid {
                             put(&(faces.len() as i64).to_le_bytes())?;
                             faces.iter().try_for_each(|face| put_corners(face, put))?;
@@ -311,7 +349,7 @@ mod tests {
         let domain = Domain::new(&vertices, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap();
         let diagram =
             PowerDiagram::new(&[[0.25; 3], [0.75, 0.25, 0.25]], &[0.0, weight]).unwrap().restricted_to(&domain);
-        let output = Naive::default().evaluate(&diagram, &Request::moments().with_facets().with_geometry()).unwrap();
+        let output = Naive::default().evaluate(&diagram, &Request::moments().with_facets().with_solids()).unwrap();
         (diagram, output)
     }
 
@@ -366,7 +404,7 @@ mod tests {
             }
         }
         let boxed = PowerDiagram::new(diagram.positions(), &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-        let output_in_box = Naive::default().evaluate(&boxed, &Request::moments().with_geometry()).unwrap();
+        let output_in_box = Naive::default().evaluate(&boxed, &Request::moments().with_solids()).unwrap();
         write_geometry(folder.join("box.vtu"), &boxed, &output_in_box).unwrap();
         let arrays = announced(&std::fs::read(folder.join("box.vtu")).unwrap());
         let bytes = |name: &str| &arrays.iter().find(|(n, _)| n == name).unwrap().1;

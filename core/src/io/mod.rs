@@ -7,6 +7,7 @@
 mod atomic;
 mod atoms;
 mod geometry;
+mod glb;
 mod lines;
 mod mesh;
 #[cfg_attr(not(feature = "npy"), path = "npy_absent.rs")]
@@ -14,6 +15,7 @@ mod npy;
 mod obj;
 mod off;
 mod ply;
+mod polyhedra;
 mod read_results;
 mod results;
 mod sites;
@@ -46,7 +48,7 @@ pub const MESH_ENDINGS: &[&str] = &[".obj", ".off", ".ply", ".stl"];
 /// Endings that [`write_cells`] knows.
 pub const CELLS_ENDINGS: &[&str] = &[".csv", ".npy"];
 /// Endings that [`write_geometry`] knows.
-pub const GEOMETRY_ENDINGS: &[&str] = &[".vtu", ".vtp", ".ply"];
+pub const GEOMETRY_ENDINGS: &[&str] = &[".vtu", ".vtp", ".ply", ".glb"];
 /// Endings that [`write_facets`] knows.
 pub const FACETS_ENDINGS: &[&str] = &[".csv", ".npy"];
 

@@ -1,0 +1,164 @@
+//! glTF 2.0, binary (`.glb`): a header, a chunk of JSON that says what is where, and a chunk of numbers. The JSON is a dozen lines of fixed shape,
+//! so it is written as text: the crate `gltf-json` would bring eight others for it.
+
+use std::collections::HashMap;
+use std::io::{self, Write};
+
+use crate::geometry::{Beyond, Geometry};
+
+/// The cells as triangles: of each cell its own corners, with a colour that none of its neighbours has.
+pub(super) struct Glb {
+    /// Of each cell that is not empty its site, its colour and its number of corners.
+    cells: Vec<(u32, [u8; 4], usize)>,
+    /// The corners of all cells, as points of the geometry.
+    corners: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    middle: [f64; 3],
+    lo: [f32; 3],
+    hi: [f32; 3],
+}
+
+/// The site's number as a 32-bit float, which glTF allows for an attribute of one's own, is exact so far.
+const EXACT_SITES: usize = 1 << 24;
+
+impl Glb {
+    pub(super) fn new(geometry: &Geometry) -> Self {
+        let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let points = geometry.points();
+        for corner in (0..geometry.sites()).flat_map(|i| geometry.faces(i)).flat_map(|face| face.corners) {
+            let x = points[*corner as usize];
+            (lo, hi) = ([0, 1, 2].map(|k| lo[k].min(x[k])), [0, 1, 2].map(|k| hi[k].max(x[k])));
+        }
+        let middle = [0, 1, 2].map(|k| if lo[k] <= hi[k] { lo[k] + 0.5 * (hi[k] - lo[k]) } else { 0.0 });
+        let colors = colors(geometry);
+        let (mut cells, mut corners, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+        let mut numbers: HashMap<u32, u32> = HashMap::new();
+        for (i, &color) in colors.iter().enumerate() {
+            numbers.clear();
+            let first = corners.len();
+            for face in geometry.faces(i) {
+                let mut number = |&point: &u32| {
+                    *numbers.entry(point).or_insert_with(|| {
+                        corners.push(point);
+                        (corners.len() - 1) as u32
+                    })
+                };
+                let top = number(&face.corners[0]);
+                let others: Vec<u32> = face.corners[1..].iter().map(number).collect();
+                triangles.extend(others.windows(2).map(|pair| [top, pair[0], pair[1]]));
+            }
+            if corners.len() > first {
+                cells.push((i as u32, rgba(color), corners.len() - first));
+            }
+        }
+        let place = |x: f64, k: usize| (x - middle[k]) as f32;
+        let (lo, hi) = ([0, 1, 2].map(|k| place(lo[k], k)), [0, 1, 2].map(|k| place(hi[k], k)));
+        Self { cells, corners, triangles, middle, lo, hi }
+    }
+
+    /// Bytes of its numbers.
+    fn numbers(&self) -> usize {
+        (12 + 4 + 4) * self.corners.len() + 12 * self.triangles.len()
+    }
+
+    /// Bytes of all of it; the format has room for 2³² less one.
+    pub(super) fn bytes(&self, sites: usize) -> usize {
+        12 + 8 + self.json(sites).len() + if self.triangles.is_empty() { 0 } else { 8 + self.numbers() }
+    }
+
+    pub(super) fn write(&self, geometry: &Geometry, w: &mut dyn Write) -> io::Result<()> {
+        let json = self.json(geometry.sites());
+        let put = |w: &mut dyn Write, n: usize| w.write_all(&(n as u32).to_le_bytes());
+        w.write_all(b"glTF")?;
+        put(w, 2)?;
+        put(w, self.bytes(geometry.sites()))?;
+        put(w, json.len())?;
+        w.write_all(b"JSON")?;
+        w.write_all(json.as_bytes())?;
+        if self.triangles.is_empty() {
+            return Ok(());
+        }
+        put(w, self.numbers())?;
+        w.write_all(b"BIN\0")?;
+        for &corner in &self.corners {
+            let x = geometry.points()[corner as usize];
+            (0..3).try_for_each(|k| w.write_all(&((x[k] - self.middle[k]) as f32).to_le_bytes()))?;
+        }
+        for &(_, color, corners) in &self.cells {
+            (0..corners).try_for_each(|_| w.write_all(&color))?;
+        }
+        for &(site, _, corners) in &self.cells {
+            (0..corners).try_for_each(|_| w.write_all(&(site as f32).to_le_bytes()))?;
+        }
+        self.triangles.iter().flatten().try_for_each(|corner| w.write_all(&corner.to_le_bytes()))
+    }
+
+    /// The JSON, padded with spaces to a multiple of four bytes.
+    fn json(&self, sites: usize) -> String {
+        let (corners, indices) = (self.corners.len(), 3 * self.triangles.len());
+        let asset = format!(r#""asset":{{"version":"2.0","generator":"laguerre {}"}}"#, env!("CARGO_PKG_VERSION"));
+        let [x, y, z] = self.middle;
+        let mut json = if self.triangles.is_empty() {
+            format!(r#"{{{asset},"scene":0,"scenes":[{{}}]}}"#)
+        } else {
+            let view = |offset: usize, length: usize, target: u32| {
+                format!(r#"{{"buffer":0,"byteOffset":{offset},"byteLength":{length},"target":{target}}}"#)
+            };
+            let (vertices, elements) = (34962, 34963);
+            let views = [
+                view(0, 12 * corners, vertices),
+                view(12 * corners, 4 * corners, vertices),
+                view(16 * corners, 4 * corners, vertices),
+                view(20 * corners, 4 * indices, elements),
+            ];
+            let (float, byte, unsigned) = (5126, 5121, 5125);
+            // Shortest texts that read back to the same numbers.
+            let bounds = format!(r#""min":{:?},"max":{:?}"#, self.lo, self.hi);
+            let has_sites = sites <= EXACT_SITES;
+            let accessors = [
+                format!(r#"{{"bufferView":0,"componentType":{float},"count":{corners},"type":"VEC3",{bounds}}}"#),
+                format!(
+                    r#"{{"bufferView":1,"componentType":{byte},"normalized":true,"count":{corners},"type":"VEC4"}}"#
+                ),
+                format!(r#"{{"bufferView":2,"componentType":{float},"count":{corners},"type":"SCALAR"}}"#),
+                format!(r#"{{"bufferView":3,"componentType":{unsigned},"count":{indices},"type":"SCALAR"}}"#),
+            ];
+            let site = if has_sites { r#","_SITE":2"# } else { "" };
+            format!(
+                r#"{{{asset},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"name":"cells","mesh":0,"translation":[{x:?},{y:?},{z:?}]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"COLOR_0":1{site}}},"indices":3,"material":0}}]}}],"materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0.0,"roughnessFactor":1.0}}}}],"buffers":[{{"byteLength":{}}}],"bufferViews":[{}],"accessors":[{}]}}"#,
+                self.numbers(),
+                views.join(","),
+                accessors.join(",")
+            )
+        };
+        json.extend(std::iter::repeat_n(' ', json.len().next_multiple_of(4) - json.len()));
+        json
+    }
+}
+
+/// Of each site a number that no site has whose cell has a face in common with its own: the least that those before it leave.
+fn colors(geometry: &Geometry) -> Vec<u32> {
+    let mut colors = vec![u32::MAX; geometry.sites()];
+    let mut taken = Vec::new();
+    for i in 0..geometry.sites() {
+        taken.clear();
+        taken.extend(geometry.faces(i).filter_map(|face| match face.beyond {
+            Beyond::Site(j) => Some(colors[j as usize]),
+            _ => None,
+        }));
+        colors[i] = (0..).find(|color| !taken.contains(color)).unwrap_or(0);
+    }
+    colors
+}
+
+/// A colour by its number: hues a golden section of the circle apart, light and dark in turn, so that the first ten differ clearly.
+fn rgba(number: u32) -> [u8; 4] {
+    let hue = 6.0 * (f64::from(number) * 0.618_033_988_749_895).fract();
+    let value = [0.9, 0.6, 0.75][number as usize % 3];
+    let channel = |k: f64| {
+        let distance = ((hue - k).rem_euclid(6.0) - 3.0).abs();
+        let share = (distance - 1.0).clamp(0.0, 1.0);
+        (255.0 * value * (0.35 + 0.65 * share)).round() as u8
+    };
+    [channel(3.0), channel(5.0), channel(1.0), 255]
+}

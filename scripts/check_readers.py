@@ -1,10 +1,8 @@
-"""Holds the files of the program against PyVista (VTK): what one writes the other must read to the same numbers.
+"""Holds the files of the program against who reads them: PyVista (VTK), meshio, trimesh. They must find the same numbers.
 
-Not part of `cargo xtask test`, which needs nothing but Rust. To run it (some ten seconds):
+`cargo xtask readers` installs those and runs this with the tests' program; by hand, with what its list of packages says:
 
-    cargo build --release
-    python3 -m venv .venv && .venv/bin/pip install "pyvista==0.49.*"
-    .venv/bin/python scripts/check_pyvista.py [PROGRAM]        (default: target/release/laguerre)
+    python scripts/check_readers.py [PROGRAM]        (default: target/release/laguerre)
 
 It ends with code 1 and the check that failed, or with "all checks passed".
 """
@@ -16,12 +14,18 @@ import sys
 import tempfile
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pyvista as pv
+import trimesh
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target/release/laguerre").resolve()
 BUNNY = ROOT / "fixtures/meshes/bunny.obj"
+# What every volume that VTK finds in a .vtu may be off, as a share of the mean.
+VTK_BOUND = 1e-12
+# Coordinates of .glb have 24 bits of half the size of all.
+GLB_BOUND = 1e-5
 # VTK's volumes are sums over some twenty tetrahedra of coordinates that are rounded once.
 VOLUME_BOUND = 1e-13
 # Its volume of a mesh is a plain sum over some thousand triangles; coordinates have 32 bits, and all their digits in text.
@@ -35,9 +39,9 @@ def laguerre(*arguments):
 
 
 def check(what, holds, found=""):
-    print(f"{'ok  ' if holds else 'FAIL'} {what} {found}")
     if not holds:
-        sys.exit(1)
+        sys.exit(f"FAIL {what} {found}")
+    print(f"ok   {what} {found}")
 
 
 def worst(found, expected):
@@ -69,6 +73,18 @@ def read_cells(name):
     return rows[rows["status"] != 1]
 
 
+def check_volumes(label, name):
+    """Every volume by vtkCellSizeFilter, which is what users ask, against the field."""
+    grid = pv.read(name)
+    by_vtk = grid.compute_cell_sizes(length=False, area=False).cell_data["Volume"]
+    first = np.unique(grid.cell_data["site"], return_index=True)[1]
+    volumes = grid.cell_data["volume"][first]
+    off = np.abs(of_sites(grid, np.abs(by_vtk))[1] - volumes) / np.mean(volumes)
+    of = f"{np.sum(off > VTK_BOUND)} of {len(volumes)} off, the largest by {np.max(off):.1e}"
+    check(f"{label}: volumes by vtkCellSizeFilter", np.max(off) < VTK_BOUND, of)
+    return grid
+
+
 def check_results(container, label):
     """Cells with weights, and facets so that their number is there too."""
     laguerre("integrate", "sites.csv", *container, "-o", "cells.csv", "--facets", "facets.csv")
@@ -90,11 +106,7 @@ def check_results(container, label):
     by_faces = of_sites(grid, volumes_by_faces(grid))[1]
     found = np.max(np.abs(by_faces - cells["volume"])) / np.mean(cells["volume"])
     check(f"{label}: volumes by the faces", found < VOLUME_BOUND, f"{found:.1e}")
-    # VTK makes Delaunay tetrahedra of a polyhedron's points, and loses some of one in a hundred; tetrahedra it takes as they are.
-    by_vtk = grid.compute_cell_sizes(length=False, area=False).cell_data["Volume"]
-    by_vtk = of_sites(grid, np.abs(by_vtk))[1]
-    off = np.abs(by_vtk - cells["volume"]) / np.mean(cells["volume"])
-    check(f"{label}: volumes by vtkCellSizeFilter, of 98 in 100", np.quantile(off, 0.98) < VOLUME_BOUND, f"{np.sum(off > VOLUME_BOUND)} off")
+    check_volumes(label, "cells.vtu")
     laguerre("integrate", "sites.csv", *container, "-o", "cells.vtp")
     polygons = pv.read("cells.vtp")
     areas = polygons.compute_cell_sizes(length=False, volume=False).cell_data["Area"]
@@ -105,7 +117,40 @@ def check_results(container, label):
     ]:
         found = abs(areas[of_file].sum() / facets["area"][of_csv].sum() - 1)
         check(f"{label}: the polygons' area of {what}", found < MESH_BOUND, f"{found:.1e}")
+    laguerre("integrate", "sites.csv", *container, "-o", "cells.ply")
+    check_polygons(label, polygons)
+    laguerre("integrate", "sites.csv", *container, "-o", "cells.glb")
+    check_glb(label, polygons, cells)
     return grid, report
+
+
+def check_polygons(label, polygons):
+    """No point too many, and the .ply is the .vtp. (VTK reads it with 32 bits. meshio 5.3 reads no binary .ply whose faces have data, and trimesh
+    none whose faces have different numbers of corners.)"""
+    corners = lambda mesh: pv.convert_array(mesh.GetPolys().GetConnectivityArray())
+    check(f"{label}: no point that no polygon has", len(np.unique(corners(polygons))) == polygons.n_points)
+    read = pv.read("cells.ply")
+    check(f"{label}: VTK's points of the .ply", np.array_equal(read.points, polygons.points.astype(np.float32)))
+    check(f"{label}: VTK's polygons of the .ply", np.array_equal(corners(read), corners(polygons)), read.n_cells)
+
+
+def check_glb(label, polygons, cells):
+    """Of each site the triangles, by trimesh: closed, of its volume, and of a colour that no neighbour has."""
+    scene = trimesh.load("cells.glb", process=False)
+    check(f"{label}: one mesh in the .glb", len(scene.geometry) == 1)
+    mesh = scene.to_geometry()
+    only = next(iter(scene.geometry.values()))
+    sites = only.vertex_attributes["_SITE"].ravel().astype(int)[mesh.faces]
+    check(f"{label}: a triangle is of one site", np.all(sites == sites[:, :1]))
+    a, b, c = np.moveaxis(np.asarray(mesh.vertices, float)[mesh.faces] - np.mean(polygons.points, axis=0), 1, 0)
+    volumes = np.bincount(sites[:, 0], weights=np.einsum("ij,ij->i", a, np.cross(b, c)) / 6, minlength=len(cells))
+    found = np.max(np.abs(volumes[cells["site"].astype(int)] - cells["volume"])) / np.mean(cells["volume"])
+    check(f"{label}: volumes by the triangles of the .glb", found < GLB_BOUND, f"{found:.1e}")
+    colors = np.zeros((int(np.max(cells["site"])) + 1, 4))
+    colors[sites[:, 0]] = only.visual.vertex_attributes["color"][mesh.faces[:, 0]]
+    site, beyond = polygons.cell_data["site"], polygons.cell_data["beyond"]
+    pairs = np.stack([site, beyond])[:, beyond >= 0]
+    check(f"{label}: neighbours have different colours", np.all(np.any(colors[pairs[0]] != colors[pairs[1]], axis=1)))
 
 
 def check_box():
@@ -123,6 +168,41 @@ def check_domain():
     grid, report = check_results(["--domain", BUNNY], "bunny")
     found = abs(report["domain_volume"] / bunny.volume - 1)
     check("bunny: VTK's volume of the mesh", found < MESH_BOUND, f"{found:.1e}")
+
+
+def write_obj(name, *shells):
+    """A mesh of shells; each is turned inside out where its flag says so."""
+    with open(name, "w") as file:
+        begin = 1
+        for mesh, turned in shells:
+            file.writelines("v {!r} {!r} {!r}\n".format(*map(float, point)) for point in mesh.points)
+            for corners in mesh.regular_faces[:, ::-1] if turned else mesh.regular_faces:
+                file.write("f {} {} {}\n".format(*(corners + begin)))
+            begin += mesh.n_points
+
+
+def check_shells():
+    """Meshes of several shells; and the demo's 10,000 cells in the swan."""
+    sphere = lambda radius, x=0: pv.Icosphere(radius=radius, center=(x, 0, 0), nsub=2).clean(tolerance=1e-6)
+    write_obj("cavity.obj", (pv.Box().triangulate(), False), (sphere(0.6), True))
+    write_obj("components.obj", (sphere(1, -1.2), False), (sphere(0.8, 1.2), False))
+    write_obj("nested.obj", (sphere(1), False), (sphere(0.7), True), (sphere(0.4), False))
+    points = np.random.default_rng(5).random((2000, 3)) * [4.4, 2, 2] - [2.2, 1, 1]
+    np.savetxt("points.csv", points, fmt="%.17g", delimiter=",", header="x,y,z", comments="")
+    for name in ("cavity", "components", "nested"):
+        report = json.loads(laguerre("integrate", "points.csv", "--domain", f"{name}.obj", "-o", f"{name}.vtu", "--json"))
+        grid = check_volumes(name, f"{name}.vtu")
+        check(f"{name}: as many cells", len(np.unique(grid.cell_data["site"])) == report["cells"])
+    laguerre("demo", "--out-dir", "demo")
+    check_volumes("demo", "demo/cells.vtu")
+    # meshio reads no polyhedra. In a sphere, two cells meet its surface both.
+    np.savetxt("two.csv", [[-0.5, 0, 0], [0.5, 0.1, 0]], delimiter=",", header="x,y,z", comments="")
+    write_obj("sphere.obj", (sphere(1), False))
+    laguerre("integrate", "two.csv", "--domain", "sphere.obj", "-o", "two.vtu")
+    ours, theirs = pv.read("two.vtu"), meshio.read("two.vtu")
+    check("two: meshio's points of the .vtu", np.array_equal(theirs.points, ours.points))
+    check("two: meshio's tetrahedra", np.array_equal(theirs.cells_dict["tetra"], ours.cells_dict[pv.CellType.TETRA]))
+    check("two: meshio's volumes", np.array_equal(theirs.cell_data["volume"][0], ours.cell_data["volume"]))
 
 
 def check_meshes():
@@ -163,6 +243,7 @@ def main():
         np.savetxt("sites.csv", sites, fmt="%.17g", delimiter=",", header="x,y,z,weight", comments="")
         check_box()
         check_domain()
+        check_shells()
         check_meshes()
         check_points()
         os.chdir(ROOT)

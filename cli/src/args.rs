@@ -108,7 +108,8 @@ pub(crate) struct IntegrateArgs {
 
     /// Where to write the cells: .csv (site,volume,x,y,z,facets,status, the status 0 complete, 1 empty, 2 not certified; NaN for what there
     /// is not), .npy (N×4: volume, barycenter), .npz (arrays volume, barycenter, status, facets, second_moment, integral) or - for standard output, as .csv;
-    /// their geometry, cut by the domain: .vtu (solids: a polyhedron, or the tetrahedra of a cell that the domain cuts), .vtp or .ply (polygons)
+    /// their geometry, cut by the domain: .vtu (solids: a polyhedron, or the tetrahedra of a cell that the domain cuts or that VTK would lose a part
+    /// of), .vtp or .ply (polygons), .glb (triangles, no neighbours of one colour)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 

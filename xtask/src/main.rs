@@ -7,6 +7,7 @@ mod features;
 mod fixtures;
 mod lanes;
 mod paper;
+mod readers;
 mod run;
 
 use std::env;
@@ -20,6 +21,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
                    LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
   lanes            the conformance suite where work-items share a cell in sub-groups, on Intel's OpenCL for CPUs, which it installs
                    into target/ (225 MB from PyPI; needs Python and an x86-64; 13 minutes on 2 cores)
+  readers          the program's files read by PyVista, meshio and trimesh, which it installs into target/ (PyPI; needs Python; a minute)
   count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
                    --write makes that anew
   check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; every crate packs;
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
     let outcome = match words[..] {
         ["test", ref filters @ ..] => test(filters),
         ["lanes"] => lanes::run(),
+        ["readers"] => readers::run(),
         ["count"] => count::run(false),
         ["count", "--write"] => count::run(true),
         ["check"] => check(),

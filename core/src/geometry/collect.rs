@@ -189,6 +189,11 @@ impl GeometryAssembler {
         Self { geometry, waiting, same, agreed: AGREED * frame.unit(), most_points: NONE as usize }
     }
 
+    #[cfg(test)]
+    pub(super) fn with_most_points(self, most_points: usize) -> Self {
+        Self { most_points, ..self }
+    }
+
     /// Adds some cells.
     pub fn add(&mut self, shapes: &Shapes) {
         if self.geometry.points.len() + shapes.points.len() > self.most_points {

@@ -14,7 +14,7 @@ const WAVE: usize = 32 * CHUNK;
 ///
 /// # Errors
 /// `Input` where sites are out of range of the container.
-pub fn on_host(diagram: &PowerDiagram, request: &Request) -> Result<Geometry> {
+pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>) -> Result<Geometry> {
     let prepared = diagram.prepare()?;
     let (order, frame) = (prepared.sites.order(), &prepared.container.frame);
     let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame, request.solids);

@@ -1,5 +1,7 @@
 use super::*;
+use crate::cell::{COMPLETE, PlainStore};
 use crate::oracle::Naive;
+use crate::search::Search;
 use crate::shapes::{self, Contact};
 use crate::{Backend, CellStatus, Output, PowerDiagram, Request};
 use glam::{DMat3, DVec3};
@@ -212,6 +214,25 @@ fn one_cell_of_a_hollow_ball_is_solids() {
     let output = hold("hollow ball", &diagram, domain.volume());
     let solids = output.geometry.unwrap().solids(0).count();
     assert!(solids < 32 * domain.triangles().len(), "{solids} solids");
+}
+
+#[test]
+fn more_points_than_have_numbers_are_refused() {
+    let diagram = PowerDiagram::new(&[[0.5; 3]], &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let prepared = diagram.prepare().unwrap();
+    let (frame, order) = (&prepared.container.frame, prepared.sites.order());
+    let [x, y, z, _] = prepared.sites.site(0);
+    let mut store = PlainStore::new([x, y, z], None);
+    assert_eq!(Search::new(&prepared).complete(&mut store, 0, None).status, COMPLETE);
+    let mut shapes = Shapes::default();
+    assert_eq!(Shaper::default().add(&store, 0, 1.0, order, frame, &mut shapes), COMPLETE);
+    for (most, is_enough) in [(7, false), (8, true)] {
+        let mut assembler = GeometryAssembler::new(1, frame, false).with_most_points(most);
+        assembler.add(&shapes);
+        let geometry = assembler.finish();
+        assert_eq!(geometry.is_ok(), is_enough);
+        assert!(geometry.map_or_else(|e| e.to_string().contains("points; take fewer"), |g| g.points().len() == 8));
+    }
 }
 
 #[test]

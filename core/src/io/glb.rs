@@ -162,3 +162,76 @@ fn rgba(number: u32) -> [u8; 4] {
     };
     [channel(3.0), channel(5.0), channel(1.0), 255]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::oracle::Naive;
+    use crate::{Backend, PowerDiagram, Request};
+
+    fn geometry(sites: &[[f64; 3]], at: f64) -> Geometry {
+        let sites: Vec<[f64; 3]> = sites.iter().map(|p| p.map(|x| x + at)).collect();
+        let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([at; 3], [at + 1.0; 3]).unwrap();
+        Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap().geometry.unwrap()
+    }
+
+    fn number(bytes: &[u8], at: usize) -> usize {
+        u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize
+    }
+
+    #[test]
+    fn chunks_are_as_long_as_they_say_and_triangles_enclose_the_box() {
+        // So far away that 32 bits would have nothing left of a cell.
+        let geometry = geometry(&[[0.2, 0.3, 0.4], [0.7, 0.6, 0.5], [0.4, 0.8, 0.1]], 1e8);
+        let glb = Glb::new(&geometry);
+        let mut file = Vec::new();
+        glb.write(&geometry, &mut file).unwrap();
+        assert_eq!((&file[..4], number(&file, 4)), (&b"glTF"[..], 2));
+        assert_eq!([number(&file, 8), glb.bytes(3)], [file.len(); 2]);
+        let json = number(&file, 12);
+        assert_eq!((json % 4, &file[16..20]), (0, &b"JSON"[..]));
+        let text = std::str::from_utf8(&file[20..20 + json]).unwrap();
+        assert!(text.contains(r#""translation":[100000000.5,100000000.5,100000000.5]"#), "{text}");
+        assert!(text.contains(r#""min":[-0.5, -0.5, -0.5],"max":[0.5, 0.5, 0.5]"#), "{text}");
+        let depth = |bracket: [char; 2]| bracket.map(|b| text.matches(b).count());
+        assert!([depth(['{', '}']), depth(['[', ']'])].iter().all(|[open, close]| open == close), "{text}");
+        let binary = &file[28 + json..];
+        assert_eq!((number(&file, 20 + json), &file[24 + json..28 + json]), (binary.len(), &b"BIN\0"[..]));
+        let corners = glb.corners.len();
+        let at = |corner: usize| -> [f64; 3] {
+            let float = |k: usize| f32::from_le_bytes(binary[12 * corner + 4 * k..][..4].try_into().unwrap());
+            [0, 1, 2].map(|k: usize| f64::from(float(k)))
+        };
+        let site = |corner: usize| f32::from_le_bytes(binary[16 * corners + 4 * corner..][..4].try_into().unwrap());
+        let mut volume = 0.0;
+        for triangle in binary[20 * corners..].as_chunks::<12>().0 {
+            let [i, j, k] = [0, 4, 8].map(|from| number(triangle, from));
+            assert!(site(i) == site(j) && site(j) == site(k));
+            let [a, b, c] = [i, j, k].map(at);
+            let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+            volume += (a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)) / 6.0;
+        }
+        assert!((volume - 1.0).abs() < 1e-6, "{volume}");
+    }
+
+    #[test]
+    fn neighbours_have_different_colours() {
+        let steps = [0.819_172, 0.671_043, 0.549_7];
+        let sites: Vec<_> = (1..=300).map(|i| steps.map(|step: f64| (f64::from(i) * step).fract())).collect();
+        let geometry = geometry(&sites, 0.0);
+        let colors = colors(&geometry);
+        for i in 0..geometry.sites() {
+            for face in geometry.faces(i) {
+                if let Beyond::Site(j) = face.beyond {
+                    assert_ne!(rgba(colors[i]), rgba(colors[j as usize]), "{i} and {j}");
+                }
+            }
+        }
+        let most = colors.iter().max().unwrap() + 1;
+        let mut all: Vec<_> = (0..most).map(rgba).collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), most as usize);
+        assert!(most <= 16, "{most} colours");
+    }
+}

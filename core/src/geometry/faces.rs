@@ -41,7 +41,7 @@ impl Faces {
     }
 
     /// Adds the face, from its corners after points that count as one have one number, if anything is left of it.
-    pub(super) fn push_simplified(&mut self, corners: &mut Vec<u32>, beyond: Beyond) {
+    pub(super) fn push_simplified(&mut self, corners: &mut [u32], beyond: Beyond) {
         let corners = simplify(corners);
         if corners.len() > 2 {
             self.push(corners.iter().copied(), beyond);
@@ -83,7 +83,7 @@ impl Faces {
 }
 
 /// What is left of a loop: a corner that repeats the one before it goes, and so does a way there and back.
-fn simplify(corners: &mut Vec<u32>) -> &[u32] {
+fn simplify(corners: &mut [u32]) -> &[u32] {
     let mut n = 0;
     for i in 0..corners.len() {
         let here = corners[i];

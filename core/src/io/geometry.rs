@@ -45,12 +45,12 @@ pub fn write_geometry(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &O
             "this output has no solids, which a .vtu consists of: ask for them with Request::with_solids",
         ));
     }
-    let cells = Cells { diagram, output, geometry };
+    let mut cells = Cells { diagram, output, geometry, polyhedra: Vec::new() };
     match kind {
         ".vtu" => {
-            let polyhedra = cells.polyhedra();
-            cells.check_solids(&polyhedra)?;
-            atomic::write_whole(path, |w| cells.write_vtu(&polyhedra, w))
+            cells.polyhedra = cells.find_polyhedra();
+            cells.check_solids()?;
+            atomic::write_whole(path, |w| cells.write_vtu(w))
         }
         ".glb" => {
             let glb = Glb::new(geometry);
@@ -91,6 +91,8 @@ struct Cells<'a> {
     diagram: &'a PowerDiagram,
     output: &'a Output,
     geometry: &'a Geometry,
+    /// Of each site whether its cell stands as a polyhedron; for `.vtu`.
+    polyhedra: Vec<bool>,
 }
 
 impl Cells<'_> {
@@ -147,8 +149,8 @@ impl Cells<'_> {
         ]
     }
 
-    /// Of each site whether its cell stands as a polyhedron.
-    fn polyhedra(&self) -> Vec<bool> {
+    /// Of each site whether its cell can stand as a polyhedron.
+    fn find_polyhedra(&self) -> Vec<bool> {
         let is_one = |polyhedra: &mut Polyhedra, i: usize| {
             let faces = self.geometry.faces(i);
             let mut solids = self.geometry.solids(i);
@@ -159,12 +161,12 @@ impl Cells<'_> {
         (0..self.geometry.sites()).into_par_iter().map_init(Polyhedra::default, is_one).collect()
     }
 
-    /// The solids of the cell of site `i`, which is a polyhedron or not.
-    fn solids(&self, i: usize, is_polyhedron: bool) -> impl Iterator<Item = Solid<'_>> {
-        self.geometry.solids(i).flat_map(move |faces| match is_polyhedron {
-            true => vec![Solid::Polyhedron(faces)],
-            false => self.tetrahedra(&faces),
-        })
+    /// The solids of the cell of site `i`.
+    fn solids(&self, i: usize) -> Vec<Solid<'_>> {
+        match self.polyhedra[i] {
+            true => vec![Solid::Polyhedron(self.geometry.faces(i).collect())],
+            false => self.geometry.solids(i).flat_map(|faces| self.tetrahedra(&faces)).collect(),
+        }
     }
 
     /// A convex solid as tetrahedra, from one of its corners to the triangles of all faces that do not have it.
@@ -182,24 +184,25 @@ impl Cells<'_> {
     }
 
     /// Refuses cells that their tetrahedra do not fill.
-    fn check_solids(&self, polyhedra: &[bool]) -> Result<()> {
-        let mean = self.output.volume().iter().map(|v| v.abs()).sum::<f64>() / self.output.volume().len().max(1) as f64;
-        for i in 0..self.geometry.sites() {
-            let volumes = self.solids(i, polyhedra[i]).map(|solid| match solid {
-                Solid::Polyhedron(_) => None,
-                Solid::Tetrahedron([a, c, b, top]) => Some(self.volume_of(top, [a, b, c])),
-            });
-            if let Some(sum) = volumes.sum::<Option<f64>>() {
-                let expected = self.output.volume()[i];
-                if self.geometry.faces(i).len() > 0 && (sum - expected).abs() > FILLED * mean.max(expected.abs()) {
-                    return Err(Error::input(format!(
-                        "the cell of site {i} cannot be written as solids, which fill {sum:e} of {expected:e}: its winding number is \
-                         negative somewhere, or it has too many parts; write .vtp or .ply, or take more sites"
-                    )));
-                }
-            }
-        }
-        Ok(())
+    fn check_solids(&self) -> Result<()> {
+        let mean = self.output.volume.iter().map(|v| v.abs()).sum::<f64>() / self.output.volume.len().max(1) as f64;
+        let failed = |i: usize| {
+            let volume = |solid| match solid {
+                Solid::Polyhedron(_) => self.output.volume[i],
+                Solid::Tetrahedron([a, c, b, top]) => self.volume_of(top, [a, b, c]),
+            };
+            let expected = self.output.volume[i];
+            let sum: f64 = self.solids(i).into_iter().map(volume).sum();
+            let is_off = self.geometry.faces(i).len() > 0 && (sum - expected).abs() > FILLED * mean.max(expected.abs());
+            is_off.then(|| {
+                Error::input(format!(
+                    "the cell of site {i} cannot be written as solids, which fill {sum:e} of {expected:e}: its winding number is \
+                     negative somewhere, or it has too many parts; write .vtp or .ply, or take more sites"
+                ))
+            })
+        };
+        let sites = (0..self.geometry.sites()).into_par_iter().filter(|&i| !self.polyhedra[i]);
+        sites.find_map_first(failed).map_or(Ok(()), Err)
     }
 
     /// The volume of a tetrahedron, of which the triangle is counterclockwise from outside.
@@ -211,14 +214,14 @@ impl Cells<'_> {
     }
 
     /// Polyhedra and tetrahedra.
-    fn write_vtu(&self, polyhedra: &[bool], w: &mut dyn Write) -> io::Result<()> {
+    fn write_vtu(&self, w: &mut dyn Write) -> io::Result<()> {
         let geometry = self.geometry;
         let (mut sites, mut solids): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
         // Of each solid its points, each once; and of each polyhedron where the numbers end that say its faces.
         let (mut points, mut point_ends): (Vec<u32>, Vec<usize>) = (Vec::new(), Vec::new());
         let (mut words, mut word_ends): (usize, Vec<Option<usize>>) = (0, Vec::new());
         for i in 0..geometry.sites() {
-            for (k, solid) in self.solids(i, polyhedra[i]).enumerate() {
+            for (k, solid) in self.solids(i).into_iter().enumerate() {
                 match solid {
                     Solid::Polyhedron(faces) => {
                         let mut corners: Vec<u32> = faces.iter().flat_map(|face| face.corners).copied().collect();
@@ -257,13 +260,11 @@ impl Cells<'_> {
             arrays.extend([
                 // Of each polyhedron: number of faces; then of each face its number of corners and the corners.
                 array("Cells", "faces", "Int64", 1, words, |put| {
-                    for solid in (0..geometry.sites()).flat_map(|i| self.solids(i, polyhedra[i])) {
-                        if let Solid::Polyhedron(faces) = solid {
-                            put(&(faces.len() as i64).to_le_bytes())?;
-                            faces.iter().try_for_each(|face| put_corners(face, put))?;
-                        }
-                    }
-                    Ok(())
+                    let mut all = (0..geometry.sites()).filter(|&i| self.polyhedra[i]).map(|i| geometry.faces(i));
+                    all.try_for_each(|mut faces| {
+                        put(&(faces.len() as i64).to_le_bytes())?;
+                        faces.try_for_each(|face| put_corners(&face, put))
+                    })
                 }),
                 array("Cells", "faceoffsets", "Int64", 1, n, |put| {
                     word_ends.iter().try_for_each(|end| put(&end.map_or(-1, |end| end as i64).to_le_bytes()))

@@ -45,9 +45,8 @@ impl Polyhedra {
             let [x, y, z] = points[i as usize];
             v3(x, y, z)
         };
-        let place = |i: u32| sub(at(i), at(first));
         self.places.clear();
-        self.places.extend(self.corners.iter().map(|&i| (place(i), false)));
+        self.places.extend(self.corners.iter().map(|&i| (sub(at(i), at(first)), false)));
         let (mut lo, mut hi) = (V3::default(), V3::default());
         for &(x, _) in &self.places {
             lo = v3(lo.x.min(x.x), lo.y.min(x.y), lo.z.min(x.z));
@@ -59,9 +58,11 @@ impl Polyhedra {
         let around = [0, 1, 2, 3, 4, 5].map(|k| if k < 3 { add(middle, ways[k]) } else { sub(middle, ways[k - 3]) });
         faces.into_iter().all(|face| {
             self.polygon.clear();
-            self.polygon.extend(face.corners.iter().map(|&i| place(i)));
-            for (corner, (_, is_on_face)) in self.corners.iter().zip(&mut self.places) {
-                *is_on_face = face.corners.contains(corner);
+            self.places.iter_mut().for_each(|(_, is_on_face)| *is_on_face = false);
+            for corner in face.corners {
+                let (place, is_on_face) = &mut self.places[self.corners.partition_point(|c| c < corner)];
+                self.polygon.push(*place);
+                *is_on_face = true;
             }
             self.keeps_face(&around, NEAR * diagonal)
         })
@@ -76,11 +77,15 @@ impl Polyhedra {
             .fold(V3::default(), |sum, pair| add(sum, cross(sub(pair[0], polygon[0]), sub(pair[1], polygon[0]))));
         let size = dot(area, area).sqrt();
         let normal = scale(1.0 / size, area);
-        let depth = |x: V3| dot(sub(polygon[0], x), normal);
-        // A face of no area has a depth that is no number.
-        let is_clear = |&(x, is_on_face): &(V3, bool)| is_on_face || depth(x) > near;
-        let is_flat = |i: usize| is_flat([polygon[i], polygon[(i + 1) % n], polygon[(i + 2) % n]], near);
-        if !self.places.iter().all(is_clear) || (0..n).any(is_flat) {
+        let height = dot(polygon[0], normal);
+        let before = self.places.iter().filter(|(_, is_on_face)| !is_on_face);
+        let nearest = before.map(|&(x, _)| height - dot(x, normal)).fold(Real::INFINITY, Real::min);
+        let is_flat = |corners: [V3; 3]| is_flat(corners, near);
+        // The first also where a face has no area, and so no normal.
+        if size == 0.0
+            || nearest <= near
+            || (0..n).any(|i| is_flat([polygon[i], polygon[(i + 1) % n], polygon[(i + 2) % n]]))
+        {
             return false;
         }
         // The Delaunay triangles of the polygon: on each edge, from the first, the one whose angle over it is the largest.
@@ -95,7 +100,7 @@ impl Polyhedra {
             let Some(top) = tops.min_by(|&i, &j| cotangent(i).total_cmp(&cotangent(j))) else { continue };
             self.open.extend([(from, top), (top, to)]);
             let triangle = [from, top, to].map(|i| polygon[i]);
-            if is_flat_or_lost(triangle, normal, around, near, &self.places) {
+            if is_flat(triangle) || is_lost(triangle, normal, around, nearest, &self.places) {
                 return false;
             }
         }
@@ -103,12 +108,8 @@ impl Polyhedra {
     }
 }
 
-/// Whether a triangle is so flat that VTK takes its corners for a line, or a corner before it is in the sphere through it and one of the points around.
-fn is_flat_or_lost(triangle: [V3; 3], normal: V3, around: &[V3; 6], near: Real, places: &[(V3, bool)]) -> bool {
-    if is_flat(triangle, near) {
-        return true;
-    }
-    let [a, b, c] = triangle;
+/// Whether a corner behind a triangle's face, none of which is nearer to it than `nearest`, is in the sphere through it and one of the points around.
+fn is_lost([a, b, c]: [V3; 3], normal: V3, around: &[V3; 6], nearest: Real, places: &[(V3, bool)]) -> bool {
     let (u, w) = (sub(b, a), sub(c, a));
     let x = cross(u, w);
     let to_middle = add(scale(dot(w, w), cross(x, u)), scale(dot(u, u), cross(w, x)));
@@ -120,10 +121,13 @@ fn is_flat_or_lost(triangle: [V3; 3], normal: V3, around: &[V3; 6], near: Real, 
         if height > 0.0 { lowest.min((dot(way, way) - square) / (2.0 * height)) } else { lowest }
     });
     let margin = TOUCHES * (square + lowest * lowest);
-    places.iter().filter(|(_, is_on_face)| !is_on_face).any(|&(x, _)| {
-        let way = sub(x, middle);
-        dot(way, way) - square - 2.0 * lowest * dot(way, normal) < margin
-    })
+    // Seldom is any so near that it takes more than this.
+    let is_far = lowest > 0.0 && 2.0 * lowest * nearest > square + margin;
+    !is_far
+        && places.iter().filter(|(_, is_on_face)| !is_on_face).any(|&(x, _)| {
+            let way = sub(x, middle);
+            dot(way, way) - square - 2.0 * lowest * dot(way, normal) < margin
+        })
 }
 
 /// Whether a corner of a triangle is within `near` of the opposite edge's line.

@@ -76,7 +76,10 @@ fn an_interrupt_keeps_the_last_iteration() {
     let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.starts_with("sites")).collect();
     let last: Vec<&str> = rows[rows.len() - 1].split_whitespace().collect();
     let iterations = if last[0] == "1" { "1 iteration".into() } else { format!("{} iterations", last[0]) };
-    assert_eq!(said, format!("laguerre: interrupted after {iterations}; the sites as they were then are in even.npy\n"));
+    assert_eq!(
+        said,
+        format!("laguerre: interrupted after {iterations}; the sites as they were then are in even.npy\n")
+    );
     let again = laguerre(folder, &["lloyd", "even.npy", "--box", UNIT_BOX, "--json", "--iterations", "0"]);
     let energy = json(&String::from_utf8(again.stdout).unwrap())["energy"].as_f64().unwrap();
     assert_eq!(format!("{energy:.6e}"), last[2]);

@@ -3,7 +3,7 @@
 use super::{Geometry, GeometryAssembler, Shaper, Shapes};
 use crate::cell::{self, CellSums, PlainStore};
 use crate::search::Search;
-use crate::{Error, ErrorKind, PowerDiagram, Request, Result};
+use crate::{Error, ErrorKind, PowerDiagram, Result, Watched};
 use rayon::prelude::*;
 
 /// Cells that one task computes, and those that are computed before they are put together.
@@ -40,6 +40,8 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>) -> Result<Geometry
                     return Err(Error::new(ErrorKind::Device, message));
                 }
             }
+            // These cells are counted; who watches may still end it.
+            request.advance(0)?;
             Ok(shapes)
         };
         let rooms = || (Search::new(&prepared), Shaper::new(request.solids));

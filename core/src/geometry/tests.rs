@@ -142,7 +142,7 @@ fn cells_of_lattices_share_their_corners() {
         for (lo, hi) in [([0.0; 3], [1.0; 3]), ([-0.1, 0.3, 7.0], [0.7, 0.9, 7.7]), ([1e6; 3], [1e6 + 1.0; 3])] {
             let diagram = PowerDiagram::new(&lattice(n, lo, hi), &[]).unwrap().in_box(lo, hi).unwrap();
             let output = Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap();
-            assert_eq!(counted(&output.geometry.unwrap()), [(n + 1).pow(3); 2], "{n}³ from {lo:?}");
+            assert_eq!(counted(output.geometry().unwrap()), [(n + 1).pow(3); 2], "{n}³ from {lo:?}");
         }
     }
     // Of a face-centred lattice: rhombic dodecahedra, of 14 corners, of which 8 are of four cells and 6 of six; those at the box are not counted so.
@@ -152,7 +152,7 @@ fn cells_of_lattices_share_their_corners() {
     let sites = (0..n.pow(3)).flat_map(|i| shifts.map(|s| [0, 1, 2].map(|k| (at(i)[k] + s[k]) / n as f64)));
     let diagram = PowerDiagram::new(&sites.collect::<Vec<_>>(), &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let output = hold("face-centred", &diagram, 1.0);
-    let geometry = output.geometry.unwrap();
+    let geometry = output.geometry().unwrap();
     let mut places: Vec<[i64; 3]> =
         geometry.points().iter().map(|p| p.map(|x| (x * 4096.0 * n as f64).round() as i64)).collect();
     places.sort_unstable();
@@ -168,8 +168,8 @@ fn points_that_are_apart_stay_so() {
     sites.iter_mut().filter(|x| x[2] > 0.5).for_each(|x| x[0] += shift);
     let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let output = hold("sheared", &diagram, 1.0);
-    let geometry = output.geometry.unwrap();
-    let [points, used] = counted(&geometry);
+    let geometry = output.geometry().unwrap();
+    let [points, used] = counted(geometry);
     assert_eq!(points, used);
     let middle: Vec<_> =
         geometry.points().iter().filter(|p| (p[2] - 0.5).abs() < 1e-9 && (p[1] - 0.5).abs() < 1e-9).collect();
@@ -182,11 +182,11 @@ fn coordinates_far_from_the_origin_share_their_corners_too() {
     let (lo, hi) = ([1e9, -1e9, 0.0], [1e9 + 1.0, -1e9 + 1.0, 1.0]);
     let diagram = PowerDiagram::new(&white(200, lo, hi), &[]).unwrap().in_box(lo, hi).unwrap();
     let output = Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap();
-    let [points, used] = counted(&output.geometry.unwrap());
+    let [points, used] = counted(output.geometry().unwrap());
     let diagram = PowerDiagram::new(&white(200, [0.0; 3], [1.0; 3]), &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let output = Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap();
     // Coordinates that have lost 23 bits make a few cells others.
-    let expected = counted(&output.geometry.unwrap())[0];
+    let expected = counted(output.geometry().unwrap())[0];
     assert_eq!(points, used);
     assert!(points.abs_diff(expected) * 50 < expected, "{points} against {expected}");
 }
@@ -197,7 +197,7 @@ fn solids_are_made_where_they_are_asked_for() {
     let (lo, hi) = domain.bounding_box();
     let diagram = PowerDiagram::new(&white(20, lo, hi), &[]).unwrap().restricted_to(&domain);
     let [without, with] = [Request::moments().with_geometry(), Request::moments().with_solids()]
-        .map(|request| Naive::default().evaluate(&diagram, &request).unwrap().geometry.unwrap());
+        .map(|request| Naive::default().evaluate(&diagram, &request).unwrap().into_arrays().geometry.unwrap());
     assert!(!without.has_solids() && with.has_solids());
     assert_eq!((0..20).flat_map(|i| without.solids(i)).count(), 0);
     let [points, used] = counted(&without);
@@ -212,7 +212,7 @@ fn one_cell_of_a_hollow_ball_is_solids() {
     let domain = sphere.merged(&inner).domain();
     let diagram = PowerDiagram::new(&[[0.1, 0.2, 0.3]], &[]).unwrap().restricted_to(&domain);
     let output = hold("hollow ball", &diagram, domain.volume());
-    let solids = output.geometry.unwrap().solids(0).count();
+    let solids = output.geometry().unwrap().solids(0).count();
     assert!(solids < 32 * domain.triangles().len(), "{solids} solids");
 }
 

@@ -185,13 +185,13 @@ impl Cells<'_> {
 
     /// Refuses cells that their tetrahedra do not fill.
     fn check_solids(&self) -> Result<()> {
-        let mean = self.output.volume.iter().map(|v| v.abs()).sum::<f64>() / self.output.volume.len().max(1) as f64;
+        let mean = self.output.volume().iter().map(|v| v.abs()).sum::<f64>() / self.output.volume().len().max(1) as f64;
         let failed = |i: usize| {
             let volume = |solid| match solid {
-                Solid::Polyhedron(_) => self.output.volume[i],
+                Solid::Polyhedron(_) => self.output.volume()[i],
                 Solid::Tetrahedron([a, c, b, top]) => self.volume_of(top, [a, b, c]),
             };
-            let expected = self.output.volume[i];
+            let expected = self.output.volume()[i];
             let sum: f64 = self.solids(i).into_iter().map(volume).sum();
             let is_off = self.geometry.faces(i).len() > 0 && (sum - expected).abs() > FILLED * mean.max(expected.abs());
             is_off.then(|| {

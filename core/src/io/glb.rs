@@ -172,7 +172,12 @@ mod tests {
     fn geometry(sites: &[[f64; 3]], at: f64) -> Geometry {
         let sites: Vec<[f64; 3]> = sites.iter().map(|p| p.map(|x| x + at)).collect();
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([at; 3], [at + 1.0; 3]).unwrap();
-        Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap().geometry.unwrap()
+        Naive::default()
+            .evaluate(&diagram, &Request::moments().with_geometry())
+            .unwrap()
+            .into_arrays()
+            .geometry
+            .unwrap()
     }
 
     fn number(bytes: &[u8], at: usize) -> usize {

@@ -3,6 +3,8 @@
 //!
 //! Whatever bytes they are given, [`parse_sites`], [`parse_weights`] and [`parse_mesh`] end with a value or one line of
 //! error, with memory of the order of the bytes: each binary form is held against its length, each text form read line by line.
+//!
+//! NumPy's `.npy` takes the feature `npy`; without it such a name is refused, by a line that says so.
 
 mod atomic;
 mod atoms;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use laguerre::solvers::density::Density;
 use laguerre::solvers::derivatives::{Derivatives, Rows};
-use laguerre::{Output, PowerDiagram, Request, Result};
+use laguerre::{Output, PowerDiagram, Request, Result, memory};
 
 use crate::npz;
 
@@ -23,6 +23,18 @@ enum What {
     VolumesByPositions,
     BarycentersByWeights,
     BarycentersByPositions,
+}
+
+impl What {
+    /// Bytes for each site: a cell's own entry and those of some 16 neighbours, row by row and then all together.
+    fn bytes(self) -> u64 {
+        let numbers = match self {
+            Self::VolumesByWeights => 1,
+            Self::VolumesByPositions | Self::BarycentersByWeights => 3,
+            Self::BarycentersByPositions => 9,
+        };
+        2 * 17 * 8 * (1 + numbers)
+    }
 }
 
 /// Reads `volumes-by-weights=FILE`.
@@ -48,10 +60,11 @@ pub(crate) fn request(request: Request) -> Request {
 /// Writes the matrix that is asked for.
 ///
 /// # Errors
-/// `Io` where writing failed.
+/// `Io` where writing failed, `Input` where there is no memory for it.
 pub(crate) fn write(asked: &Asked, diagram: &PowerDiagram, output: &Output) -> Result<()> {
     let all = Derivatives::new(diagram, output, &Density::Uniform)?;
     let path = &asked.path;
+    memory::probe(diagram.positions().len() as u64, asked.what.bytes(), "derivatives")?;
     match asked.what {
         What::VolumesByWeights => write_rows(path, &all.masses_by_weights(), 1),
         What::VolumesByPositions => write_rows(path, &all.masses_by_positions(), 1),

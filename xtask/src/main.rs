@@ -7,6 +7,7 @@ mod features;
 mod fixtures;
 mod lanes;
 mod paper;
+mod python;
 mod readers;
 mod run;
 
@@ -22,6 +23,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   lanes            the conformance suite where work-items share a cell in sub-groups, on Intel's OpenCL for CPUs, which it installs
                    into target/ (225 MB from PyPI; needs Python and an x86-64; 13 minutes on 2 cores)
   readers          the program's files read by PyVista, meshio and trimesh, which it installs into target/ (PyPI; needs Python; a minute)
+  python           builds the Python module as tests are built, installs it into target/, and runs its tests and examples (PyPI; three minutes)
+  wheel            the module for users: a wheel in target/wheels/
   count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
                    --write makes that anew
   check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; every crate packs;
@@ -40,6 +43,8 @@ fn main() -> ExitCode {
         ["test", ref filters @ ..] => test(filters),
         ["lanes"] => lanes::run(),
         ["readers"] => readers::run(),
+        ["python"] => python::test(),
+        ["wheel"] => python::wheel(),
         ["count"] => count::run(false),
         ["count", "--write"] => count::run(true),
         ["check"] => check(),
@@ -99,6 +104,7 @@ fn check() -> Result<(), String> {
     cargo(&doc, &[("RUSTDOCFLAGS", "-D warnings")])?;
     // A workspace of its own, which nothing else builds; its targets proper need libFuzzer, a C++ compiler and time.
     cargo(&["check", "--locked", "--manifest-path", "fuzz/Cargo.toml", "--no-default-features"], &[])?;
+    cargo(&["fmt", "--manifest-path", "python/Cargo.toml", "--check"], &[])?;
     // Versions and files are there; without building what was packed, which takes five minutes (`cargo package --workspace` does).
     let package = ["package", "--locked", "--offline", "--workspace", "--no-verify", "--allow-dirty", "--quiet"];
     cargo(&package, &[])?;

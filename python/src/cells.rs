@@ -1,0 +1,216 @@
+//! Cells of sites, and the derivatives of their masses.
+
+use laguerre::solvers::density::Density;
+use laguerre::solvers::derivatives::{Derivatives, Rows};
+use laguerre::{
+    Boundary, CellStatus, DeviceChoice, FacetArrays, Facets, Integrand, Output, OutputArrays, Precision, Request,
+    Selection,
+};
+use numpy::ndarray::Dimension;
+use numpy::{Element, Ix1, Ix2, PyArray1, PyReadonlyArray, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::container::{Container, diagram, table};
+use crate::geometry::Geometry;
+use crate::run::{detached, raised};
+
+/// Where to compute.
+#[pyclass(frozen, module = "laguerre")]
+pub(crate) struct Backend(pub(crate) Box<dyn laguerre::Backend>);
+
+#[pymethods]
+impl Backend {
+    #[new]
+    #[pyo3(signature = (name="auto", devices=None, precision="f64", threads=None))]
+    fn new(
+        py: Python<'_>,
+        name: &str,
+        devices: Option<Vec<usize>>,
+        precision: &str,
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
+        let precision = match precision {
+            "f64" => Precision::F64,
+            "f32" => Precision::F32,
+            other => return Err(PyValueError::new_err(format!("precision '{other}': 'f64' or 'f32' is needed"))),
+        };
+        let on_devices = devices.is_some() || precision == Precision::F32;
+        let choice = devices.map_or(DeviceChoice::First, DeviceChoice::Numbers);
+        let selection = match name {
+            "auto" if on_devices => Selection::Ocl { devices: choice, precision },
+            "auto" if threads.is_none() => Selection::Auto,
+            "auto" | "cpu" if !on_devices => Selection::Cpu { threads },
+            "ocl" if threads.is_none() => Selection::Ocl { devices: choice, precision },
+            "cpu" => return Err(PyValueError::new_err("backend 'cpu' has no devices and computes in f64: take 'ocl'")),
+            "auto" | "ocl" => return Err(PyValueError::new_err("threads: they are of backend 'cpu' alone")),
+            other => return Err(PyValueError::new_err(format!("backend '{other}': 'auto', 'cpu' or 'ocl' is needed"))),
+        };
+        py.detach(|| laguerre::open(selection)).map(Self).map_err(raised)
+    }
+
+    #[getter]
+    fn name(&self) -> &'static str {
+        self.0.info().backend
+    }
+
+    #[getter]
+    fn device(&self) -> String {
+        self.0.info().device
+    }
+
+    #[getter]
+    fn precision(&self) -> &'static str {
+        self.0.info().precision.word()
+    }
+
+    #[getter]
+    fn threads(&self) -> usize {
+        self.0.info().threads
+    }
+}
+
+/// The OpenCL devices that are there: name, platform, whether it is a GPU, and why it cannot be used, if so.
+#[pyfunction]
+pub(crate) fn devices() -> PyResult<Vec<(String, String, bool, Option<String>)>> {
+    let found = laguerre::devices().map_err(raised)?;
+    Ok(found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect())
+}
+
+/// Terms of a polynomial: exponents and coefficient.
+type Terms = Vec<([u32; 3], f64)>;
+
+/// The cells of a diagram, as a dictionary of arrays.
+#[pyfunction]
+#[pyo3(signature = (backend, points, weights, container, facets, second_moments, facet_second_moments, geometry, polynomial, epsilon))]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
+pub(crate) fn evaluate<'py>(
+    py: Python<'py>,
+    backend: PyRef<'py, Backend>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: Option<PyReadonlyArray1<'py, f64>>,
+    container: Option<Container<'py>>,
+    facets: bool,
+    second_moments: bool,
+    facet_second_moments: bool,
+    geometry: bool,
+    polynomial: Option<(Terms, [f64; 3])>,
+    epsilon: Option<f64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
+    let mut request = Request::moments();
+    request.facets = facets || facet_second_moments;
+    request.second_moments = second_moments;
+    request.facet_second_moments = facet_second_moments;
+    request.geometry = geometry;
+    request.epsilon = epsilon;
+    if let Some((terms, origin)) = polynomial {
+        request = request.with_integral(Integrand::polynomial(origin, &terms).map_err(raised)?);
+    }
+    let backend = &backend.0;
+    let output = detached(py, |stop| backend.evaluate_watched(&diagram, &request, stop))?;
+    arrays(py, output.into_arrays())
+}
+
+/// An output as a dictionary, which takes its memory.
+pub(crate) fn arrays(py: Python<'_>, output: OutputArrays) -> PyResult<Bound<'_, PyDict>> {
+    let found = PyDict::new(py);
+    let status: Vec<u8> = output.status.into_iter().map(CellStatus::number).collect();
+    found.set_item("status", PyArray1::from_vec(py, status))?;
+    found.set_item("volume", PyArray1::from_vec(py, output.volume))?;
+    found.set_item("centroid", table(py, output.barycenter)?)?;
+    if let Some(moments) = output.second_moment {
+        found.set_item("second_moment", table(py, moments)?)?;
+    }
+    if let Some(integral) = output.integral {
+        found.set_item("integral", PyArray1::from_vec(py, integral))?;
+    }
+    if let Some(facets) = output.facets {
+        let facets = facets.into_arrays();
+        found.set_item("offsets", PyArray1::from_vec(py, facets.offsets))?;
+        found.set_item("neighbor", PyArray1::from_vec(py, facets.neighbor))?;
+        found.set_item("area", PyArray1::from_vec(py, facets.area))?;
+        found.set_item("facet_centroid", table(py, facets.barycenter)?)?;
+        found.set_item("distance", PyArray1::from_vec(py, facets.distance))?;
+        if let Some(moments) = facets.second_moment {
+            found.set_item("facet_second_moment", table(py, moments)?)?;
+        }
+        let boundary = &facets.boundary;
+        found.set_item("boundary_area", PyArray1::from_vec(py, boundary.iter().map(|b| b.area).collect()))?;
+        found.set_item("boundary_centroid", table(py, boundary.iter().map(|b| b.barycenter).collect())?)?;
+        found.set_item("boundary_normal", table(py, boundary.iter().map(|b| b.vector_area).collect())?)?;
+    }
+    if let Some(geometry) = output.geometry {
+        found.set_item("geometry", Geometry(geometry))?;
+    }
+    Ok(found)
+}
+
+/// A sparse matrix of blocks: row starts, columns, values.
+type Sparse<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>);
+
+/// The derivatives of `of` ("mass" or "centroid") by `by` ("weights" or "points") of cells that were evaluated with the facets' second moments.
+#[pyfunction]
+pub(crate) fn jacobian<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: Option<PyReadonlyArray1<'py, f64>>,
+    container: Option<Container<'py>>,
+    cells: &Bound<'py, PyDict>,
+    of: &str,
+    by: &str,
+) -> PyResult<Sparse<'py>> {
+    let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
+    let output = output(cells)?;
+    let derivatives = Derivatives::new(&diagram, &output, &Density::Uniform).map_err(raised)?;
+    match (of, by) {
+        ("mass", "weights") => sparse(py, py.detach(|| derivatives.masses_by_weights())),
+        ("mass", "points") => sparse(py, py.detach(|| derivatives.masses_by_positions())),
+        ("centroid", "weights") => sparse(py, py.detach(|| derivatives.barycenters_by_weights())),
+        _ => sparse(py, py.detach(|| derivatives.barycenters_by_positions()).map_err(raised)?),
+    }
+}
+
+/// A dictionary of arrays as the output that it came from, but for what derivatives do not ask for.
+fn output(cells: &Bound<'_, PyDict>) -> PyResult<Output> {
+    let facets = FacetArrays {
+        offsets: column(cells, "offsets")?,
+        neighbor: column(cells, "neighbor")?,
+        area: column(cells, "area")?,
+        barycenter: rows(cells, "facet_centroid")?,
+        distance: column(cells, "distance")?,
+        second_moment: Some(rows(cells, "facet_second_moment")?),
+        boundary: vec![Boundary::default(); column::<f64>(cells, "volume")?.len()],
+    };
+    let status: Vec<u8> = column(cells, "status")?;
+    let arrays = OutputArrays {
+        status: status.into_iter().map(|n| if n == 1 { CellStatus::Empty } else { CellStatus::Complete }).collect(),
+        volume: column(cells, "volume")?,
+        barycenter: rows(cells, "centroid")?,
+        facets: Some(Facets::new(facets).map_err(raised)?),
+        ..OutputArrays::default()
+    };
+    Output::new(arrays).map_err(raised)
+}
+
+fn array<'py, T: Element, D: Dimension>(
+    cells: &Bound<'py, PyDict>,
+    name: &str,
+) -> PyResult<PyReadonlyArray<'py, T, D>> {
+    let missing = || PyValueError::new_err(format!("the cells have no '{name}': ask for facet_second_moments"));
+    Ok(cells.get_item(name)?.ok_or_else(missing)?.extract()?)
+}
+
+fn column<T: Element + Copy>(cells: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
+    Ok(array::<T, Ix1>(cells, name)?.as_slice()?.to_vec())
+}
+
+fn rows<const N: usize>(cells: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<[f64; N]>> {
+    Ok(array::<f64, Ix2>(cells, name)?.as_slice()?.as_chunks().0.to_vec())
+}
+
+fn sparse<'py, const N: usize>(py: Python<'py>, rows: Rows<N>) -> PyResult<Sparse<'py>> {
+    let values = table(py, rows.values)?.into_any();
+    Ok((PyArray1::from_vec(py, rows.offsets), PyArray1::from_vec(py, rows.columns), values))
+}

@@ -1,0 +1,21 @@
+//! What the Python package `laguerre` is made of: arrays in, arrays out. How it looks to its users is in `laguerre/`.
+
+mod cells;
+mod container;
+mod geometry;
+mod run;
+mod solvers;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _laguerre {
+    #[pymodule_export]
+    use super::cells::{Backend, devices, evaluate, jacobian};
+    #[pymodule_export]
+    use super::container::Domain;
+    #[pymodule_export]
+    use super::geometry::Geometry;
+    #[pymodule_export]
+    use super::solvers::{lloyd, transport};
+}

@@ -1,0 +1,142 @@
+//! Lloyd's relaxation and optimal transport, with a callback at each iteration.
+
+use std::ops::ControlFlow;
+
+use laguerre::Result;
+use laguerre::solvers::density::Density;
+use laguerre::solvers::lloyd::{self as relaxation, Method};
+use laguerre::solvers::transport::{self as solution, End};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Mutex;
+
+use crate::cells::{Backend, arrays};
+use crate::container::{Container, diagram, table};
+use crate::run::{Stoppable, detached};
+
+/// A callback of the user's, and what it raised.
+struct Callback {
+    function: Option<Py<PyAny>>,
+    raised: Mutex<Option<PyErr>>,
+}
+
+impl Callback {
+    fn new(function: Option<Py<PyAny>>) -> Self {
+        Self { function, raised: Mutex::new(None) }
+    }
+
+    /// Calls it; what it raises, or a true answer, ends the solver.
+    fn call(&self, numbers: &[(&str, f64)]) -> ControlFlow<()> {
+        let Some(function) = &self.function else { return ControlFlow::Continue(()) };
+        let stops = Python::attach(|py| -> PyResult<bool> {
+            let told = PyDict::new(py);
+            for (name, number) in numbers {
+                told.set_item(name, number)?;
+            }
+            function.bind(py).call1((told,))?.is_truthy()
+        });
+        match stops {
+            Ok(false) => ControlFlow::Continue(()),
+            Ok(true) => ControlFlow::Break(()),
+            Err(error) => {
+                *self.raised.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    /// What a solver came to, or what the callback raised.
+    fn or_raise<T>(self, done: PyResult<T>) -> PyResult<T> {
+        match self.raised.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => done,
+        }
+    }
+}
+
+/// Sites that are the centroids of their cells: a dictionary of points, history and cells.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
+pub(crate) fn lloyd<'py>(
+    py: Python<'py>,
+    backend: PyRef<'py, Backend>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: Option<PyReadonlyArray1<'py, f64>>,
+    container: Option<Container<'py>>,
+    method: &str,
+    iterations: usize,
+    tolerance: f64,
+    callback: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let method = match method {
+        "lbfgs" => Method::Lbfgs,
+        "lloyd" => Method::Lloyd,
+        other => return Err(PyValueError::new_err(format!("method '{other}': 'lbfgs' or 'lloyd' is needed"))),
+    };
+    let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
+    let options = relaxation::Options::default().by(method).until(iterations, tolerance);
+    let callback = Callback::new(callback);
+    let (backend, told) = (&backend.0, &callback);
+    let done = detached(py, |stop| {
+        let backend = Stoppable { backend: backend.as_ref(), stop };
+        let relaxed = relaxation::relax(&backend, &mut diagram, &options, &mut |done| {
+            told.call(&[("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)])
+        })?;
+        Ok((relaxed, diagram))
+    });
+    let (relaxed, diagram) = callback.or_raise(done)?;
+    let found = PyDict::new(py);
+    found.set_item("points", table(py, diagram.positions().to_vec())?)?;
+    found.set_item("energy", PyArray1::from_vec(py, relaxed.iterations.iter().map(|i| i.energy).collect()))?;
+    found.set_item("gradient", PyArray1::from_vec(py, relaxed.iterations.iter().map(|i| i.gradient).collect()))?;
+    found.set_item("converged", relaxed.converged)?;
+    found.set_item("cells", arrays(py, relaxed.output.into_arrays())?)?;
+    Ok(found)
+}
+
+/// Weights for cells of given masses: a dictionary of weights, masses, history, cost and cells.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
+pub(crate) fn transport<'py>(
+    py: Python<'py>,
+    backend: PyRef<'py, Backend>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: Option<PyReadonlyArray1<'py, f64>>,
+    container: Option<Container<'py>>,
+    masses: Option<PyReadonlyArray1<'py, f64>>,
+    density: Option<(f64, [f64; 3])>,
+    iterations: usize,
+    tolerance: f64,
+    callback: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
+    let masses = masses.as_ref().map(|masses| masses.as_slice().map(<[f64]>::to_vec)).transpose()?.unwrap_or_default();
+    let density = density.map_or(Density::Uniform, |(value, gradient)| Density::Linear { value, gradient });
+    let options = solution::Options::default().of(density).until(iterations, tolerance);
+    let callback = Callback::new(callback);
+    let (backend, told) = (&backend.0, &callback);
+    let done = detached(py, |stop| -> Result<_> {
+        let backend = Stoppable { backend: backend.as_ref(), stop };
+        solution::solve(&backend, &mut diagram, &masses, &options, &mut |done| {
+            told.call(&[("step", done.number as f64), ("residual", done.residual), ("length", done.step)])
+        })
+    });
+    let solved = callback.or_raise(done)?;
+    let found = PyDict::new(py);
+    let end = match solved.end {
+        End::Converged => "converged",
+        End::MostIterations => "iterations",
+        End::Interrupted => "stopped",
+        _ => "stalled",
+    };
+    found.set_item("end", end)?;
+    found.set_item("weights", PyArray1::from_vec(py, solved.weights))?;
+    found.set_item("masses", PyArray1::from_vec(py, solved.masses))?;
+    found.set_item("residual", solved.residual)?;
+    found.set_item("cost", solved.cost)?;
+    found.set_item("residuals", PyArray1::from_vec(py, solved.iterations.iter().map(|i| i.residual).collect()))?;
+    found.set_item("cells", arrays(py, solved.output.into_arrays())?)?;
+    Ok(found)
+}

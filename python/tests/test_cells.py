@@ -1,0 +1,163 @@
+"""The laws of cells, in NumPy."""
+
+import numpy as np
+import pytest
+
+import laguerre as lg
+
+CUBE = lg.Box([0, 0, 0], [1, 1, 1])
+TETRAHEDRON = (np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+
+
+def white(n, seed=1):
+    return np.random.default_rng(seed).random((n, 3))
+
+
+@pytest.fixture(scope="module")
+def thousand():
+    weights = 1e-3 * np.random.default_rng(2).random(1000)
+    return lg.cells(white(1000), weights, domain=CUBE, facets=True, second_moments=True)
+
+
+def test_cells_fill_the_box(thousand):
+    assert thousand.volume.sum() == pytest.approx(1, abs=1e-14)
+    full = thousand.status == 0
+    assert np.all((thousand.status == 1) == np.isnan(thousand.centroid[:, 0]))
+    middle = (thousand.volume[full, None] * thousand.centroid[full]).sum(axis=0)
+    assert middle == pytest.approx([0.5] * 3, abs=1e-13)
+
+
+def test_cells_of_a_mesh_fill_it():
+    domain = lg.Domain(*TETRAHEDRON)
+    cells = lg.cells(white(500), domain=domain, facets=True)
+    assert domain.volume == pytest.approx(1 / 6, abs=1e-16)
+    assert cells.volume.sum() == pytest.approx(1 / 6, abs=1e-15)
+    assert cells.facets.boundary_area.sum() == pytest.approx(domain.area, abs=1e-13)
+    assert domain.triangles.shape == (4, 3) and domain.vertices.shape == (4, 3)
+    assert domain.centroid == pytest.approx([0.25] * 3) and domain.bounds[1] == pytest.approx([1, 1, 1])
+
+
+def test_facets_close_their_cells(thousand):
+    facets = thousand.facets
+    site, points = facets.site(), thousand.diagram.points
+    normal = (points[facets.neighbor] - points[site]) / facets.distance[:, None]
+    closing = facets.boundary_normal.copy()
+    np.add.at(closing, site, facets.area[:, None] * normal)
+    assert np.abs(closing).max() < 1e-13
+
+
+def test_the_laplacian_is_one(thousand):
+    matrix = thousand.laplacian()
+    assert matrix.shape == (1000, 1000) and abs(matrix - matrix.T).max() == 0
+    assert np.abs(matrix.sum(axis=1)).max() < 1e-12
+    x = np.random.default_rng(3).standard_normal(1000)
+    assert x @ (matrix @ x) >= 0
+    assert thousand.adjacency().nnz == len(thousand.facets)
+
+
+@pytest.mark.parametrize("by", ["weights", "points"])
+def test_jacobians_are_the_differences(by):
+    points, weights = white(40, 5), 1e-3 * np.random.default_rng(6).random(40)
+    diagram = lg.Diagram(points, weights, domain=lg.Domain(*TETRAHEDRON))
+    cells = diagram.cells(facets=True)
+    # A finite change of a random direction, central: the error is of its square.
+    way = np.random.default_rng(7).standard_normal(weights.shape if by == "weights" else points.shape)
+    step = 1e-6
+
+    def moved(sign):
+        change = sign * step * way
+        args = (points, weights + change) if by == "weights" else (points + change, weights)
+        moved = lg.cells(*args, domain=diagram.domain)
+        return moved.volume, moved.volume[:, None] * np.nan_to_num(moved.centroid)
+
+    (v, m), (u, l) = moved(1), moved(-1)
+    of_mass = getattr(cells, f"mass_jacobian_{by}")() @ way.ravel()
+    assert of_mass == pytest.approx((v - u) / (2 * step), abs=1e-6)
+    of_centroid = (getattr(cells, f"centroid_jacobian_{by}")() @ way.ravel()).reshape(-1, 3)
+    first = of_centroid * cells.volume[:, None] + np.nan_to_num(cells.centroid) * of_mass[:, None]
+    assert first == pytest.approx((m - l) / (2 * step), abs=1e-6)
+
+
+def test_polynomials_and_second_moments_agree(thousand):
+    of_xx = thousand.diagram.cells(polynomial={(2, 0, 0): 1.0, (1, 1, 0): 2.0}).integral
+    b, v = np.nan_to_num(thousand.centroid), thousand.volume
+    second = thousand.second_moment
+    assert np.array_equal(second, second.transpose(0, 2, 1))
+    expected = second[:, 0, 0] + v * b[:, 0] ** 2 + 2 * (second[:, 0, 1] + v * b[:, 0] * b[:, 1])
+    assert of_xx == pytest.approx(expected, abs=1e-16)
+
+
+def test_radii_are_roots_of_weights():
+    radii = 0.05 * np.random.default_rng(8).random(200)
+    by_radii = lg.cells(white(200), radii=radii, domain=CUBE)
+    assert np.array_equal(by_radii.volume, lg.cells(white(200), radii**2, domain=CUBE).volume)
+
+
+def test_a_diagram_is_used_again():
+    diagram = lg.Diagram(white(300), domain=CUBE, threads=1)
+    first = diagram.cells(facets=True)
+    diagram.set(white(300, 9))
+    assert np.array_equal(diagram.cells().volume, lg.cells(white(300, 9), domain=CUBE).volume)
+    # Cells stay those of their points.
+    assert np.array_equal(first.mass_jacobian_points().toarray(), lg.cells(white(300), domain=CUBE).mass_jacobian_points().toarray())
+
+
+def test_other_layouts_are_taken():
+    points = white(100)
+    expected = lg.cells(points, domain=CUBE).volume
+    for other in (np.asfortranarray(points), points.tolist(), np.repeat(points, 2, axis=0)[::2]):
+        assert np.array_equal(lg.cells(other, domain=CUBE).volume, expected)
+    assert lg.cells(points.astype("f4"), domain=CUBE).volume == pytest.approx(expected, abs=1e-6)
+
+
+def test_the_faces_are_seen_in_pyvista():
+    pytest.importorskip("pyvista")
+    cells = lg.cells(white(50), domain=lg.Domain(*TETRAHEDRON), geometry=True)
+    mesh = cells.to_pyvista()
+    for site in np.flatnonzero(cells.volume):
+        faces = mesh.extract_cells(mesh.cell_data["site"] == site).extract_surface(algorithm="dataset_surface")
+        assert abs(faces.triangulate().volume) == pytest.approx(cells.volume[site], rel=1e-5)
+    outside = mesh.extract_cells(mesh.cell_data["beyond"] == -1)
+    assert outside.compute_cell_sizes().cell_data["Area"].sum() == pytest.approx(1.5 + 3**0.5 / 2, rel=1e-6)
+
+
+def test_meshes_of_others_are_domains():
+    pyvista = pytest.importorskip("pyvista")
+    domain = lg.Domain(pyvista.Sphere())
+    assert 0.4 < domain.volume < 0.53
+    assert lg.cells(white(200) - 0.5, domain=domain).volume.sum() == pytest.approx(domain.volume, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: lg.cells(np.zeros((3, 2))), r"points: an array of shape \(N, 3\)"),
+        (lambda: lg.cells(white(3), [1.0], domain=CUBE), r"weights: shape \(3,\) is needed"),
+        (lambda: lg.cells(white(3), [1.0] * 3, radii=[1.0] * 3), "give one of them"),
+        (lambda: lg.cells([[0, 0, float("nan")]], domain=CUBE), "site 0: coordinate NaN"),
+        (lambda: lg.cells(white(3), domain=lg.Box(1, 0)), "box"),
+        (lambda: lg.cells([[0.0, 0, 0]]), "the bounding box of one site is flat"),
+        (lambda: lg.Domain(TETRAHEDRON[0], TETRAHEDRON[1][:3]), "the domain's surface is open"),
+        (lambda: lg.Domain(TETRAHEDRON[0], TETRAHEDRON[1] - 1), "negative"),
+        (lambda: lg.Domain(TETRAHEDRON[0], TETRAHEDRON[1] * 1.0), "integers"),
+        (lambda: lg.Domain("cube"), "PyVista or trimesh"),
+        (lambda: lg.cells(white(3), domain=CUBE).facets, "facets=True"),
+        (lambda: lg.cells(white(3), domain=CUBE).second_moment, "second_moments=True"),
+        (lambda: lg.cells(white(3), domain=CUBE).to_pyvista(), "geometry=True"),
+        (lambda: lg.cells(white(3), domain=CUBE, backend="gpu"), "'auto', 'cpu' or 'ocl'"),
+        (lambda: lg.cells(white(3), domain=CUBE, backend="cpu", precision="f32"), "take 'ocl'"),
+        (lambda: lg.cells(white(3), domain=CUBE, threads=0), "at least one"),
+        (lambda: lg.lloyd(white(3), CUBE, method="newton"), "'lbfgs' or 'lloyd'"),
+        (lambda: lg.transport(white(3), CUBE, masses=[1.0] * 3), "multiply each by"),
+    ],
+)
+def test_what_is_wrong_is_said(call, said):
+    with pytest.raises(ValueError, match=said):
+        call()
+
+
+def test_files_that_are_not_there_are_errors_of_the_system():
+    with pytest.raises(OSError, match=r"none\.off: cannot open"):
+        lg.Domain.load("none.off")
+    with pytest.raises(TypeError):
+        lg.cells(white(3), domain=CUBE, facet=True)

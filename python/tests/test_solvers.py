@@ -1,0 +1,84 @@
+"""Solvers and their callbacks; interrupts."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import laguerre as lg
+
+CUBE = lg.Box([0, 0, 0], [1, 1, 1])
+
+
+def white(n, seed=1):
+    return np.random.default_rng(seed).random((n, 3))
+
+
+def test_lloyd_lowers_the_energy():
+    seen = []
+    relaxed = lg.lloyd(white(200), CUBE, iterations=5, tolerance=0, callback=seen.append)
+    assert [told["energy"] for told in seen] == relaxed.energy.tolist()
+    assert len(relaxed.energy) == 6 and np.all(np.diff(relaxed.energy) <= 0) and not relaxed.converged
+    assert np.array_equal(relaxed.cells.volume, lg.cells(relaxed.points, domain=CUBE).volume)
+
+
+def test_transport_equalizes():
+    points, masses = white(300), np.linspace(1, 2, 300)
+    masses /= masses.sum()
+    solved = lg.transport(points, CUBE, masses)
+    assert solved.converged and solved.residual <= 1e-9
+    assert solved.cells.volume == pytest.approx(masses, rel=1e-9)
+    assert lg.cells(points, solved.weights, domain=CUBE).volume == pytest.approx(masses, rel=1e-9)
+    again = lg.transport(points, CUBE, masses, weights=solved.weights)
+    assert len(again.residuals) == 1 and again.cost == pytest.approx(solved.cost)
+    linear = lg.transport(points, CUBE, density=(1.0, [0, 0, 2.0]))
+    assert linear.masses == pytest.approx(np.full(300, 2 / 300), rel=1e-9)
+
+
+@pytest.mark.parametrize("solve", [lg.transport, lambda *a, **o: lg.lloyd(*a, tolerance=0, **o)])
+def test_a_callback_ends_a_solver(solve):
+    calls = []
+
+    def second(told):
+        calls.append(told)
+        return len(calls) == 2
+
+    found = solve(white(300), CUBE, callback=second)
+    assert len(calls) == 2 and not found.converged
+    assert found.cells.volume.sum() == pytest.approx(1, abs=1e-14)
+
+
+def test_what_a_callback_raises_is_raised():
+    def fails(told):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        lg.transport(white(100), CUBE, callback=fails)
+
+
+def test_ctrl_c_ends_the_work_and_others_go_on_meanwhile():
+    ticks = []
+
+    def ticking():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.01)
+
+    done = threading.Event()
+    thread = threading.Thread(target=ticking)
+    thread.start()
+    timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    start = time.perf_counter()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            lg.lloyd(white(20_000), CUBE, iterations=10**6, tolerance=0)
+    finally:
+        done.set()
+        thread.join()
+    assert time.perf_counter() - start < 30
+    # Without the lock all others would have waited.
+    assert len(ticks) > 10

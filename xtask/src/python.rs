@@ -1,0 +1,74 @@
+//! The Python module: its wheel, and its tests and examples in an environment of their own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::run::{root, succeed, target};
+
+/// From PyPI: what builds the wheel, and what its tests and examples import.
+const PACKAGES: [&str; 6] =
+    ["maturin==1.16.0", "pytest==9.2.0", "numpy==2.4.6", "scipy==1.17.1", "pyvista==0.49.1", "jax==0.10.2"];
+
+/// A wheel for users, in `target/wheels`.
+pub(crate) fn wheel() -> Result<(), String> {
+    let python = tools()?;
+    let folder = target().join("wheels");
+    build(&python, &folder, "release")?;
+    println!("the wheel is in {}", folder.display());
+    Ok(())
+}
+
+/// Builds the wheel as tests are built, installs it, and runs its tests and examples.
+pub(crate) fn test() -> Result<(), String> {
+    let python = tools()?;
+    let folder = target().join("python-wheels");
+    // One wheel: the one that is built now.
+    let _ = fs::remove_dir_all(&folder);
+    build(&python, &folder, "dev")?;
+    let wheel = fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?.flatten().next();
+    let wheel = wheel.ok_or("maturin has made no wheel")?.path();
+    let mut pip = module(&python, &["pip", "install", "--quiet", "--disable-pip-version-check"]);
+    succeed(pip.args(["--force-reinstall", "--no-deps"]).arg(wheel))?;
+    let sources = root().join("python");
+    // Beside the sources `import laguerre` would find those.
+    let mut pytest = module(&python, &["pytest", "-q", "-p", "no:cacheprovider"]);
+    print!("{}", succeed(pytest.current_dir(sources.join("tests")))?);
+    let scratch = target().join("python-examples");
+    fs::create_dir_all(&scratch).map_err(|e| format!("{}: {e}", scratch.display()))?;
+    for example in ["cells_of_a_mesh", "laplacian", "transport"] {
+        let script = sources.join("examples").join(format!("{example}.py"));
+        print!("{}", succeed(Command::new(&python).arg(script).current_dir(&scratch))?);
+    }
+    Ok(())
+}
+
+fn tools() -> Result<PathBuf, String> {
+    environment("python", "import maturin, pytest, scipy, pyvista, jax", &PACKAGES)
+}
+
+fn build(python: &Path, folder: &Path, profile: &str) -> Result<(), String> {
+    let mut maturin = module(python, &["maturin", "build", "--locked", "--quiet", "--profile", profile, "--out"]);
+    maturin.arg(folder).current_dir(root().join("python"));
+    // A workspace of its own, with a folder of its own for what it builds.
+    succeed(maturin.env("CARGO_TARGET_DIR", target().join("python-module"))).map(drop)
+}
+
+fn module(python: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(python);
+    command.arg("-m").args(arguments);
+    command
+}
+
+/// The Python of an environment with `packages`, made where `imports` do not work there.
+pub(crate) fn environment(name: &str, imports: &str, packages: &[&str]) -> Result<PathBuf, String> {
+    let home = target().join(name);
+    let python = home.join("bin/python");
+    let has_all = Command::new(&python).args(["-c", imports]).output();
+    if !has_all.is_ok_and(|output| output.status.success()) {
+        succeed(Command::new("python3").args(["-m", "venv"]).arg(&home))?;
+        let mut pip = module(&python, &["pip", "install", "--quiet", "--disable-pip-version-check"]);
+        succeed(pip.args(packages))?;
+    }
+    Ok(python)
+}

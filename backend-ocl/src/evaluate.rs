@@ -161,7 +161,10 @@ impl Ocl {
         };
         let host_cells = for_host.len();
         let report = Report { exact_cells: exact_cells + host_cells, host_cells, device_seconds, passes };
-        let geometry = if request.geometry { Some(geometry::on_host(diagram, request)?) } else { None };
+        let geometry = match request.geometry {
+            true => Some(geometry::on_host(diagram, request, assembler.status())?),
+            false => None,
+        };
         let output = assembler.finish_with(row, report, geometry)?;
         if request.epsilon.is_none() {
             check_volumes(diagram, &output, self.precision, &self.name)?;

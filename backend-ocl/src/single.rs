@@ -150,7 +150,10 @@ impl Backend for Single {
             fallback::compute(&prepared, &watched.of(&proved), &for_host, &mut assembler)?;
         }
         let report = Report { exact_cells, host_cells: for_host.len(), device_seconds, passes };
-        let geometry = if request.geometry { Some(geometry::on_host(diagram, &watched.of(&proved))?) } else { None };
+        let geometry = match request.geometry {
+            true => Some(geometry::on_host(diagram, &watched.of(&proved), assembler.status())?),
+            false => None,
+        };
         let output = assembler.finish(report, geometry)?;
         check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)

@@ -134,6 +134,11 @@ impl<'a> Assembler<'a> {
         }
     }
 
+    /// How each cell ended that was added; others are empty.
+    pub fn status(&self) -> &[CellStatus] {
+        &self.output.status
+    }
+
     /// Adds one finished cell with its facets.
     pub fn add(&mut self, cell: &CellRecord, facets: Row<'_>) {
         let i = cell.site as usize;

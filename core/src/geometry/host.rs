@@ -3,18 +3,19 @@
 use super::{Geometry, GeometryAssembler, Shaper, Shapes};
 use crate::cell::{self, CellSums, PlainStore};
 use crate::search::Search;
-use crate::{Error, ErrorKind, PowerDiagram, Result, Watched};
+use crate::{CellStatus, Error, ErrorKind, PowerDiagram, Result, Watched};
 use rayon::prelude::*;
 
 /// Cells that one task computes, and those that are computed before they are put together.
 const CHUNK: usize = 256;
 const WAVE: usize = 32 * CHUNK;
 
-/// The geometry of all cells, as the request that they are computed for has it.
+/// The geometry of all cells, as the request that they are computed for has it; those that have been found to be empty have none. (Where bisectors
+/// meet in one point, a cell of no volume is empty by one order of cuts and not by another.)
 ///
 /// # Errors
 /// `Input` where sites are out of range of the container.
-pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>) -> Result<Geometry> {
+pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStatus]) -> Result<Geometry> {
     let prepared = diagram.prepare()?;
     let (order, frame) = (prepared.sites.order(), &prepared.container.frame);
     let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame, request.solids);
@@ -22,7 +23,8 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>) -> Result<Geometry
     for wave in all.chunks(WAVE) {
         let compute = |(search, shaper): &mut (Search<'_>, Shaper), chunk: &[u32]| {
             let mut shapes = Shapes::default();
-            for &site in chunk {
+            let is_empty = |site: u32| status.get(order[site as usize] as usize) == Some(&CellStatus::Empty);
+            for &site in chunk.iter().filter(|&&site| !is_empty(site)) {
                 let [x, y, z, _] = prepared.sites.site(site);
                 let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
                 let mut sums = CellSums::default();

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use laguerre::engine::memory;
 use laguerre::solvers::density::Density;
 use laguerre::solvers::derivatives::{Derivatives, Rows};
-use laguerre::{Output, PowerDiagram, Request, Result, memory};
+use laguerre::{Output, PowerDiagram, Request, Result};
 
 use crate::npz;
 

@@ -7,7 +7,7 @@ use laguerre_core::geometry::{Beyond, Face, Geometry};
 use laguerre_core::{Backend, CellStatus, Output, Request};
 
 use crate::bounds::{Bounds, Planes, U};
-use crate::compare::lies_in_surface;
+use crate::compare::undecided;
 use crate::{Case, Scene, Verdict};
 
 /// Cells are closed: each edge of their faces stands as often in one direction as in the other. So do the solids of a cell.
@@ -51,7 +51,7 @@ pub fn volume(backend: &dyn Backend, case: &Case) -> Verdict {
 }
 
 /// The faces between two cells have together the area of their facet, and those on the surface that of the boundary. (Of a cell one of whose
-/// bisectors lies in the surface, some are the other's by one count and not by the other: the law does not say.)
+/// facets is undecided, some are another's by one count and not by the other: the law does not say.)
 pub fn areas(backend: &dyn Backend, case: &Case) -> Verdict {
     hold(backend, case, |scene, output, geometry, bounds| {
         let extent = size_of(geometry);
@@ -65,7 +65,7 @@ pub fn areas(backend: &dyn Backend, case: &Case) -> Verdict {
                 *size += area.length();
             }
             let whole: f64 = areas.values().map(|(_, size)| size).sum();
-            let is_in_surface = |j: usize| j != i && lies_in_surface(scene, i, j, bounds);
+            let is_undecided = |j: usize| j != i && undecided(scene, i, j, bounds);
             let facets = bounds.rows()[i].iter().map(|f| (Some(f.neighbor as u32), f.area));
             for (beyond, expected) in facets.chain([(None, boundary.area)]) {
                 let (vector, size) = areas.get(&beyond).copied().unwrap_or_default();
@@ -77,7 +77,7 @@ pub fn areas(backend: &dyn Backend, case: &Case) -> Verdict {
                     + OF_MEAN * extent * extent;
                 let off = (found - expected).abs();
                 ensure!(
-                    off <= bound || (0..scene.len()).any(is_in_surface),
+                    off <= bound || (0..scene.len()).any(is_undecided),
                     "site {i}: {expected:e} of its surface is towards {beyond:?}, by its faces off by {off:e}, bound {bound:e}"
                 );
             }

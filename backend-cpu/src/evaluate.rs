@@ -9,8 +9,8 @@ use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::search::Search;
 use laguerre_core::{
-    Backend, BackendInfo, CellStatus, Error, ErrorKind, Observer, Output, PowerDiagram, Report, Request, Result,
-    Watched,
+    Backend, BackendInfo, Capabilities, CellStatus, Error, ErrorKind, Observer, Output, PowerDiagram, Report, Request,
+    Result, Watched,
 };
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -78,6 +78,7 @@ impl Backend for Cpu {
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
+        Capabilities::ALL.check(request)?;
         self.pool.install(|| evaluate(diagram, Watched::new(request, observer)))
     }
 }

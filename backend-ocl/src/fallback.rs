@@ -25,13 +25,16 @@ pub(crate) fn compute(
         .par_iter()
         .map_init(
             || Search::new(prepared),
-            |search, &site| compute_cell(search, prepared, request, integrand.as_ref(), site),
+            |search, &site| {
+                let cell = compute_cell(search, prepared, request, integrand.as_ref(), site)?;
+                request.advance(1)?;
+                Ok(cell)
+            },
         )
         .collect();
     for (cell, facets) in cells? {
         assembler.add(&cell, facets.all());
     }
-    request.advance(sites.len())?;
     Ok(())
 }
 
@@ -60,7 +63,7 @@ fn compute_cell(
             // Cannot happen while the signs are exact; said instead of a panic.
             let site = order[site as usize];
             let message = format!("the cell of site {site} could not be decided; please report its input");
-            return Err(Error::new(ErrorKind::Device, message));
+            return Err(Error::new(ErrorKind::Device, message).of_site(site as usize));
         }
     };
     let mut facets = FacetRecords::default();

@@ -165,8 +165,11 @@ pub(crate) fn open(found: &Found) -> Result<(Handle<Context>, Handle<CommandQueu
 /// The devices of a choice.
 ///
 /// # Errors
-/// `Unavailable` where there is none, or one asked for cannot be used.
+/// `Input` where numbers are asked for and none is given; `Unavailable` where there is none, or one asked for cannot be used.
 pub(crate) fn choose(choice: &DeviceChoice, precision: Precision) -> Result<Vec<Found>> {
+    if matches!(choice, DeviceChoice::Numbers(numbers) if numbers.is_empty()) {
+        return Err(Error::input("devices: an empty list; give the number of one at least, or all"));
+    }
     let found = find()?;
     let unavailable = |message: String| Err(Error::new(ErrorKind::Unavailable, message));
     let usable: Vec<&Found> = found.iter().filter(|device| device.unusable(precision).is_none()).collect();

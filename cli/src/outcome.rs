@@ -49,7 +49,8 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
 
 /// The option of this program that does what the library's error says to do.
 fn option_for(error: &Error) -> &'static str {
-    let message = error.to_string();
+    // What a file is called is no advice.
+    let message = if error.place().file.is_none() { error.to_string() } else { String::new() };
     let options = [
         ("compute in f32", " (--precision f32)"),
         ("integrals in f64", " (--precision f64)"),

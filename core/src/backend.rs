@@ -25,8 +25,9 @@ impl Capabilities {
     /// Whether a request is within them. Called by backends.
     ///
     /// # Errors
-    /// `Input` where not.
+    /// `Input` where not, or where a number of the request is none.
     pub fn check(self, request: &Request) -> Result<()> {
+        request.check()?;
         let wants_function = request.integral.as_ref().is_some_and(crate::Integrand::is_function);
         if !self.further && (request.facets || request.second_moments || request.integral.is_some()) {
             return Err(Error::input(

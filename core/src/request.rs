@@ -1,6 +1,6 @@
 //! What to compute: a [`Request`].
 
-use crate::Integrand;
+use crate::{Error, Integrand, Result};
 
 /// What to compute for every cell. Volumes and barycenters always; the rest on request.
 #[derive(Clone, Debug, Default)]
@@ -65,6 +65,20 @@ impl Request {
     #[must_use]
     pub fn with_integral(self, integrand: Integrand) -> Self {
         Self { integral: Some(integrand), ..self }
+    }
+
+    /// Refuses numbers that are none. Called by backends.
+    ///
+    /// # Errors
+    /// `Input` where `epsilon` is not a number from 0.
+    #[doc(hidden)]
+    pub fn check(&self) -> Result<()> {
+        match self.epsilon {
+            Some(epsilon) if !(epsilon >= 0.0) => {
+                Err(Error::input(format!("epsilon {epsilon}: a number from 0 is needed")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Stop at the paper's enlarged security radius instead of a proof (see [`Request::epsilon`]).

@@ -4,25 +4,31 @@ The power distance of ``x`` to point ``i`` is ``|x - p_i|**2 - w_i``: weights ar
 Without weights it is the Voronoi diagram. Every finished cell is complete or empty, by proof.
 
     import laguerre as lg
-    domain = lg.Domain.load("swan.off")
-    cells = lg.cells(points, domain=domain, facets=True)
+    cells = lg.cells(points, domain="swan.off", facets=True)
     cells.volume, cells.centroid, cells.laplacian()
+
+Of points at one place, or nearer than the container's frame can tell apart, one has a cell and the others are empty.
 """
 
-from ._cells import Box, Cells, Diagram, Domain, Facets, cells
-from ._laguerre import Backend, devices
+from ._backend import Backend, Device, devices
+from ._cells import Boundary, Cells, Diagram, Facets, Status, cells
+from ._container import Box, Domain
+from ._laguerre import __version__
 from ._solvers import Relaxation, Transport, lloyd, transport
 
-__version__ = "0.1.0"
 __all__ = [
     "Backend",
+    "Boundary",
     "Box",
     "Cells",
+    "Device",
     "Diagram",
     "Domain",
     "Facets",
     "Relaxation",
+    "Status",
     "Transport",
+    "__version__",
     "cells",
     "devices",
     "lloyd",

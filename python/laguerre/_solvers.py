@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _laguerre
-from ._cells import Box, Cells, Diagram, Domain
+from ._arrays import numbers
+from ._cells import Cells, Diagram, Given, freeze
+from ._container import Container, inner
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -22,13 +24,18 @@ class Relaxation:
     points: NDArray[np.float64]
     """The points, (N, 3)."""
     energy: NDArray[np.float64]
-    """The energy at the start and after each iteration (length to the fifth)."""
+    """The energy at the start and after each iteration (length to the fifth): the integral of ``|x - p|**2 - w`` over all cells."""
     gradient: NDArray[np.float64]
     """The mean distance of points from centroids, over the mean cell's size, likewise."""
-    converged: bool
-    """Whether the last gradient is within the tolerance."""
+    end: str
+    """``"converged"``, ``"iterations"`` (there were no more) or ``"stopped"`` (by the callback)."""
     cells: Cells
     """The cells of these points, with second moments."""
+
+    @property
+    def converged(self) -> bool:
+        """Whether the last gradient is within the tolerance."""
+        return self.end == "converged"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +43,7 @@ class Transport:
     """What :func:`transport` came to."""
 
     weights: NDArray[np.float64]
-    """The weights, (N,) (length squared)."""
+    """The weights, (N,) (length squared); their mean is 0."""
     masses: NDArray[np.float64]
     """The masses of their cells, (N,)."""
     residual: float
@@ -44,9 +51,9 @@ class Transport:
     residuals: NDArray[np.float64]
     """The same at the start and after each step."""
     cost: float | None
-    """The cost: the integral of ``density * |x - p|**2`` over all cells."""
+    """The integral of ``density * |x - p|**2`` over all cells; none where a callback stopped it and the density is not 1."""
     end: str
-    """``"converged"``, ``"iterations"``, ``"stalled"`` (rounding is all that is left) or ``"stopped"`` (by the callback)."""
+    """``"converged"``, ``"iterations"`` (there were no more), ``"stalled"`` (rounding is all that is left) or ``"stopped"`` (by the callback)."""
     cells: Cells
     """The cells of these weights."""
 
@@ -58,9 +65,9 @@ class Transport:
 
 def lloyd(
     points: ArrayLike,
-    domain: Domain | Box | None = None,
-    weights: ArrayLike | None = None,
     *,
+    domain: Container = None,
+    weights: ArrayLike | None = None,
     method: str = "lbfgs",
     iterations: int = 100,
     tolerance: float = 1e-3,
@@ -69,23 +76,25 @@ def lloyd(
 ) -> Relaxation:
     """Moves points down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``).
 
-    ``callback`` is given energy, gradient and diagrams so far after each iteration, the start included; a true answer ends it with what there is.
-    ``options`` are those of :class:`Diagram`.
+    ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far) after each iteration, the start included; a true answer ends it
+    with what there is. ``options`` are those of :class:`Diagram`.
     """
-    diagram = Diagram(points, weights, domain=domain, **options)
+    _check(iterations, callback)
+    given = Diagram(points, weights, domain=domain, **options)._given
     found = _laguerre.lloyd(
-        diagram.backend, diagram.points, diagram.weights, diagram._container, method, iterations, tolerance, callback
+        given.backend, given.points, given.weights, inner(given.container), method, iterations, tolerance, callback
     )
-    diagram.set(found["points"], diagram.weights)
-    cells = Cells(diagram, found.pop("cells"))
-    return Relaxation(cells=cells, **found)
+    cells = freeze(found.pop("cells"))
+    freeze(found)
+    given = Given(found["points"], given.weights, given.container, given.backend)
+    return Relaxation(cells=Cells(given, cells), **found)
 
 
 def transport(
     points: ArrayLike,
-    domain: Domain | Box | None = None,
-    masses: ArrayLike | None = None,
     *,
+    domain: Container = None,
+    masses: ArrayLike | None = None,
     weights: ArrayLike | None = None,
     density: tuple[float, ArrayLike] | None = None,
     iterations: int = 100,
@@ -93,19 +102,27 @@ def transport(
     callback: Callable[[dict[str, float]], Any] | None = None,
     **options: Any,
 ) -> Transport:
-    """Weights for cells of the ``masses`` asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
+    """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
-    ``weights`` are where it starts. ``density`` is ``(value, gradient)``: ``value + gradient . x``; without, 1. The masses sum to the domain's.
-    ``callback`` is given step, residual and length of the step after each, the start included; a true answer ends it with what there is.
-    ``options`` are those of :class:`Diagram`.
+    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``; without, it is 1. The masses sum to the domain's.
+    ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone) after each step, the start included; a true answer
+    ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
-    diagram = Diagram(points, weights, domain=domain, **options)
-    wanted = None if masses is None else np.ascontiguousarray(masses, dtype=float)
-    rho = None if density is None else (float(density[0]), np.asarray(density[1], dtype=float).tolist())
+    _check(iterations, callback)
+    given = Diagram(points, weights, domain=domain, **options)._given
+    wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
+    rho = None if density is None else (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
     found = _laguerre.transport(
-        diagram.backend, diagram.points, diagram.weights, diagram._container, wanted, rho, iterations, tolerance,
-        callback,
-    )  # fmt: skip
-    diagram.set(diagram.points, found["weights"])
-    cells = Cells(diagram, found.pop("cells"))
-    return Transport(cells=cells, **found)
+        given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, callback
+    )
+    cells = freeze(found.pop("cells"))
+    freeze(found)
+    given = Given(given.points, found["weights"], given.container, given.backend)
+    return Transport(cells=Cells(given, cells), **found)
+
+
+def _check(iterations: int, callback: Any) -> None:
+    if iterations < 0:
+        raise ValueError(f"{iterations} iterations: a number from 0 is needed")
+    if callback is not None and not callable(callback):
+        raise ValueError(f"callback: a function is needed, this is {callback!r}")

@@ -5,37 +5,39 @@ from __future__ import annotations
 from typing import Any
 
 import torch
+from torch.autograd.function import once_differentiable
 
-from ._cells import Cells, Diagram
+from ._cells import Diagram
 
 
 class _Function(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: Any, points: torch.Tensor, weights: torch.Tensor, options: dict[str, Any]) -> Any:
+    def forward(ctx: Any, points: torch.Tensor, weights: torch.Tensor | None, options: dict[str, Any]) -> Any:
+        # Saved, so that PyTorch refuses a backward pass after they were changed in place.
+        ctx.save_for_backward(points, weights)
+        wants = points.requires_grad or (weights is not None and weights.requires_grad)
+        cells = Diagram(_array(points), None if weights is None else _array(weights), **options).cells(facet_second_moments=wants)
+        ctx.cells = cells
         where = {"dtype": points.dtype, "device": points.device}
-        diagram = Diagram(_array(points), _array(weights), **options)
-        wants = points.requires_grad or weights.requires_grad
-        ctx.cells = cells = diagram.cells(facet_second_moments=wants)
-        return torch.as_tensor(cells.volume, **where), torch.as_tensor(cells.centroid, **where)
+        return torch.tensor(cells.volume, **where), torch.tensor(cells.centroid, **where)
 
     @staticmethod
+    @once_differentiable
     def backward(ctx: Any, volume: torch.Tensor, centroid: torch.Tensor) -> Any:  # type: ignore[override]
-        cells: Cells = ctx.cells
-        where = {"dtype": volume.dtype, "device": volume.device}
-        points, weights = cells.pullback(_array(volume), _array(centroid))
-        return torch.as_tensor(points, **where), torch.as_tensor(weights, **where), None
+        kept_points, kept_weights = ctx.saved_tensors
+        points, weights = ctx.cells.pullback(_array(volume), _array(centroid))
+        by_weights = None if kept_weights is None else torch.as_tensor(weights).to(kept_weights)
+        return torch.as_tensor(points).to(kept_points), by_weights, None
 
 
 def cells(
     points: torch.Tensor, weights: torch.Tensor | None = None, **options: Any
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """Volumes, (N,), and centroids, (N, 3), of the cells of points, (N, 3), with weights, (N,); differentiable with respect to both.
+    """Volumes, (N,), and centroids, (N, 3), of the cells of points, (N, 3), with weights, (N,); differentiable, once, with respect to both.
 
     ``options`` are those of :class:`laguerre.Diagram`. They are computed in double precision on the host or by OpenCL, whatever the tensors' kind
     and device. Centroids of empty cells are NaN, and without a gradient.
     """
-    if weights is None:
-        weights = torch.zeros(len(points), dtype=points.dtype, device=points.device)
     return _Function.apply(points, weights, options)
 
 

@@ -8,17 +8,35 @@ use laguerre::{
 };
 use numpy::ndarray::Dimension;
 use numpy::{Element, Ix1, Ix2, PyArray1, PyReadonlyArray, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::container::{Container, diagram, table};
 use crate::geometry::Geometry;
-use crate::run::{detached, raised};
+use crate::run::{detached, detached_in_pool, raised};
 
 /// Where to compute.
 #[pyclass(frozen, module = "laguerre")]
-pub(crate) struct Backend(pub(crate) Box<dyn laguerre::Backend>);
+pub(crate) struct Backend {
+    backend: Box<dyn laguerre::Backend>,
+    /// What it was opened with, to open it again elsewhere.
+    arguments: (String, Option<Vec<usize>>, String, Option<usize>),
+    /// The process that has its threads.
+    process: u32,
+}
+
+impl Backend {
+    /// The backend, in the process that opened it.
+    pub(crate) fn get(&self) -> PyResult<&dyn laguerre::Backend> {
+        if self.process != std::process::id() {
+            return Err(PyRuntimeError::new_err(
+                "this backend was opened before a fork, and has no threads here: open another, or let new processes be spawned",
+            ));
+        }
+        Ok(self.backend.as_ref())
+    }
+}
 
 #[pymethods]
 impl Backend {
@@ -31,6 +49,7 @@ impl Backend {
         precision: &str,
         threads: Option<usize>,
     ) -> PyResult<Self> {
+        let arguments = (name.to_owned(), devices.clone(), precision.to_owned(), threads);
         let precision = match precision {
             "f64" => Precision::F64,
             "f32" => Precision::F32,
@@ -39,7 +58,7 @@ impl Backend {
         let on_devices = devices.is_some() || precision == Precision::F32;
         let choice = devices.map_or(DeviceChoice::First, DeviceChoice::Numbers);
         let selection = match name {
-            "auto" if on_devices => Selection::Ocl { devices: choice, precision },
+            "auto" if on_devices && threads.is_none() => Selection::Ocl { devices: choice, precision },
             "auto" if threads.is_none() => Selection::Auto,
             "auto" | "cpu" if !on_devices => Selection::Cpu { threads },
             "ocl" if threads.is_none() => Selection::Ocl { devices: choice, precision },
@@ -47,34 +66,41 @@ impl Backend {
             "auto" | "ocl" => return Err(PyValueError::new_err("threads: they are of backend 'cpu' alone")),
             other => return Err(PyValueError::new_err(format!("backend '{other}': 'auto', 'cpu' or 'ocl' is needed"))),
         };
-        py.detach(|| laguerre::open(selection)).map(Self).map_err(raised)
+        let backend = py.detach(|| laguerre::open(selection)).map_err(raised)?;
+        Ok(Self { backend, arguments, process: std::process::id() })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let arguments = slf.get().arguments.clone().into_pyobject(slf.py())?.into_any();
+        Ok((slf.get_type().into_any(), arguments))
     }
 
     #[getter]
     fn name(&self) -> &'static str {
-        self.0.info().backend
+        self.backend.info().backend
     }
 
     #[getter]
     fn device(&self) -> String {
-        self.0.info().device
+        self.backend.info().device
     }
 
     #[getter]
     fn precision(&self) -> &'static str {
-        self.0.info().precision.word()
+        self.backend.info().precision.word()
     }
 
     #[getter]
     fn threads(&self) -> usize {
-        self.0.info().threads
+        self.backend.info().threads
     }
 }
 
 /// The OpenCL devices that are there: name, platform, whether it is a GPU, and why it cannot be used, if so.
 #[pyfunction]
 pub(crate) fn devices() -> PyResult<Vec<(String, String, bool, Option<String>)>> {
-    let found = laguerre::devices().map_err(raised)?;
+    // Where there is no OpenCL there are none.
+    let found = laguerre::devices().unwrap_or_default();
     Ok(found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect())
 }
 
@@ -108,7 +134,7 @@ pub(crate) fn evaluate<'py>(
     if let Some((terms, origin)) = polynomial {
         request = request.with_integral(Integrand::polynomial(origin, &terms).map_err(raised)?);
     }
-    let backend = &backend.0;
+    let backend = backend.get()?;
     let output = detached(py, |stop| backend.evaluate_watched(&diagram, &request, stop))?;
     arrays(py, output.into_arrays())
 }
@@ -139,7 +165,7 @@ pub(crate) fn arrays(py: Python<'_>, output: OutputArrays) -> PyResult<Bound<'_,
         let boundary = &facets.boundary;
         found.set_item("boundary_area", PyArray1::from_vec(py, boundary.iter().map(|b| b.area).collect()))?;
         found.set_item("boundary_centroid", table(py, boundary.iter().map(|b| b.barycenter).collect())?)?;
-        found.set_item("boundary_normal", table(py, boundary.iter().map(|b| b.vector_area).collect())?)?;
+        found.set_item("boundary_vector_area", table(py, boundary.iter().map(|b| b.vector_area).collect())?)?;
     }
     if let Some(geometry) = output.geometry {
         found.set_item("geometry", Geometry(geometry))?;
@@ -152,8 +178,10 @@ type Sparse<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray1<u32>>, Boun
 
 /// The derivatives of `of` ("mass" or "centroid") by `by` ("weights" or "points") of cells that were evaluated with the facets' second moments.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
 pub(crate) fn jacobian<'py>(
     py: Python<'py>,
+    backend: PyRef<'py, Backend>,
     points: PyReadonlyArray2<'py, f64>,
     weights: Option<PyReadonlyArray1<'py, f64>>,
     container: Option<Container<'py>>,
@@ -161,14 +189,18 @@ pub(crate) fn jacobian<'py>(
     of: &str,
     by: &str,
 ) -> PyResult<Sparse<'py>> {
+    let threads = backend.get()?.info().threads;
     let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let output = output(cells)?;
     let derivatives = Derivatives::new(&diagram, &output, &Density::Uniform).map_err(raised)?;
+    let derivatives = &derivatives;
     match (of, by) {
-        ("mass", "weights") => sparse(py, py.detach(|| derivatives.masses_by_weights())),
-        ("mass", "points") => sparse(py, py.detach(|| derivatives.masses_by_positions())),
-        ("centroid", "weights") => sparse(py, py.detach(|| derivatives.barycenters_by_weights())),
-        _ => sparse(py, py.detach(|| derivatives.barycenters_by_positions()).map_err(raised)?),
+        ("mass", "weights") => sparse(py, detached_in_pool(py, threads, |_| Ok(derivatives.masses_by_weights()))?),
+        ("mass", "points") => sparse(py, detached_in_pool(py, threads, |_| Ok(derivatives.masses_by_positions()))?),
+        ("centroid", "weights") => {
+            sparse(py, detached_in_pool(py, threads, |_| Ok(derivatives.barycenters_by_weights()))?)
+        }
+        _ => sparse(py, detached_in_pool(py, threads, |_| derivatives.barycenters_by_positions())?),
     }
 }
 

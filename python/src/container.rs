@@ -15,15 +15,19 @@ pub(crate) struct Domain(pub(crate) laguerre::Domain);
 #[pymethods]
 impl Domain {
     #[new]
-    fn new(vertices: PyReadonlyArray2<'_, f64>, triangles: PyReadonlyArray2<'_, u32>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        triangles: PyReadonlyArray2<'_, u32>,
+    ) -> PyResult<Self> {
         let vertices = rows(vertices.as_slice()?, "vertices").map_err(raised)?;
         let triangles = rows(triangles.as_slice()?, "triangles").map_err(raised)?;
-        laguerre::Domain::new(vertices, triangles).map(Self).map_err(raised)
+        py.detach(|| laguerre::Domain::new(vertices, triangles)).map(Self).map_err(raised)
     }
 
     #[staticmethod]
-    fn load(path: PathBuf) -> PyResult<Self> {
-        laguerre::Domain::load(path).map(Self).map_err(raised)
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        py.detach(|| laguerre::Domain::load(path)).map(Self).map_err(raised)
     }
 
     #[getter]

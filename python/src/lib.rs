@@ -11,6 +11,9 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _laguerre {
     #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "Python's name")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
     use super::cells::{Backend, devices, evaluate, jacobian};
     #[pymodule_export]
     use super::container::Domain;

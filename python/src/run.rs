@@ -1,7 +1,10 @@
 //! Long work without Python's lock, which Ctrl-C ends; and errors as Python has them.
 
+use std::error::Error as _;
+use std::io;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
@@ -12,13 +15,15 @@ use pyo3::prelude::*;
 /// Between two looks for a signal.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The library's error as Python's: what is wrong with the input is a `ValueError`.
+/// The library's error as Python's: what is wrong with the input is a `ValueError`, a file that is not there a `FileNotFoundError`.
 pub(crate) fn raised(error: Error) -> PyErr {
     let message = error.to_string();
-    match error.kind() {
-        ErrorKind::Input => PyValueError::new_err(message),
-        ErrorKind::Io => PyOSError::new_err(message),
-        ErrorKind::Interrupted => PyKeyboardInterrupt::new_err(message),
+    let system = error.source().and_then(|source| source.downcast_ref::<io::Error>()).and_then(io::Error::raw_os_error);
+    match (error.kind(), system) {
+        (ErrorKind::Input, _) => PyValueError::new_err(message),
+        (ErrorKind::Io, Some(number)) => PyOSError::new_err((number, message)),
+        (ErrorKind::Io, None) => PyOSError::new_err(message),
+        (ErrorKind::Interrupted, _) => PyKeyboardInterrupt::new_err(message),
         _ => PyRuntimeError::new_err(message),
     }
 }
@@ -28,7 +33,7 @@ pub(crate) fn raised(error: Error) -> PyErr {
 pub(crate) struct Stop(AtomicBool);
 
 impl Stop {
-    pub(crate) fn set(&self) {
+    fn set(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 }
@@ -60,25 +65,52 @@ pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(&Stop) -> Resu
     let stop = Stop::default();
     let (done, signal) = py.detach(|| {
         thread::scope(|scope| {
-            let (caller, stop) = (thread::current(), &stop);
-            let worker = scope.spawn(move || {
-                let done = work(stop);
-                caller.unpark();
-                done
+            let stop = &stop;
+            let (send, receive) = mpsc::sync_channel(1);
+            let worker = thread::Builder::new().spawn_scoped(scope, move || {
+                // The caller waits until it has this.
+                let _ = send.send(work(stop));
             });
+            if let Err(error) = worker {
+                let message = format!("cannot start a thread: {error}");
+                return (Some(Err(Error::new(ErrorKind::Device, message).because(error))), None);
+            }
             let mut signal = None;
-            while !worker.is_finished() {
-                thread::park_timeout(LOOK);
-                if let Err(error) = Python::attach(|py| py.check_signals()) {
-                    stop.set();
-                    signal = Some(error);
+            loop {
+                match receive.recv_timeout(LOOK) {
+                    Ok(done) => return (Some(done), signal),
+                    // It has panicked.
+                    Err(RecvTimeoutError::Disconnected) => return (None, signal),
+                    Err(RecvTimeoutError::Timeout) => {}
+                }
+                // Where the interpreter is about to end nobody waits for the answer.
+                match Python::try_attach(|py| py.check_signals()) {
+                    Some(Ok(())) => {}
+                    Some(Err(error)) => {
+                        stop.set();
+                        signal = Some(error);
+                    }
+                    None => stop.set(),
                 }
             }
-            (worker.join(), signal)
         })
     });
-    if let Some(signal) = signal {
-        return Err(signal);
+    match (done, signal) {
+        (_, Some(signal)) => Err(signal),
+        (Some(done), None) => done.map_err(raised),
+        (None, None) => Err(PyRuntimeError::new_err("the computation ended early; please report its input")),
     }
-    done.map_err(|_| PyRuntimeError::new_err("the computation ended early; please report its input"))?.map_err(raised)
+}
+
+/// The same within threads of its own, as many as the backend's: a pool that is shared would be without threads after a `fork`.
+pub(crate) fn detached_in_pool<T: Send>(
+    py: Python<'_>,
+    threads: usize,
+    work: impl FnOnce(&Stop) -> Result<T> + Send,
+) -> PyResult<T> {
+    detached(py, |stop| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|e| Error::new(ErrorKind::Device, format!("cannot start {threads} threads: {e}")))?;
+        pool.install(|| work(stop))
+    })
 }

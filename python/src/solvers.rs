@@ -14,7 +14,7 @@ use std::sync::Mutex;
 
 use crate::cells::{Backend, arrays};
 use crate::container::{Container, diagram, table};
-use crate::run::{Stoppable, detached};
+use crate::run::{Stoppable, detached_in_pool};
 
 /// A callback of the user's, and what it raised.
 struct Callback {
@@ -78,9 +78,9 @@ pub(crate) fn lloyd<'py>(
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let options = relaxation::Options::default().by(method).until(iterations, tolerance);
     let callback = Callback::new(callback);
-    let (backend, told) = (&backend.0, &callback);
-    let done = detached(py, |stop| {
-        let backend = Stoppable { backend: backend.as_ref(), stop };
+    let (backend, told) = (backend.get()?, &callback);
+    let done = detached_in_pool(py, backend.info().threads, |stop| {
+        let backend = Stoppable { backend, stop };
         let relaxed = relaxation::relax(&backend, &mut diagram, &options, &mut |done| {
             told.call(&[("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)])
         })?;
@@ -91,7 +91,12 @@ pub(crate) fn lloyd<'py>(
     found.set_item("points", table(py, diagram.positions().to_vec())?)?;
     found.set_item("energy", PyArray1::from_vec(py, relaxed.iterations.iter().map(|i| i.energy).collect()))?;
     found.set_item("gradient", PyArray1::from_vec(py, relaxed.iterations.iter().map(|i| i.gradient).collect()))?;
-    found.set_item("converged", relaxed.converged)?;
+    let end = match (relaxed.converged, relaxed.interrupted) {
+        (true, _) => "converged",
+        (_, true) => "stopped",
+        _ => "iterations",
+    };
+    found.set_item("end", end)?;
     found.set_item("cells", arrays(py, relaxed.output.into_arrays())?)?;
     Ok(found)
 }
@@ -116,11 +121,11 @@ pub(crate) fn transport<'py>(
     let density = density.map_or(Density::Uniform, |(value, gradient)| Density::Linear { value, gradient });
     let options = solution::Options::default().of(density).until(iterations, tolerance);
     let callback = Callback::new(callback);
-    let (backend, told) = (&backend.0, &callback);
-    let done = detached(py, |stop| -> Result<_> {
-        let backend = Stoppable { backend: backend.as_ref(), stop };
+    let (backend, told) = (backend.get()?, &callback);
+    let done = detached_in_pool(py, backend.info().threads, |stop| -> Result<_> {
+        let backend = Stoppable { backend, stop };
         solution::solve(&backend, &mut diagram, &masses, &options, &mut |done| {
-            told.call(&[("step", done.number as f64), ("residual", done.residual), ("length", done.step)])
+            told.call(&[("step", done.number as f64), ("residual", done.residual), ("fraction", done.step)])
         })
     });
     let solved = callback.or_raise(done)?;

@@ -44,6 +44,26 @@ def test_torch():
     check(points.grad.numpy(), weights.grad.numpy())
 
 
+def test_torch_refuses_what_would_be_wrong():
+    torch = pytest.importorskip("torch")
+    import laguerre.torch
+
+    points = torch.tensor(inputs()[0], requires_grad=True)
+    volume, centroid = laguerre.torch.cells(points, domain=CUBE)
+    expected = torch.autograd.grad((centroid**2).sum(), points, retain_graph=True)[0]
+    # What becomes of one output is nothing to the other.
+    with torch.no_grad():
+        volume.mul_(1000)
+    assert torch.equal(torch.autograd.grad((centroid**2).sum(), points, retain_graph=True)[0], expected)
+    first = torch.autograd.grad((centroid**2).sum(), points, create_graph=True)[0]
+    with pytest.raises(RuntimeError, match="once_differentiable"):
+        first.sum().backward()
+    with torch.no_grad():
+        points.add_(0.01)
+    with pytest.raises(RuntimeError, match="modified by an inplace operation"):
+        (centroid**2).sum().backward()
+
+
 def test_jax():
     jax = pytest.importorskip("jax")
     jax.config.update("jax_enable_x64", True)
@@ -57,3 +77,5 @@ def test_jax():
         return (volume * by[0]).sum() + (centroid * by[1]).sum()
 
     check(*map(np.asarray, jax.grad(function, argnums=(0, 1))(points, weights)))
+    several = jax.vmap(lambda p: laguerre.jax.cells(p, domain=CUBE)[0])(jax.numpy.stack([points, 1 - points]))
+    assert several == pytest.approx(np.stack([lg.cells(p, domain=CUBE).volume for p in (points, 1 - np.asarray(points))]))

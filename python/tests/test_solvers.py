@@ -19,22 +19,32 @@ def white(n, seed=1):
 
 def test_lloyd_lowers_the_energy():
     seen = []
-    relaxed = lg.lloyd(white(200), CUBE, iterations=5, tolerance=0, callback=seen.append)
+    relaxed = lg.lloyd(white(200), domain=CUBE, iterations=5, tolerance=0, callback=seen.append)
     assert [told["energy"] for told in seen] == relaxed.energy.tolist()
-    assert len(relaxed.energy) == 6 and np.all(np.diff(relaxed.energy) <= 0) and not relaxed.converged
+    assert len(relaxed.energy) == 6 and np.all(np.diff(relaxed.energy) <= 0) and relaxed.end == "iterations"
     assert np.array_equal(relaxed.cells.volume, lg.cells(relaxed.points, domain=CUBE).volume)
+
+
+def test_without_a_domain_the_box_stays():
+    points = white(100)
+    relaxed = lg.lloyd(points, iterations=10, tolerance=0)
+    box = np.prod(np.ptp(points, axis=0))
+    assert relaxed.cells.volume.sum() == pytest.approx(box, abs=1e-14)
+    again = lg.cells(relaxed.points, domain=lg.Box(points.min(0), points.max(0)))
+    assert np.array_equal(relaxed.cells.volume, again.volume)
+    assert np.array_equal(relaxed.cells.mass_jacobian_points().toarray(), again.mass_jacobian_points().toarray())
 
 
 def test_transport_equalizes():
     points, masses = white(300), np.linspace(1, 2, 300)
     masses /= masses.sum()
-    solved = lg.transport(points, CUBE, masses)
+    solved = lg.transport(points, domain=CUBE, masses=masses)
     assert solved.converged and solved.residual <= 1e-9
     assert solved.cells.volume == pytest.approx(masses, rel=1e-9)
     assert lg.cells(points, solved.weights, domain=CUBE).volume == pytest.approx(masses, rel=1e-9)
-    again = lg.transport(points, CUBE, masses, weights=solved.weights)
+    again = lg.transport(points, domain=CUBE, masses=masses, weights=solved.weights)
     assert len(again.residuals) == 1 and again.cost == pytest.approx(solved.cost)
-    linear = lg.transport(points, CUBE, density=(1.0, [0, 0, 2.0]))
+    linear = lg.transport(points, domain=CUBE, density=(1.0, [0, 0, 2.0]))
     assert linear.masses == pytest.approx(np.full(300, 2 / 300), rel=1e-9)
 
 
@@ -46,8 +56,8 @@ def test_a_callback_ends_a_solver(solve):
         calls.append(told)
         return len(calls) == 2
 
-    found = solve(white(300), CUBE, callback=second)
-    assert len(calls) == 2 and not found.converged
+    found = solve(white(300), domain=CUBE, callback=second)
+    assert len(calls) == 2 and found.end == "stopped"
     assert found.cells.volume.sum() == pytest.approx(1, abs=1e-14)
 
 
@@ -56,7 +66,7 @@ def test_what_a_callback_raises_is_raised():
         raise LookupError("enough")
 
     with pytest.raises(LookupError, match="enough"):
-        lg.transport(white(100), CUBE, callback=fails)
+        lg.transport(white(100), domain=CUBE, callback=fails)
 
 
 def test_ctrl_c_ends_the_work_and_others_go_on_meanwhile():
@@ -75,10 +85,28 @@ def test_ctrl_c_ends_the_work_and_others_go_on_meanwhile():
     start = time.perf_counter()
     try:
         with pytest.raises(KeyboardInterrupt):
-            lg.lloyd(white(20_000), CUBE, iterations=10**6, tolerance=0)
+            lg.lloyd(white(20_000), domain=CUBE, iterations=10**6, tolerance=0)
     finally:
         done.set()
         thread.join()
     assert time.perf_counter() - start < 30
     # Without the lock all others would have waited.
     assert len(ticks) > 10
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_process_that_was_forked_opens_its_own_backend():
+    diagram = lg.Diagram(white(50), domain=CUBE)
+    volume = diagram.cells().volume
+    child = os.fork()
+    if child == 0:
+        # No assertion ends a child of pytest: it says by its code what it found.
+        code = 1
+        try:
+            diagram.cells()
+        except RuntimeError as error:
+            same = np.array_equal(lg.cells(white(50), domain=CUBE).volume, volume)
+            code = 0 if "fork" in str(error) and same else 2
+        finally:
+            os._exit(code)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0

@@ -130,7 +130,7 @@ pub struct Solution {
 /// `Break` from `on_iteration`, or a watched backend that says [`ErrorKind::Interrupted`], ends it, with the weights of the last step.
 ///
 /// # Errors
-/// `Interrupted` where there are not even first weights; `Input` where the masses are not positive, or do not sum to the domain's (by more than the tolerance; by less they are scaled), where
+/// `Interrupted` where there are not even first weights; `Input` where the tolerance is no number from 0, the masses are not positive, or do not sum to the domain's (by more than the tolerance; by less they are scaled), where
 /// two sites coincide, the density is not positive, or no first weights without empty cells are found. What
 /// [`Backend::evaluate`] says.
 pub fn solve(
@@ -140,6 +140,9 @@ pub fn solve(
     options: &Options,
     on_iteration: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Solution> {
+    if options.tolerance.is_nan() || options.tolerance < 0.0 {
+        return Err(Error::input(format!("tolerance {}: a number from 0 is needed", options.tolerance)));
+    }
     let begin = Instant::now();
     let mut problem = Problem::new(backend, diagram, masses, options)?;
     let mut state = start::first(&mut problem)?;

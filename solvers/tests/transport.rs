@@ -233,6 +233,7 @@ fn what_cannot_be_is_said() {
         said(&sites, &[0.125; 10], &plain),
         "the masses sum to 1.25, but the domain has 1.0: multiply each by 0.8"
     );
+    assert!(said(&sites, &[], &plain.clone().until(5, f64::NAN)).starts_with("tolerance NaN: "));
     // Sums that overflow are no sums.
     assert!(said(&sites, &[1e308; 10], &plain).contains("but the domain has 1.0"));
     let mut twice = sites.clone();

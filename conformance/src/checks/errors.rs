@@ -40,13 +40,24 @@ pub fn containers(backend: &dyn Backend) -> Verdict {
     refused_mesh("a mesh without volume", &|mesh| mesh.vertices[3] = [0.25, 0.25, 0.0])
 }
 
-/// Sites and weights that are out of range of their container.
+/// A search that is to end by a number that is none.
+fn epsilons(backend: &dyn Backend) -> Verdict {
+    let diagram = PowerDiagram::new(&[[0.25; 3], [0.75; 3]], &[]).and_then(|d| d.in_box([0.0; 3], [1.0; 3]));
+    let diagram = diagram.map_err(|error| error.to_string())?;
+    for bad in [f64::NAN, -1.0] {
+        refused("a bad epsilon", backend.evaluate(&diagram, &Request::moments().with_epsilon(bad)))?;
+    }
+    Ok(())
+}
+
+/// Sites and weights that are out of range of their container, and requests of what no number says.
 pub fn ranges(backend: &dyn Backend) -> Verdict {
     let evaluate = |positions: &[[f64; 3]], weights: &[f64]| {
         let diagram = PowerDiagram::new(positions, weights)?;
         backend.evaluate(&diagram.clone().restricted_to(&shapes::icosphere(0).domain()), &Request::moments())?;
         backend.evaluate(&diagram.in_box([0.0; 3], [1.0; 3])?, &Request::moments())
     };
+    epsilons(backend)?;
     let (here, near, far) = ([0.25; 3], [900.0, 0.0, 0.0], [0.0, 5000.0, 0.0]);
     refused("a site far off", evaluate(&[here, far], &[]))?;
     refused("a weight far off", evaluate(&[here, near], &[0.0, 1e8]))?;

@@ -39,7 +39,7 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStat
                     // Cannot happen while the signs are exact; said instead of a panic.
                     let site = order[site as usize];
                     let message = format!("the geometry of site {site} could not be decided; please report its input");
-                    return Err(Error::new(ErrorKind::Device, message));
+                    return Err(Error::new(ErrorKind::Device, message).of_site(site as usize));
                 }
             }
             // These cells are counted; who watches may still end it.

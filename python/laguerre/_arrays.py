@@ -1,0 +1,51 @@
+"""Arrays in: what is taken, and what is said of what is not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def numbers(values: Any, what: str, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+    """A copy of ``values`` as doubles in C order, not to be written to; ``None`` in ``shape`` is any length."""
+    found = _array(values, what)
+    if found.dtype.kind not in "fiu":
+        raise ValueError(f"{what}: real numbers are needed, these are {found.dtype}")
+    if found.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, found.shape)):
+        wanted = ", ".join("N" if n is None else str(n) for n in shape) + ("," if len(shape) == 1 else "")
+        raise ValueError(f"{what}: an array of shape ({wanted}) is needed, this has {found.shape}")
+    return frozen(np.array(found, dtype=float, order="C"))
+
+
+def triangles(values: Any) -> NDArray[np.uint32]:
+    """Triples of indices."""
+    found = _array(values, "triangles")
+    if found.ndim != 2 or found.shape[1] != 3:
+        raise ValueError(f"triangles: an array of shape (T, 3) is needed, this has {found.shape}")
+    if found.dtype.kind not in "iu":
+        raise ValueError(f"triangles: integers are needed, these are {found.dtype}")
+    if found.size and (found.min() < 0 or found.max() >= 2**32):
+        raise ValueError("triangles: an index is negative or beyond 32 bits")
+    return np.ascontiguousarray(found, dtype=np.uint32)
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """The same array, not to be written to: others read it later."""
+    array.flags.writeable = False
+    return array
+
+
+def _array(values: Any, what: str) -> NDArray[Any]:
+    if np.ma.is_masked(values):
+        raise ValueError(f"{what}: some are masked; leave them out")
+    if not isinstance(values, np.ndarray) and hasattr(values, "__dlpack__"):
+        try:
+            return np.from_dlpack(values)
+        except (BufferError, RuntimeError, TypeError) as error:
+            advice = "detach it and bring it to the host, or take laguerre.torch or laguerre.jax"
+            raise ValueError(f"{what}: {error}: {advice}") from error
+    return np.asarray(values)

@@ -1,0 +1,90 @@
+"""What is written in Rust: arrays in C order in, dictionaries of arrays out."""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+class Backend:
+    def __init__(self, name: str = "auto", devices: list[int] | None = None, precision: str = "f64", threads: int | None = None) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def device(self) -> str: ...
+    @property
+    def precision(self) -> str: ...
+    @property
+    def threads(self) -> int: ...
+
+class Domain:
+    def __init__(self, vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> None: ...
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Domain: ...
+    @property
+    def vertices(self) -> NDArray[np.float64]: ...
+    @property
+    def triangles(self) -> NDArray[np.uint32]: ...
+    @property
+    def volume(self) -> float: ...
+    @property
+    def area(self) -> float: ...
+    @property
+    def centroid(self) -> NDArray[np.float64]: ...
+    @property
+    def bounds(self) -> tuple[list[float], list[float]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+class Geometry:
+    @property
+    def points(self) -> NDArray[np.float64]: ...
+    @property
+    def faces(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]: ...
+
+def devices() -> list[tuple[str, str, bool, str | None]]: ...
+def evaluate(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    facets: bool,
+    second_moments: bool,
+    facet_second_moments: bool,
+    geometry: bool,
+    polynomial: Any,
+    epsilon: float | None,
+) -> dict[str, Any]: ...
+def jacobian(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    cells: dict[str, Any],
+    of: str,
+    by: str,
+) -> tuple[NDArray[np.uint64], NDArray[np.uint32], NDArray[np.float64]]: ...
+def lloyd(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    method: str,
+    iterations: int,
+    tolerance: float,
+    callback: Callable[[dict[str, float]], Any] | None,
+) -> dict[str, Any]: ...
+def transport(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    masses: NDArray[np.float64] | None,
+    density: Any,
+    iterations: int,
+    tolerance: float,
+    callback: Callable[[dict[str, float]], Any] | None,
+) -> dict[str, Any]: ...

@@ -37,7 +37,7 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
         Ok(Outcome::Uncertified | Outcome::Refuted) => UNCERTIFIED.into(),
         Ok(Outcome::Interrupted) => INTERRUPTED.into(),
         Err(error) => {
-            say(&format!("{error}{}", option_for(&error)));
+            say(&format!("{error}{}", options_for(&error)));
             match error.kind() {
                 ErrorKind::Unavailable | ErrorKind::Device => UNAVAILABLE.into(),
                 ErrorKind::Interrupted => INTERRUPTED.into(),
@@ -47,16 +47,14 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
     }
 }
 
-/// The option of this program that does what the library's error says to do.
-fn option_for(error: &Error) -> &'static str {
+/// The options of this program that do what the library's error says to do.
+fn options_for(error: &Error) -> String {
     // What a file is called is no advice.
     let message = if error.place().file.is_none() { error.to_string() } else { String::new() };
-    let options = [
-        ("compute in f32", " (--precision f32)"),
-        ("integrals in f64", " (--precision f64)"),
-        ("the CPU", " (--backend cpu)"),
-    ];
-    options.iter().find(|(advice, _)| message.contains(advice)).map_or("", |(_, option)| option)
+    let options =
+        [("compute in f32", "--precision f32"), ("integrals in f64", "--precision f64"), ("the CPU", "--backend cpu")];
+    let given: Vec<&str> = options.iter().filter(|(advice, _)| message.contains(advice)).map(|o| o.1).collect();
+    if given.is_empty() { String::new() } else { format!(" ({})", given.join(", ")) }
 }
 
 /// Whether a command ends by itself when Ctrl-C comes, and whether it came.

@@ -213,7 +213,7 @@ fn facets_are_refused() {
     for request in [Request::moments().with_facets(), Request::moments().with_second_moments(), integral] {
         let error: Error = single.evaluate(&diagram, &request).unwrap_err();
         assert!(
-            error.kind() == ErrorKind::Input && error.to_string().contains("volumes and barycenters only"),
+            error.kind() == ErrorKind::Input && error.to_string().contains("volumes, barycenters and geometry only"),
             "{error}"
         );
     }

@@ -270,7 +270,10 @@ fn memory_that_is_not_there_makes_batches_smaller_and_then_an_error() {
         place.clear();
         // Nothing fits.
         let line = place.fails(&format!("clCreateBuffer:>1000:{code}"), 3);
-        says(&line, &[&place.device, "OpenCL failed allocating", " bytes for ", "--backend cpu, or fewer sites"]);
+        says(
+            &line,
+            &[&place.device, "OpenCL failed allocating", " bytes for ", "use the CPU, or fewer sites", "--backend cpu"],
+        );
     }
 }
 
@@ -295,7 +298,10 @@ fn memory_that_is_not_there_late_makes_batches_smaller_and_then_an_error() {
                     assert!(left == place.wanted, "{fault} changed results");
                     recovered += 1;
                 }
-                Some(3) => says(&said, &[&place.device, "OpenCL failed running ", "--backend cpu, or fewer sites"]),
+                Some(3) => says(
+                    &said,
+                    &[&place.device, "OpenCL failed running ", "use the CPU, or fewer sites", "--backend cpu"],
+                ),
                 other => panic!("{fault}: {other:?}: {said}"),
             }
         }

@@ -74,7 +74,7 @@ impl Request {
     #[doc(hidden)]
     pub fn check(&self) -> Result<()> {
         match self.epsilon {
-            Some(epsilon) if !(epsilon >= 0.0) => {
+            Some(epsilon) if epsilon.is_nan() || epsilon < 0.0 => {
                 Err(Error::input(format!("epsilon {epsilon}: a number from 0 is needed")))
             }
             _ => Ok(()),

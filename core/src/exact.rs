@@ -1,8 +1,7 @@
 //! Exact arithmetic on `f64` inputs, for what floating point and double-double cannot decide: integers from a library.
 
 use crate::cell::{COMPLETE, Plane, SIGN_UNKNOWN, UNCERTAIN, V3};
-use dashu_int::IBig;
-use dashu_int::ops::BitTest;
+use num_bigint::BigInt;
 
 /// The sign (−1, 0, 1) of the 4×4 determinant with rows `[n | d]` of the planes `a`, `b`, `c`, `k`.
 pub fn sign_of_planes(a: Plane, b: Plane, c: Plane, k: Plane) -> i32 {
@@ -12,7 +11,7 @@ pub fn sign_of_planes(a: Plane, b: Plane, c: Plane, k: Plane) -> i32 {
         let small = rows.each_ref().map(|row| row.mantissas.map(|(m, shift)| i128::from(m) << shift));
         return determinant(&small).signum() as i32;
     }
-    let large = rows.each_ref().map(|row| row.mantissas.map(|(m, shift)| IBig::from(m) << shift as usize));
+    let large = rows.each_ref().map(|row| row.mantissas.map(|(m, shift)| BigInt::from(m) << shift as usize));
     sign(&determinant(&large))
 }
 
@@ -76,7 +75,7 @@ pub fn position(a: Plane, b: Plane, c: Plane, point: &mut V3) -> u32 {
     let (na, nb, nc) = (vector(a.n), vector(b.n), vector(c.n));
     let (bc, ca, ab) = (cross(&nb, &nc), cross(&nc, &na), cross(&na, &nb));
     let det = dot(&na, &bc);
-    if det.mantissa == IBig::ZERO {
+    if det.mantissa == BigInt::ZERO {
         return UNCERTAIN;
     }
     let (da, db, dc) = (Dyadic::new(-a.d), Dyadic::new(-b.d), Dyadic::new(-c.d));
@@ -91,7 +90,7 @@ pub fn foot(f: Plane, g: Plane, center: V3, point: &mut V3) -> u32 {
     let (nf, ng, c) = (vector(f.n), vector(g.n), vector(center));
     let x = cross(&nf, &ng);
     let square = dot(&x, &x);
-    if square.mantissa == IBig::ZERO {
+    if square.mantissa == BigInt::ZERO {
         return UNCERTAIN;
     }
     let df = Dyadic::new(f.d).plus(&dot(&nf, &c)).negated();
@@ -141,14 +140,14 @@ where
     term(0, 1, 2, 3) - term(0, 2, 1, 3) + term(0, 3, 1, 2) + term(1, 2, 0, 3) - term(1, 3, 0, 2) + term(2, 3, 0, 1)
 }
 
-fn sign(x: &IBig) -> i32 {
-    if *x == IBig::ZERO { 0 } else { i32::from(*x > IBig::ZERO) * 2 - 1 }
+fn sign(x: &BigInt) -> i32 {
+    if *x == BigInt::ZERO { 0 } else { i32::from(*x > BigInt::ZERO) * 2 - 1 }
 }
 
 /// An exact binary fraction: `mantissa · 2^exponent`.
 #[derive(Clone)]
 pub(crate) struct Dyadic {
-    mantissa: IBig,
+    mantissa: BigInt,
     exponent: i32,
 }
 
@@ -156,6 +155,16 @@ impl Dyadic {
     pub(crate) fn new(x: f64) -> Self {
         let (mantissa, exponent) = decompose(x);
         Self { mantissa: mantissa.into(), exponent }
+    }
+
+    /// `mantissa · 2^exponent`.
+    pub(crate) fn of(mantissa: BigInt, exponent: i32) -> Self {
+        Self { mantissa, exponent }
+    }
+
+    /// Rounded to nearest.
+    pub(crate) fn rounded(&self) -> f64 {
+        self.over(&Self::new(1.0))
     }
 
     pub(crate) fn times(&self, other: &Self) -> Self {
@@ -179,13 +188,13 @@ impl Dyadic {
 
     /// The quotient, rounded to nearest.
     pub(crate) fn over(&self, divisor: &Self) -> f64 {
-        if self.mantissa == IBig::ZERO {
+        if self.mantissa == BigInt::ZERO {
             return 0.0;
         }
         // 64 or 65 bits of quotient and a sticky bit: more than the 54 that rounding to nearest needs.
-        let length = |x: &IBig| x.bit_len() as i32;
+        let length = |x: &BigInt| x.bits() as i32;
         let shift = 65 + length(&divisor.mantissa) - length(&self.mantissa);
-        let scaled = |x: &IBig, by: i32| x << by.max(0) as usize;
+        let scaled = |x: &BigInt, by: i32| x << by.max(0) as usize;
         let numerator = scaled(&self.mantissa, shift);
         let denominator = scaled(&divisor.mantissa, -shift);
         let quotient = &numerator / &denominator;

@@ -4,8 +4,9 @@
 //! (the cone from the origin over it). These terms cancel, so they are computed and summed in twice the precision; where
 //! even that is not enough (thin shells, or no volume at all), exactly.
 
-use dashu_int::IBig;
+use num_bigint::BigInt;
 
+use crate::exact::Dyadic;
 use crate::summation::Sum;
 
 /// The integrals of a mesh, in the unit of its vertices.
@@ -59,12 +60,12 @@ impl Moments {
 
 /// Volume and barycenter by integers, each rounded at the end; the barycenter of no volume is NaN.
 fn exactly(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> (f64, [f64; 3]) {
-    let integers: Vec<[IBig; 3]> = vertices.iter().map(|v| v.map(to_integer)).collect();
-    let mut volume6 = IBig::ZERO;
-    let mut moment24 = [IBig::ZERO; 3];
+    let integers: Vec<[BigInt; 3]> = vertices.iter().map(|v| v.map(to_integer)).collect();
+    let mut volume6 = BigInt::ZERO;
+    let mut moment24 = [BigInt::ZERO; 3];
     for t in triangles {
         let [a, b, c] = t.map(|i| &integers[i as usize]);
-        let term: IBig = (0..3)
+        let term: BigInt = (0..3)
             .map(|k| {
                 let (i, j) = ((k + 1) % 3, (k + 2) % 3);
                 &a[k] * (&b[i] * &c[j] - &b[j] * &c[i])
@@ -75,9 +76,9 @@ fn exactly(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> (f64, [f64; 3]) {
         }
         volume6 += term;
     }
-    let v = volume6.to_f64().value();
+    let v = Dyadic::of(volume6, 0).rounded();
     // Largest magnitudes: (2²⁰⁵)³ · 6 · 2²⁸ and (2²⁰⁵)⁴ · 18 · 2²⁸, both within the range of f64.
-    let barycenter = moment24.map(|m| m.to_f64().value() / v / 4.0 * (-f64::from(FRACTION_BITS)).exp2());
+    let barycenter = moment24.map(|m| Dyadic::of(m, 0).rounded() / v / 4.0 * (-f64::from(FRACTION_BITS)).exp2());
     (v * (-3.0 * f64::from(FRACTION_BITS)).exp2() / 6.0, barycenter)
 }
 
@@ -85,13 +86,13 @@ fn exactly(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> (f64, [f64; 3]) {
 const FRACTION_BITS: u32 = 202;
 
 /// `x · 2^FRACTION_BITS`, which is an integer.
-fn to_integer(x: f64) -> IBig {
+fn to_integer(x: f64) -> BigInt {
     let bits = x.abs().to_bits();
     let exponent = (bits >> 52) as i32 - 1075 + FRACTION_BITS as i32;
     if x == 0.0 || exponent < 0 {
-        return IBig::ZERO;
+        return BigInt::ZERO;
     }
-    let magnitude = IBig::from((bits & ((1 << 52) - 1)) | 1 << 52) << exponent as usize;
+    let magnitude = BigInt::from((bits & ((1 << 52) - 1)) | 1 << 52) << exponent as usize;
     if x < 0.0 { -magnitude } else { magnitude }
 }
 

@@ -124,13 +124,6 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
     assembler.finish(report, geometry.map(GeometryAssembler::finish).transpose()?)
 }
 
-/// Cannot happen while the signs are exact; said instead of a panic.
-fn undecided(prepared: &Prepared, site: u32) -> Error {
-    let site = prepared.sites.order()[site as usize];
-    Error::new(ErrorKind::Device, format!("the cell of site {site} could not be decided; please report its input"))
-        .of_site(site as usize)
-}
-
 /// Computes the cells of one pass, chunk by chunk, the results in order.
 fn run_chunks(
     room: Capacities,
@@ -184,13 +177,13 @@ fn run_cell(
             result.failed.push(site);
             return Ok(());
         }
-        _ => return Err(undecided(prepared, site)),
+        _ => return Err(Error::undecided("cell", prepared.sites.order()[site as usize])),
     };
     let order = prepared.sites.order();
     if request.geometry && status != CellStatus::Empty {
         let frame = &prepared.container.frame;
         if worker.shaper.add(store, site, sums.volume, order, frame, &mut result.shapes) != cell::COMPLETE {
-            return Err(undecided(prepared, site));
+            return Err(Error::undecided("geometry", order[site as usize]));
         }
     }
     result.exact_cells += usize::from(store.exact);

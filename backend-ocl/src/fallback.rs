@@ -5,7 +5,7 @@ use laguerre_core::cell::{self, CellSums, PlainStore};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::search::Search;
-use laguerre_core::{CellStatus, Error, ErrorKind, Result, Watched};
+use laguerre_core::{CellStatus, Error, Result, Watched};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
@@ -59,12 +59,7 @@ fn compute_cell(
         cell::COMPLETE if outcome.uncertified => CellStatus::Uncertified,
         cell::COMPLETE => CellStatus::Complete,
         cell::EMPTY => CellStatus::Empty,
-        _ => {
-            // Cannot happen while the signs are exact; said instead of a panic.
-            let site = order[site as usize];
-            let message = format!("the cell of site {site} could not be decided; please report its input");
-            return Err(Error::new(ErrorKind::Device, message).of_site(site as usize));
-        }
+        _ => return Err(Error::undecided("cell", order[site as usize])),
     };
     let mut facets = FacetRecords::default();
     if request.facets && status != CellStatus::Empty {

@@ -67,6 +67,13 @@ impl Error {
         Self::new(ErrorKind::Interrupted, "interrupted before there was a result")
     }
 
+    /// What cannot happen while the signs are exact, said instead of a panic: the cell of a site, or its geometry, has no answer.
+    #[doc(hidden)]
+    pub fn undecided(what: &str, site: u32) -> Self {
+        let message = format!("the {what} of site {site} could not be decided; please report its input");
+        Self::new(ErrorKind::Device, message).of_site(site as usize)
+    }
+
     /// What kind of thing went wrong.
     pub fn kind(&self) -> ErrorKind {
         self.0.kind

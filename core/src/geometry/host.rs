@@ -3,7 +3,7 @@
 use super::{Geometry, GeometryAssembler, Shaper, Shapes};
 use crate::cell::{self, CellSums, PlainStore};
 use crate::search::Search;
-use crate::{CellStatus, Error, ErrorKind, PowerDiagram, Result, Watched};
+use crate::{CellStatus, Error, PowerDiagram, Result, Watched};
 use rayon::prelude::*;
 
 /// Cells that one task computes, and those that are computed before they are put together.
@@ -36,10 +36,7 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStat
                     status = shaper.add(&store, site, sums.volume, order, frame, &mut shapes);
                 }
                 if status != cell::COMPLETE && status != cell::EMPTY {
-                    // Cannot happen while the signs are exact; said instead of a panic.
-                    let site = order[site as usize];
-                    let message = format!("the geometry of site {site} could not be decided; please report its input");
-                    return Err(Error::new(ErrorKind::Device, message).of_site(site as usize));
+                    return Err(Error::undecided("geometry", order[site as usize]));
                 }
             }
             // These cells are counted; who watches may still end it.

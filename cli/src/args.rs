@@ -113,6 +113,10 @@ pub(crate) struct IntegrateArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
+    /// Where to write a page that shows the cells in 3D, for any browser, all in the one file: .html, or - for standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
+
     /// Where to write the facets, each once from each side, neighbor -1 and distance NaN for the boundary: .csv
     /// (site,neighbor,area,x,y,z,distance), .npy (those columns), .npz (arrays offsets, site, neighbor, area, barycenter, distance; those of site
     /// i are offsets[i] to offsets[i + 1]) or - for standard output, as .csv
@@ -153,6 +157,7 @@ Examples:
   laguerre integrate sites.npy --weights weights.npy --box 0,0,0,1,1,1 --json
   laguerre integrate sites.npy --domain out/swan.off -o cells.npz --facets facets.npz      NumPy: np.load
   laguerre integrate sites.npy --box 0,0,0,1,1,1 --derivatives volumes-by-weights=jacobian.npz --integral 'x^2 + y^2'
+  laguerre integrate sites.npy --domain out/swan.off --html cells.html                      to look at, in a browser
   generate | laguerre integrate - --domain part.stl -o cells.vtu";
 
 /// Whether a result file, whoever wrote it, is right: its sums, its cells, its facets.
@@ -280,7 +285,8 @@ pub(crate) enum Distribution {
 
 /// The main job on built-in input: the cells of 10,000 sites in a swan.
 ///
-/// Prints the summary and writes swan.off (the domain), cells.csv, cells.vtu (for ParaView) and cells.png, a slice through the swan.
+/// Prints the summary and writes swan.off (the domain), cells.csv, cells.vtu (for ParaView), cells.html (for a browser) and cells.png, a slice
+/// through the swan.
 #[derive(ClapArgs, Debug)]
 pub(crate) struct DemoArgs {
     /// Where to write the files; made if it is not there

@@ -12,8 +12,9 @@ use crate::domains;
 use crate::evaluate::{evaluate, open_default};
 use crate::integrate::{outcome, write_cells};
 use crate::outcome::{Outcome, print, print_json};
+use crate::page::{self, Page};
 use crate::picture::draw;
-use crate::report::{Report, Seconds};
+use crate::report::{Report, Seconds, grouped};
 use crate::sample::Sampler;
 use crate::slice::SlicePlane;
 
@@ -45,16 +46,21 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let folder = &args.out_dir;
     fs::create_dir_all(folder)
         .map_err(|e| Error::new(ErrorKind::Io, format!("{}: cannot make this folder: {e}", folder.display())))?;
-    let names = ["swan.off", "cells.csv", "cells.vtu", "cells.png"].map(|name| folder.join(name));
+    let names = ["swan.off", "cells.csv", "cells.vtu", "cells.png", "cells.html"].map(|name| folder.join(name));
     let mesh = off(&domain);
     io::write_whole(&names[0], |w| w.write_all(mesh.as_bytes()))?;
     for path in &names[1..3] {
         write_cells(path, &diagram, &output)?;
     }
     draw(&names[3], &diagram, &output, &CUT, WIDTH)?;
+    let whole = Whole::of(&diagram)?;
+    let facts = page::facts(&Report::new(&output, &whole, backend.info(), seconds));
+    let page =
+        Page { title: format!("Cells of {} sites in a swan", grouped(args.sites.into())), facts, ..Page::default() };
+    page::write_still(&names[4], &page, &diagram, &output)?;
     seconds.write = start.elapsed().as_secs_f64();
 
-    let report = Report::new(&output, &Whole::of(&diagram)?, backend.info(), seconds);
+    let report = Report::new(&output, &whole, backend.info(), seconds);
     if args.json {
         print_json(&report)?;
     } else {

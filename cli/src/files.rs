@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use laguerre::{Error, Result, io};
 
 use crate::outcome::print_beside_results;
+use crate::page;
 
 /// Lets standard output have the results where an output is `-`: what is printed goes to standard error then.
 ///
@@ -18,6 +19,23 @@ pub(crate) fn share_standard_output<'a>(outputs: impl IntoIterator<Item = &'a Pa
         _ => return Err(Error::input("-: named for two outputs, but standard output is one; name a file")),
     }
     print_beside_results();
+    Ok(())
+}
+
+/// Checks the page's name: a page's ending, and none of the `others`.
+///
+/// # Errors
+/// `Input` for the ending or a name given twice, `Io` where the file could not be made.
+pub(crate) fn check_page<'a>(page: Option<&PathBuf>, mut others: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
+    let Some(path) = page else { return Ok(()) };
+    if path.as_os_str() == "-" {
+        // Whether that is free is a matter of all outputs.
+        return Ok(());
+    }
+    io::check_output(path, page::ENDINGS)?;
+    if others.any(|other| names_same_file(other, path)) {
+        return Err(Error::input(format!("{}: named for two outputs; give two files", path.display())));
+    }
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 
 mod checkpoint;
 mod frames;
+mod pages;
 mod report;
 mod series;
 
@@ -16,11 +17,13 @@ use laguerre::{Backend, Domain, Error, Result, io};
 
 use crate::args::{BackendArgs, Corners, parse_count};
 use crate::domains;
+use crate::files::{check_page, refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, end_well_when_interrupted, is_interrupted, note, print, print_json, say};
 use crate::sample::Sampler;
 use crate::solver::{LARGEST, open_for_solver, parse_from_zero, parse_number};
 use checkpoint::Checkpoint;
 use frames::{FrameKind, Frames};
+use pages::Pages;
 use report::{Report, Step};
 
 /// Incompressible fluid by power particles: every particle has a cell of its own, all of the same volume.
@@ -83,6 +86,11 @@ pub(crate) struct FluidArgs {
     #[arg(long, value_name = "FILE")]
     film: Option<PathBuf>,
 
+    /// Where to write a page that shows the cells in 3D over time, for any browser, all in the one file: .html, or - for standard output.
+    /// Where there are many frames, some of them, so that the page has no more than 200,000 cells in all; each is computed once more for it
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+
     /// Where to write, with every frame and at the end, what is needed to go on: .fluid
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
@@ -104,6 +112,7 @@ const EXAMPLES: &str = "\
 Examples:
   laguerre fluid rayleigh-taylor --film plumes.gif
   laguerre fluid snow-globe --domain part.stl --particles 20000 --out-dir globe --frames png,vtu --checkpoint globe.fluid
+  laguerre fluid dam-break --particles 5000 --html dam.html
   laguerre fluid --resume globe.fluid --steps 400 --out-dir globe --checkpoint globe.fluid";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -158,16 +167,19 @@ fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
     // Until now there was nothing to lose.
     end_well_when_interrupted();
     frames.add(&fluid, args.resume.is_none())?;
+    let mut pages = Pages::new(args.html.as_deref(), scene, &fluid);
+    pages.add(&fluid);
     let mut report = Report::new(scene, &fluid, backend.info());
-    if args.out_dir.is_none() && args.film.is_none() && args.checkpoint.is_none() && !args.json {
+    if args.out_dir.is_none() && args.film.is_none() && args.html.is_none() && args.checkpoint.is_none() && !args.json {
         // Not before: what is wrong is said in one line.
-        note("only energies are printed; name --film, --out-dir or --checkpoint to keep the motion");
+        note("only energies are printed; name --film, --html, --out-dir or --checkpoint to keep the motion");
     }
     if !args.json {
         print(&report.header())?;
     }
     let flown = flow(args, backend, &mut fluid, &mut report, |fluid| {
         frames.add(fluid, true)?;
+        pages.add(fluid);
         save(args, scene, &container, fluid)
     });
     // What was before a step that failed is not lost.
@@ -178,6 +190,7 @@ fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
         flown?;
     }
     report.finish(&fluid, is_interrupted(), start.elapsed().as_secs_f64());
+    pages.finish(&fluid, backend, &report)?;
     if args.json {
         print_json(&report)?;
     } else {
@@ -227,6 +240,9 @@ fn check(args: &FluidArgs) -> Result<()> {
     if let Some(path) = &args.checkpoint {
         io::check_output(path, &[checkpoint::ENDING])?;
     }
+    check_page(args.html.as_ref(), args.film.iter().chain(&args.checkpoint))?;
+    args.html.iter().try_for_each(|path| refuse_inputs(path, &[args.domain.as_ref(), args.resume.as_ref()]))?;
+    share_standard_output(&args.html, args.json)?;
     if let Some(folder) = args.out_dir.as_ref().filter(|folder| folder.is_dir()) {
         io::check_output(&folder.join("frame.png"), &[".png"])?;
     }

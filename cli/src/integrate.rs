@@ -10,9 +10,10 @@ use crate::args::IntegrateArgs;
 use crate::container::{Container, Whole, note_if_merged};
 use crate::derivatives;
 use crate::evaluate::{evaluate, open};
-use crate::files::{names_same_file, refuse_inputs, share_standard_output};
+use crate::files::{check_page, names_same_file, refuse_inputs, share_standard_output};
 use crate::npz;
 use crate::outcome::{Outcome, note, print, print_json, say};
+use crate::page::{self, Page};
 use crate::report::{Report, Seconds};
 use crate::sites;
 
@@ -25,6 +26,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let diagram = sites::read(&args.sites)?;
     let container = Container::read(&args.container)?;
     let diagram = container.restrict(diagram)?;
+    page::check_sites(args.html.as_ref(), diagram.positions().len())?;
     let whole = Whole::of(&diagram).map_err(|e| e.at(sites::name(&args.sites)))?;
     note_if_apart(&diagram, &whole);
     note_if_merged(&diagram)?;
@@ -40,7 +42,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let request = if args.facets.is_some() { request.with_facets() } else { request };
     let request = if args.second_moments { request.with_second_moments() } else { request };
     let has_geometry = args.output.as_deref().is_some_and(|path| io::ending(path, GEOMETRY_ENDINGS).is_ok());
-    let request = if has_geometry { request.with_geometry() } else { request };
+    let request = if has_geometry || args.html.is_some() { request.with_geometry() } else { request };
     let request = if args.derivatives.is_empty() { request } else { derivatives::request(request) };
     let request = args.integral.iter().cloned().fold(request, Request::with_integral);
     let has_solids = args.output.as_deref().is_some_and(|path| io::ending(path, &[".vtu"]).is_ok());
@@ -60,6 +62,11 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
         npz::write_facets(path, &diagram, &output)?;
     }
     args.derivatives.iter().try_for_each(|asked| derivatives::write(asked, &diagram, &output))?;
+    if let Some(path) = &args.html {
+        let report = Report::new(&output, &whole, backend.info(), seconds);
+        let title = page::title("Cells of", &sites::name(&args.sites), args.container.domain.as_deref());
+        page::write_still(path, &Page { title, facts: page::facts(&report), ..Page::default() }, &diagram, &output)?;
+    }
     seconds.write = start.elapsed().as_secs_f64();
 
     let report = Report::new(&output, &whole, backend.info(), seconds);
@@ -117,6 +124,8 @@ fn check(args: &IntegrateArgs) -> Result<()> {
             return Err(Error::input(format!("{}: named for two outputs; give two files", asked.path.display())));
         }
     }
+    let others = args.output.iter().chain(&args.facets).chain(args.derivatives.iter().map(|asked| &asked.path));
+    check_page(args.html.as_ref(), others)?;
     let has_room = args.output.as_ref().is_some_and(|path| io::ending(path, &[npz::ENDING]).is_ok());
     if args.second_moments && !has_room {
         return Err(Error::input("--second-moments: only .npz has room for them; name one with -o"));
@@ -128,7 +137,7 @@ fn check(args: &IntegrateArgs) -> Result<()> {
 
 /// All files that are to be written.
 fn outputs(args: &IntegrateArgs) -> impl Iterator<Item = &PathBuf> {
-    args.output.iter().chain(&args.facets).chain(args.derivatives.iter().map(|asked| &asked.path))
+    args.output.iter().chain(&args.facets).chain(&args.html).chain(args.derivatives.iter().map(|asked| &asked.path))
 }
 
 /// Every point of a domain belongs to some cell, so sites that are all elsewhere give an answer; it is seldom the one wanted.

@@ -12,8 +12,9 @@ use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::{Container, Whole};
-use crate::files::{refuse_inputs, share_standard_output};
+use crate::files::{check_page, refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, end_well_when_interrupted, note, print, print_json, say};
+use crate::page::{self, Page, Plot, Remembering, Timeline};
 use crate::report::grouped;
 use crate::sites;
 use crate::solver::{WithBar, interrupted, open_for_solver, parse_from_zero};
@@ -49,6 +50,11 @@ pub(crate) struct LloydArgs {
     /// Where to write the sites: .xyz, .txt, .csv, .npy or .ply; - for standard output, as .csv
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    /// Where to write a page that shows the cells in 3D at each iteration, for any browser, all in the one file: .html, or - for standard output.
+    /// Where there are many, some of them, so that the page has no more than 200,000 cells in all; each is computed once more for it
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
 
     #[command(flatten)]
     backend: BackendArgs,
@@ -106,6 +112,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     let (backend, pool) = open_for_solver(&args.backend)?;
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
+    page::check_sites(args.html.as_ref(), diagram.positions().len())?;
     let whole = Whole::of(&diagram).map_err(of_sites)?;
 
     let method = match args.method {
@@ -116,6 +123,9 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     let start = Instant::now();
     end_well_when_interrupted();
     let mut count = 0;
+    let with_bar = WithBar(backend.as_ref());
+    let remembering = Remembering::new(&with_bar, diagram.positions().len());
+    let mut timeline = args.html.as_ref().map(|_| Timeline::new(diagram.positions().len()));
     let mut table = |done: &Iteration| {
         if count == 0 && args.output.is_none() && !args.json {
             // Not before: what is wrong is said in one line.
@@ -127,18 +137,24 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
             // Where nobody reads, the work goes on.
             let _ = print(&format!("{header}{count:9}  {evaluations:8}  {energy:12.6e}  {gradient:12.4e}\n"));
         }
+        if let Some(timeline) = &mut timeline {
+            timeline.add(|| remembering.moment(format!("iteration {count}"), count));
+        }
         count += 1;
         ControlFlow::Continue(())
     };
-    let relaxed = pool
-        .install(|| lloyd::relax(&WithBar(backend.as_ref()), &mut diagram, &options, &mut table))
-        .map_err(of_sites)?;
+    let relaxed = pool.install(|| lloyd::relax(&remembering, &mut diagram, &options, &mut table)).map_err(of_sites)?;
     let seconds = start.elapsed().as_secs_f64();
 
     if let Some(path) = &args.output {
         io::write_sites(path, diagram.positions(), diagram.weights())?;
     }
     let report = Report::new(&relaxed, args.method, &whole, backend.info(), seconds);
+    if let (Some(path), Some(timeline)) = (&args.html, timeline) {
+        let (moments, shown) = timeline.finish("iterations");
+        let page = report.page(args, shown);
+        pool.install(|| page::write_run(path, &page, backend.as_ref(), &diagram, &moments))?;
+    }
     if args.json {
         print_json(&report)?;
     } else {
@@ -162,10 +178,11 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
 
 /// What can be said before the work.
 fn check(args: &LloydArgs) -> Result<()> {
-    let Some(path) = &args.output else { return Ok(()) };
-    io::check_output(path, SITES_ENDINGS)?;
-    share_standard_output([path], args.json)?;
-    refuse_inputs(path, &[Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()])
+    args.output.iter().try_for_each(|path| io::check_output(path, SITES_ENDINGS))?;
+    check_page(args.html.as_ref(), args.output.iter())?;
+    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
+    args.output.iter().chain(&args.html).try_for_each(|path| refuse_inputs(path, &inputs))?;
+    share_standard_output(args.output.iter().chain(&args.html), args.json)
 }
 
 impl Report {
@@ -196,6 +213,32 @@ impl Report {
             precision: info.precision.word(),
             threads: info.threads,
             history,
+        }
+    }
+
+    /// What the page says beside the cells.
+    fn page(&self, args: &LloydArgs, shown: String) -> Page {
+        let mut facts = vec![
+            ("sites", grouped(self.sites as u64)),
+            ("empty cells", grouped(self.empty as u64)),
+            ("iterations", format!("{}, {} diagrams", self.iterations, self.evaluations)),
+            ("gradient", format!("{:.3e} of a cell", self.residual)),
+            ("energy", format!("{:e}, {:.6} for cells of size 1", self.energy, self.normalized_energy)),
+            ("computed in", format!("{:.3} s", self.seconds)),
+        ];
+        facts.extend(page::made_by(self.backend, &self.device, self.precision, self.threads));
+        let values = self.history.iter().map(|row| row.gradient).collect();
+        Page {
+            title: page::title("Lloyd's cells of", &sites::name(&args.sites), args.container.domain.as_deref()),
+            facts,
+            shown,
+            plot: Some(Plot {
+                x: "iteration",
+                y: "gradient (distance of sites from barycenters, in cells)",
+                log: true,
+                values,
+            }),
+            ..Page::default()
         }
     }
 

@@ -17,6 +17,7 @@ mod lloyd;
 mod manual;
 mod npz;
 mod outcome;
+mod page;
 mod paper;
 mod picture;
 mod plot;

@@ -13,8 +13,9 @@ use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::Container;
-use crate::files::{names_same_file, refuse_inputs, share_standard_output};
+use crate::files::{check_page, names_same_file, refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, end_well_when_interrupted, note, print, print_json, say};
+use crate::page::{self, Page, Plot, Remembering, Timeline};
 use crate::report::grouped;
 use crate::sites;
 use crate::solver::{LARGEST, WithBar, interrupted, open_for_solver, parse_number};
@@ -57,6 +58,11 @@ pub(crate) struct TransportArgs {
     /// Where to write the cells: .csv (site,volume,x,y,z,facets,status), .npy (volume, barycenter) or - for standard output
     #[arg(long, value_name = "FILE")]
     cells: Option<PathBuf>,
+
+    /// Where to write a page that shows the cells in 3D at each Newton step, for any browser, all in the one file: .html, or - for standard output.
+    /// Where there are many, some of them, so that the page has no more than 200,000 cells in all; each is computed once more for it
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
 
     #[command(flatten)]
     backend: BackendArgs,
@@ -111,6 +117,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     let (backend, pool) = open_for_solver(&args.backend)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
+    page::check_sites(args.html.as_ref(), diagram.positions().len())?;
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
     let options =
         Options::default().of(args.density.unwrap_or_default()).until(args.iterations as usize, args.tolerance);
@@ -118,6 +125,9 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     if let Some(path) = &args.masses {
         transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
     }
+    let with_bar = WithBar(backend.as_ref());
+    let remembering = Remembering::new(&with_bar, diagram.positions().len());
+    let mut timeline = args.html.as_ref().map(|_| Timeline::new(diagram.positions().len()));
     let mut row = |done: &Iteration| {
         if done.number == 0 && args.output.is_none() && !args.json {
             // Not before: what is wrong is said in one line.
@@ -128,13 +138,15 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
             // Where nobody reads, the work goes on.
             let _ = print(&format!("{header}{}", line(done)));
         }
+        if let Some(timeline) = &mut timeline {
+            timeline.add(|| remembering.moment(format!("step {}", done.number), done.number));
+        }
         ControlFlow::Continue(())
     };
     let start = Instant::now();
     end_well_when_interrupted();
-    let solution = pool
-        .install(|| transport::solve(&WithBar(backend.as_ref()), &mut diagram, &masses, &options, &mut row))
-        .map_err(of_sites)?;
+    let solution =
+        pool.install(|| transport::solve(&remembering, &mut diagram, &masses, &options, &mut row)).map_err(of_sites)?;
     let seconds = start.elapsed().as_secs_f64();
 
     if let Some(path) = &args.output {
@@ -144,6 +156,11 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
         io::write_cells(path, &diagram, &solution.output)?;
     }
     let report = Report::new(&solution, backend.info(), seconds);
+    if let (Some(path), Some(timeline)) = (&args.html, timeline) {
+        let (moments, shown) = timeline.finish("steps");
+        let page = report.page(args, shown);
+        pool.install(|| page::write_run(path, &page, backend.as_ref(), &diagram, &moments))?;
+    }
     if args.json {
         print_json(&report)?;
     } else {
@@ -173,10 +190,10 @@ fn check(args: &TransportArgs) -> Result<()> {
     }
     let inputs =
         [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref(), args.masses.as_ref()];
-    for path in args.output.iter().chain(&args.cells) {
-        refuse_inputs(path, &inputs)?;
-    }
-    share_standard_output(args.output.iter().chain(&args.cells), args.json)
+    check_page(args.html.as_ref(), args.output.iter().chain(&args.cells))?;
+    let outputs = || args.output.iter().chain(&args.cells).chain(&args.html);
+    outputs().try_for_each(|path| refuse_inputs(path, &inputs))?;
+    share_standard_output(outputs(), args.json)
 }
 
 impl Report {
@@ -198,6 +215,26 @@ impl Report {
             precision: info.precision.word(),
             threads: info.threads,
             history,
+        }
+    }
+
+    /// What the page says beside the cells.
+    fn page(&self, args: &TransportArgs, shown: String) -> Page {
+        let mut facts = vec![
+            ("sites", grouped(self.sites as u64)),
+            ("steps", format!("{} of Newton, {} diagrams", self.iterations, self.evaluations)),
+            ("residual", format!("{:.1e}", self.residual)),
+            ("computed in", format!("{:.3} s", self.seconds)),
+        ];
+        facts.extend(self.cost.map(|cost| ("cost", format!("{cost:e}"))));
+        facts.extend(page::made_by(self.backend, &self.device, self.precision, self.threads));
+        let values = self.history.iter().map(|row| row.residual).collect();
+        Page {
+            title: page::title("Transport to", &sites::name(&args.sites), args.container.domain.as_deref()),
+            facts,
+            shown,
+            plot: Some(Plot { x: "step", y: "residual (largest relative error of a mass)", log: true, values }),
+            ..Page::default()
         }
     }
 

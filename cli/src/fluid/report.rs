@@ -5,6 +5,7 @@ use laguerre::solvers::fluid::{Fluid, Scene, StepReport};
 use serde::Serialize;
 
 use super::scene_name;
+use crate::page::{self, Plot};
 use crate::report::grouped;
 
 /// One step.
@@ -86,6 +87,8 @@ pub(super) struct Report {
     /// This run, step by step.
     history: Vec<Step>,
     #[serde(skip)]
+    first_kinetic: f64,
+    #[serde(skip)]
     largest_kinetic: f64,
     #[serde(skip)]
     largest_drift: f64,
@@ -111,6 +114,7 @@ impl Report {
             precision: info.precision.word(),
             threads: info.threads,
             history: Vec::new(),
+            first_kinetic: fluid.energy().kinetic,
             largest_kinetic: fluid.energy().kinetic,
             largest_drift: 0.0,
         }
@@ -150,6 +154,27 @@ impl Report {
             self.hamiltonian_drift = self.largest_drift / self.largest_kinetic;
         }
         (self.interrupted, self.seconds) = (interrupted, seconds);
+    }
+
+    /// The figures that a page shows.
+    pub(super) fn facts(&self) -> Vec<(&'static str, String)> {
+        let mut facts = vec![
+            ("particles", grouped(self.particles as u64)),
+            ("steps", format!("{}, to time {:.4}", self.steps, self.time)),
+            ("volumes", format!("equal to {:.1e} at every step", self.residual)),
+            ("energy", format!("drifts by {:.1e} of the largest kinetic energy", self.hamiltonian_drift)),
+            ("epsilon", format!("{:.4e}", self.epsilon)),
+            ("viscosity", format!("{:.4e}", self.viscosity)),
+            ("computed in", format!("{:.3} s", self.seconds)),
+        ];
+        facts.extend(page::made_by(self.backend, &self.device, self.precision, self.threads));
+        facts
+    }
+
+    /// The kinetic energy, step by step: its row 0 is the state at which this run began.
+    pub(super) fn plot(&self) -> Plot {
+        let values = [self.first_kinetic].into_iter().chain(self.history.iter().map(|step| step.kinetic)).collect();
+        Plot { x: "step", y: "kinetic energy", log: false, values }
     }
 
     pub(super) fn summary(&self) -> String {

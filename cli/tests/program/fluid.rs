@@ -96,7 +96,7 @@ fn a_mesh_may_hold_the_fluid() {
         said,
         [
             "27 particles, as near to 30 as a lattice comes in this box",
-            "only energies are printed; name --film, --out-dir or --checkpoint to keep the motion"
+            "only energies are printed; name --film, --html, --out-dir or --checkpoint to keep the motion"
         ]
     );
 }

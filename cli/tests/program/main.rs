@@ -17,6 +17,7 @@ mod measures;
 mod memory;
 mod numpy;
 mod outputs;
+mod page;
 mod results;
 mod standard_output;
 mod support;

@@ -117,7 +117,8 @@ fn the_demo_does_the_main_job() {
     fs::remove_file(written.join("sites.xyz")).unwrap();
     assert!(fs::read(written.join("cells.vtu")).unwrap().starts_with(b"<?xml"));
     assert!(fs::read(written.join("cells.png")).unwrap().starts_with(b"\x89PNG"));
-    assert_eq!(fs::read_dir(&written).unwrap().count(), 4, "nothing half-written is left");
+    assert!(fs::read(written.join("cells.html")).unwrap().starts_with(b"<!doctype html>"));
+    assert_eq!(fs::read_dir(&written).unwrap().count(), 5, "nothing half-written is left");
     let report = json(&runs(folder.path(), &["demo", "--sites", "300", "--out-dir", "a/b", "--json"]));
     assert!(report["sites"] == 300 && report["relative_error"].as_f64().unwrap() < 1e-14, "{report}");
 }

@@ -1,0 +1,133 @@
+// Triangles for the graphics card: of the faces that can be seen, or of all where cells stand apart.
+
+/** Cells that stand apart with drawn edges, at most: beyond it a cell takes a quarter of the memory, without them. */
+const MOST_WITH_EDGES = 20000;
+
+/** What borders on what is not shown: a face between a cell of which `shown` is 1 and one of which it is 0, or nothing. */
+function hull(cells, shown) {
+  const { inner, outer, start } = cells;
+  const isSeen = (f) => shown[inner[f]] !== (outer[f] < 0 ? 0 : shown[outer[f]]);
+  let corners = 0;
+  for (let f = 0; f < cells.faces; f++) if (isSeen(f)) corners += start[f + 1] - start[f];
+  const fans = new Fans(cells, corners);
+  for (let f = 0; f < cells.faces; f++) if (isSeen(f)) fans.add(f, shown[inner[f]] === 0);
+  return fans.shape();
+}
+
+/** All faces of the cells that are shown, those nearest to what is seen first. */
+function apart(cells, shown) {
+  const order = layers(cells, shown);
+  return order.length <= MOST_WITH_EDGES ? apartWithEdges(cells, order) : apartWithout(cells, order);
+}
+
+function apartWithEdges(cells, order) {
+  const { inner, start } = cells, { first, list } = facesOfCells(cells);
+  let corners = 0;
+  for (const c of order) for (let k = first[c]; k < first[c + 1]; k++) corners += start[list[k] + 1] - start[list[k]];
+  const fans = new Fans(cells, corners);
+  for (const c of order) for (let k = first[c]; k < first[c + 1]; k++) fans.add(list[k], inner[list[k]] !== c);
+  return fans.shape();
+}
+
+/** The cells that are shown, layer by layer from what is seen. */
+function layers(cells, shown) {
+  const { inner, outer } = cells, { first, list } = facesOfCells(cells);
+  const taken = new Uint8Array(cells.count), order = new Uint32Array(cells.count);
+  let count = 0;
+  const take = (c) => {
+    if (c >= 0 && shown[c] && !taken[c]) {
+      taken[c] = 1;
+      order[count++] = c;
+    }
+  };
+  for (let f = 0; f < cells.faces; f++) {
+    if (outer[f] < 0 || !shown[inner[f]] || !shown[outer[f]]) {
+      take(inner[f]);
+      take(outer[f]);
+    }
+  }
+  for (let done = 0; done < count; done++) {
+    const c = order[done];
+    for (let k = first[c]; k < first[c + 1]; k++) take(inner[list[k]] === c ? outer[list[k]] : inner[list[k]]);
+  }
+  return order.subarray(0, count);
+}
+
+/** Triangles from the middle of each face to its edges. A code is twice the cell, and 1 more at the ends of an edge that is drawn. */
+class Fans {
+  constructor(cells, corners) {
+    this.cells = cells;
+    this.position = new Float32Array(9 * corners);
+    this.code = new Uint32Array(3 * corners);
+    this.at = 0;
+  }
+
+  add(f, isTurned) {
+    const { points, start, corners, soft, inner, outer } = this.cells;
+    const from = start[f], to = start[f + 1], code = 2 * (isTurned ? outer[f] : inner[f]);
+    let x = 0, y = 0, z = 0;
+    for (let c = from; c < to; c++) {
+      const p = 3 * corners[c];
+      x += points[p]; y += points[p + 1]; z += points[p + 2];
+    }
+    x /= to - from; y /= to - from; z /= to - from;
+    const position = this.position;
+    for (let c = from; c < to; c++) {
+      const a = 3 * corners[c], b = 3 * corners[c + 1 < to ? c + 1 : from], at = 3 * this.at;
+      position[at] = x; position[at + 1] = y; position[at + 2] = z;
+      const one = isTurned ? at + 6 : at + 3, other = isTurned ? at + 3 : at + 6;
+      for (let k = 0; k < 3; k++) {
+        position[one + k] = points[a + k];
+        position[other + k] = points[b + k];
+      }
+      this.code[this.at] = code;
+      this.code[this.at + 1] = this.code[this.at + 2] = code + 1 - soft[c];
+      this.at += 3;
+    }
+  }
+
+  shape() {
+    return { position: this.position, code: this.code, index: null };
+  }
+}
+
+/** Triangles from one corner of each face to the others; a cell has each of its corners once. */
+function apartWithout(cells, order) {
+  const { points, corners, start, inner } = cells, { first, list } = facesOfCells(cells);
+  let most = 0, triangles = 0;
+  for (const c of order) {
+    for (let k = first[c]; k < first[c + 1]; k++) {
+      const length = start[list[k] + 1] - start[list[k]];
+      most += length;
+      triangles += length - 2;
+    }
+  }
+  const last = new Int32Array(points.length / 3).fill(-1), number = new Uint32Array(points.length / 3);
+  // Each corner of a simple cell is in three faces; where more meet, in more.
+  const position = new Float32Array(3 * most), code = new Uint32Array(most), index = new Uint32Array(3 * triangles);
+  let vertices = 0, at = 0;
+  for (const c of order) {
+    const of = (corner) => {
+      const p = corners[corner];
+      if (last[p] !== c) {
+        last[p] = c;
+        number[p] = vertices;
+        position.set(points.subarray(3 * p, 3 * p + 3), 3 * vertices);
+        code[vertices++] = 2 * c;
+      }
+      return number[p];
+    };
+    for (let k = first[c]; k < first[c + 1]; k++) {
+      const f = list[k], isTurned = inner[f] !== c, top = of(start[f]);
+      let one = of(start[f] + 1);
+      for (let corner = start[f] + 2; corner < start[f + 1]; corner++) {
+        const other = of(corner);
+        index[at++] = top;
+        index[at++] = isTurned ? other : one;
+        index[at++] = isTurned ? one : other;
+        one = other;
+      }
+    }
+  }
+  return { position: position.slice(0, 3 * vertices), code: code.slice(0, vertices), index };
+}

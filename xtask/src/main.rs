@@ -1,11 +1,13 @@
 //! What a person would otherwise type from memory: `cargo xtask test`, `cargo xtask check`.
 #![forbid(unsafe_code)]
 
+mod browser;
 mod codegen;
 mod count;
 mod features;
 mod fixtures;
 mod lanes;
+mod page;
 mod paper;
 mod python;
 mod readers;
@@ -23,6 +25,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   lanes            the conformance suite where work-items share a cell in sub-groups, on Intel's OpenCL for CPUs, which it installs
                    into target/ (225 MB from PyPI; needs Python and an x86-64; 13 minutes on 2 cores)
   readers          the program's files read by PyVista, meshio and trimesh, which it installs into target/ (PyPI; needs Python; a minute)
+  page             the program's pages (--html) in a headless Chromium, which must be there, at a desktop's and a phone's width: pictures, picking,
+                   sliders, the time to the first picture of 100,000 cells (a minute)
   python           builds the Python module as tests are built, installs it into target/, and runs its tests and examples (PyPI; three minutes)
   wheel            the module for users: a wheel in target/wheels/
   count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
@@ -43,6 +47,7 @@ fn main() -> ExitCode {
         ["test", ref filters @ ..] => test(filters),
         ["lanes"] => lanes::run(),
         ["readers"] => readers::run(),
+        ["page"] => page::run(),
         ["python"] => python::test(),
         ["wheel"] => python::wheel(),
         ["count"] => count::run(false),

@@ -18,6 +18,11 @@
 
 mod auto;
 
+/// What README.md shows, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
+
 #[cfg(feature = "oracle")]
 pub use laguerre_core::oracle;
 #[cfg(feature = "shapes")]

@@ -6,6 +6,7 @@ mod codegen;
 mod count;
 mod features;
 mod fixtures;
+mod guide;
 mod lanes;
 mod page;
 mod paper;
@@ -28,6 +29,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   page             the program's pages (--html) in a headless Chromium, which must be there, at a desktop's and a phone's width: pictures, picking,
                    sliders, the time to the first picture of 100,000 cells (a minute)
   python           builds the Python module as tests are built, installs it into target/, and runs its tests and examples (PyPI; three minutes)
+  guide            builds the guide by mdBook, which it installs into target/ (PyPI; needs Python), checks its links, and runs its commands, those of
+                   README.md, and examples/ (half a minute)
   wheel            the module for users: a wheel in target/wheels/
   count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
                    --write makes that anew
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
         ["readers"] => readers::run(),
         ["page"] => page::run(),
         ["python"] => python::test(),
+        ["guide"] => guide::run(),
         ["wheel"] => python::wheel(),
         ["count"] => count::run(false),
         ["count", "--write"] => count::run(true),

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::guide::Page;
 use crate::run::{root, succeed, target};
 
 /// From PyPI: what builds the wheel, and what its tests and examples import.
@@ -34,11 +35,31 @@ pub(crate) fn test() -> Result<(), String> {
     // Beside the sources `import laguerre` would find those.
     let mut pytest = module(&python, &["pytest", "-q", "-p", "no:cacheprovider"]);
     print!("{}", succeed(pytest.current_dir(sources.join("tests")))?);
+    examples(&python)
+}
+
+/// Runs all of `python/examples/` and what README.md shows, pictures without a screen.
+fn examples(python: &Path) -> Result<(), String> {
     let scratch = target().join("python-examples");
     fs::create_dir_all(&scratch).map_err(|e| format!("{}: {e}", scratch.display()))?;
-    for example in ["cells_of_a_mesh", "laplacian", "transport"] {
-        let script = sources.join("examples").join(format!("{example}.py"));
-        print!("{}", succeed(Command::new(&python).arg(script).current_dir(&scratch))?);
+    let folder = root().join("python/examples");
+    let entries = fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut scripts: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    // PyTorch is too large to be installed for one example.
+    let has_torch = Command::new(python).args(["-c", "import torch"]).output().is_ok_and(|o| o.status.success());
+    scripts.retain(|script| has_torch || !script.ends_with("gradients.py"));
+    scripts.sort();
+    for page in ["README.md", "python/README.md"] {
+        for block in Page::read(&root().join(page))?.blocks("python") {
+            let script = scratch.join(format!("{}-{}.py", page.replace('/', "-"), block.line));
+            fs::write(&script, block.text).map_err(|e| format!("{}: {e}", script.display()))?;
+            scripts.push(script);
+        }
+    }
+    for script in scripts {
+        let mut run = Command::new(python);
+        run.arg(&script).current_dir(&scratch).env("PYVISTA_OFF_SCREEN", "true");
+        print!("{}", succeed(&mut run).map_err(|e| format!("{}: {e}", script.display()))?);
     }
     Ok(())
 }

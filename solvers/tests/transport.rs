@@ -183,18 +183,49 @@ fn linear_densities_are_exact() {
     assert!((linear / uniform - 1.0).abs() < 1e-10, "{linear} {uniform}");
 }
 
+/// Sites that are not spread as the domain is: Voronoi cells of most are tiny or empty.
+#[test]
+fn hard_starts_take_few_steps() {
+    let cube = || PowerDiagram::new(&[[0.5; 3]], &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let mut clustered = white(300, [0.0; 3], [1.0; 3], 31);
+    clustered.iter_mut().for_each(|p| *p = p.map(|x| 0.3 + x * x * x * x * x * 0.3));
+    let apart = shapes::cuboid([0.0; 3], [1.0; 3]).merged(&shapes::cuboid([2.0, 0.0, 0.0], [3.0, 1.0, 1.0]));
+    let trefoil = shapes::trefoil(0.3, 96, 8).domain();
+    let (lo, hi) = trefoil.bounding_box();
+    let cases = [
+        ("a cloud of a ten-thousandth", white(500, [0.5; 3], [0.5001; 3], 32), cube()),
+        ("clustered", clustered, cube()),
+        ("outside", white(500, [2.0, 0.0, 0.0], [3.0, 0.3, 1.0], 33), cube()),
+        ("two cubes", white(700, [0.0; 3], [3.0, 1.0, 1.0], 34), cube().restricted_to(&apart.domain())),
+        ("thin limbs", white(800, lo, hi, 35), cube().restricted_to(&trefoil)),
+    ];
+    for (name, sites, mut diagram) in cases {
+        diagram.set_sites(&sites, &[]).unwrap();
+        let mass = targets(&diagram, &[], &Options::default()).unwrap();
+        let solution = solved(&mut diagram, &[], &Options::default());
+        check(&diagram, &solution, &mass, &Density::Uniform);
+        assert!(solution.iterations.len() <= 16, "{name}: {} steps", solution.iterations.len() - 1);
+    }
+}
+
 #[test]
 fn the_result_is_the_same_to_the_last_bit() {
     let sites = white(6000, [0.0; 3], [1.0; 3], 13);
-    let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-        let backend = Cpu::new(Some(threads)).unwrap();
-        pool.install(|| solve(&backend, &mut diagram, &[], &Options::default(), &mut |_| Continue(()))).unwrap().weights
-    };
-    let one = run(1);
-    assert!(one == run(1));
-    assert!(one == run(2));
+    // Spread unevenly, so that it begins with groups.
+    let uneven: Vec<[f64; 3]> = white(800, [0.0; 3], [1.0; 3], 14).iter().map(|p| p.map(|x| x * x * x)).collect();
+    for sites in [sites, uneven] {
+        let run = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+            let backend = Cpu::new(Some(threads)).unwrap();
+            pool.install(|| solve(&backend, &mut diagram, &[], &Options::default(), &mut |_| Continue(())))
+                .unwrap()
+                .weights
+        };
+        let one = run(1);
+        assert!(one == run(1));
+        assert!(one == run(2));
+    }
 }
 
 /// Whatever the unit of length: a power of two of it changes no bit.

@@ -3,8 +3,8 @@
 
 use laguerre_core::{ErrorKind, Result};
 
+use super::newton::{Problem, State};
 use super::sparse::center;
-use super::{Problem, State};
 
 /// Evaluations that are made at most in search of the shift.
 const MOST_EVALUATIONS: usize = 80;

@@ -10,9 +10,11 @@
 use laguerre_core::{ErrorKind, Result};
 use rayon::prelude::*;
 
+use super::mend;
 use super::multigrid::Multigrid;
+use super::newton::{Problem, State};
 use super::sparse::{Matrix, center};
-use super::{Problem, State, System};
+use super::system::System;
 use crate::vectors::{for_each, sum};
 
 /// Steps of this kind at most; some 15 are usual.
@@ -78,7 +80,8 @@ pub(super) fn step(problem: &mut Problem<'_>, state: &State, system: &System) ->
         let mut weights = state.weights.clone();
         for_each(&mut weights, |site, w| *w += length * solution[problem.place[site] as usize]);
         center(&mut weights);
-        match problem.evaluate(weights) {
+        let tried = problem.evaluate(weights).and_then(|next| mend::mended_step(problem, next));
+        match tried {
             Ok(next) if next.least >= problem.bound && ascent(problem, &solution, &next.masses) >= enough => {
                 return Ok(Limited { reached: Some((length, next)), iterations });
             }

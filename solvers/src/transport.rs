@@ -126,7 +126,7 @@ pub struct Solution {
 ///
 /// The result does not depend on the number of threads.
 ///
-/// `Break` from `on_iteration`, or a watched backend that says [`ErrorKind::Interrupted`], ends it, with the weights of the last step.
+/// `Break` from `on_iteration`, or a watched backend that says [`Interrupted`](laguerre_core::ErrorKind::Interrupted), ends it, with the weights of the last step.
 ///
 /// # Errors
 /// `Interrupted` where there are not even first weights; `Input` where the tolerance is no number from 0, the masses are not positive, or do not sum to the domain's (by more than the tolerance; by less they are scaled), where

@@ -94,13 +94,16 @@ fn a_relaxation_keeps_its_last_iteration() {
 #[test]
 fn a_transport_keeps_its_last_step() {
     let heavier_above = Density::Linear { value: 1.0, gradient: [0.0, 0.0, 2.0] };
-    // With more mass above, where sites are few, some cells would be tiny at first, and it begins with groups.
-    for (density, by_groups) in [(Density::Uniform, false), (heavier_above, true)] {
+    // Outside of the cube most cells would be empty at first, and it begins with groups.
+    let mut outside = crowded();
+    let shifted: Vec<[f64; 3]> = outside.positions().iter().map(|p| [p[0] + 2.0, p[1], p[2]]).collect();
+    outside.set_sites(&shifted, &[]).unwrap();
+    for (density, sites, by_groups) in [(Density::Uniform, crowded(), false), (heavier_above, outside, true)] {
         let options = transport::Options::default().of(density);
         let never = Interrupted::after(usize::MAX);
         // Diagrams until each step was done, those of groups of sites among them.
         let mut diagrams = Vec::new();
-        let whole = solve(&never, &mut crowded(), &[], &options, &mut |_| {
+        let whole = solve(&never, &mut sites.clone(), &[], &options, &mut |_| {
             diagrams.push(usize::MAX - never.left.load(Ordering::Relaxed));
             Continue(())
         })
@@ -109,7 +112,7 @@ fn a_transport_keeps_its_last_step() {
         let counted: usize = whole.iterations.iter().map(|step| step.diagram_evaluations).sum();
         assert_eq!(counted < diagrams[whole.iterations.len() - 1], by_groups);
         for count in 0..diagrams[whole.iterations.len() - 1] {
-            let mut diagram = crowded();
+            let mut diagram = sites.clone();
             let mut told = Vec::new();
             let found = solve(&Interrupted::after(count), &mut diagram, &[], &options, &mut |step| {
                 told.push(step.residual);

@@ -80,8 +80,7 @@ pub(super) fn step(problem: &mut Problem<'_>, state: &State, system: &System) ->
         let mut weights = state.weights.clone();
         for_each(&mut weights, |site, w| *w += length * solution[problem.place[site] as usize]);
         center(&mut weights);
-        let tried = problem.evaluate(weights).and_then(|next| mend::mended_step(problem, next));
-        match tried {
+        match mend::step(problem, weights) {
             Ok(next) if next.least >= problem.bound && ascent(problem, &solution, &next.masses) >= enough => {
                 return Ok(Limited { reached: Some((length, next)), iterations });
             }

@@ -267,8 +267,7 @@ impl<'a> Problem<'a> {
         while step >= shortest && step * reach > rounding {
             let mut weights: Vec<f64> = state.weights.iter().zip(direction).map(|(w, d)| w + step * d).collect();
             center(&mut weights);
-            let tried = self.evaluate(weights).and_then(|next| mend::mended_step(self, next));
-            match tried {
+            match mend::step(self, weights) {
                 Ok(next) if next.residual <= self.tolerance => return Ok(Some((step, next))),
                 Ok(next) if next.least >= self.bound && next.error <= (1.0 - slope * step / 2.0) * state.error => {
                     return Ok(Some((step, next)));

@@ -6,11 +6,15 @@ use crate::vectors::for_each;
 
 /// Iterations after which the solution is taken as it is; some 10 to 30 are usual.
 const MOST_ITERATIONS: usize = 300;
+/// The same of a multigrid that was made for another matrix: to make one costs as much as some 15.
+const MOST_WHILE_IT_SERVES: usize = 15;
 
 /// What was found.
 pub(super) struct Found {
     pub(super) solution: Vec<f64>,
     pub(super) iterations: usize,
+    /// Whether there is nothing left to do; else the iterations did not suffice.
+    pub(super) is_solved: bool,
 }
 
 /// Solves `A x = b` with the finest matrix of `multigrid`, whose kernel is the constants: `b` is taken less its mean, and so is `x`.
@@ -30,8 +34,15 @@ pub(super) fn solve(
     let mut image = vec![0.0; n];
     let mut better = vec![0.0; n];
     let mut slope = 0.0;
+    let most = if multigrid.is_of_another() { MOST_WHILE_IT_SERVES } else { MOST_ITERATIONS };
     let mut iterations = 0;
-    while iterations < MOST_ITERATIONS && norm(&residual) > target && !is_enough(&residual) {
+    let is_solved = loop {
+        if norm(&residual) <= target || is_enough(&residual) {
+            break true;
+        }
+        if iterations == most {
+            break false;
+        }
         multigrid.apply(&residual, &mut better);
         let new_slope = dot(&residual, &better);
         let beta = if iterations == 0 { 0.0 } else { new_slope / slope };
@@ -41,7 +52,7 @@ pub(super) fn solve(
         let curvature = dot(&direction, &image);
         // Nothing but rounding is left where this is not positive.
         if !(curvature > 0.0 && slope > 0.0) {
-            break;
+            break !multigrid.is_of_another();
         }
         let alpha = slope / curvature;
         for_each(&mut solution, |i, x| *x += alpha * direction[i]);
@@ -49,7 +60,7 @@ pub(super) fn solve(
         // Rounding must not let the residual drift out of the range of `A`.
         center(&mut residual);
         iterations += 1;
-    }
+    };
     center(&mut solution);
-    Found { solution, iterations }
+    Found { solution, iterations, is_solved }
 }

@@ -7,11 +7,10 @@
 //!
 //! There is a number of such steps at most, and none empties a cell: from where they end Newton's converge as from any start.
 
-use laguerre_core::{ErrorKind, Result};
+use laguerre_core::{ErrorKind, Facet, Result};
 use rayon::prelude::*;
 
 use super::mend;
-use super::multigrid::Multigrid;
 use super::newton::{Problem, State};
 use super::sparse::{Matrix, center};
 use super::system::System;
@@ -32,20 +31,14 @@ const LENGTHS: i32 = 3;
 /// parabola, the end is then higher than the beginning.
 const TURNED: f64 = 0.5;
 
-/// Weight by which a site may rise above its neighbour, at `distance`, before their facet with this barycenter is too far in the
-/// neighbour's cell.
-pub(super) fn limit(
-    problem: &Problem<'_>,
-    state: &State,
-    site: usize,
-    other: usize,
-    facet: [f64; 3],
-    distance: f64,
-) -> f64 {
+/// Weight by which a site may rise above its neighbour before their facet, as the site sees it, is too far in the neighbour's cell. `sizes` are
+/// the cube roots of the cells' volumes.
+pub(super) fn limit(problem: &Problem<'_>, state: &State, sizes: &[f64], site: usize, facet: &Facet) -> f64 {
+    let (other, distance) = (facet.neighbor, facet.distance);
     let (p, q, b) = (problem.positions[site], problem.positions[other], state.output.barycenter()[other]);
-    let depth = (0..3).map(|k| (b[k] - facet[k]) * (q[k] - p[k])).sum::<f64>() / distance;
+    let depth = (0..3).map(|k| (b[k] - facet.barycenter[k]) * (q[k] - p[k])).sum::<f64>() / distance;
     // The facet goes by the weights' difference over twice the distance.
-    2.0 * distance * REACH * depth.max(FLATTEST * state.output.volume()[other].cbrt())
+    2.0 * distance * REACH * depth.max(FLATTEST * sizes[other])
 }
 
 /// What a limited step came to: the state after it, if there is one, which part of it was gone, and the iterations.
@@ -56,21 +49,22 @@ pub(super) struct Limited {
 
 /// Whether a limited step is to be tried: Newton's goes too far somewhere, and there were not enough of them yet.
 pub(super) fn is_to_be(problem: &Problem<'_>, system: &System) -> bool {
-    problem.limited_steps < MOST_STEPS && goes_too_far(&system.matrix, &system.limits, &system.newton.solution)
+    problem.limited_steps < MOST_STEPS
+        && goes_too_far(system.multigrid.finest(), &system.limits, &system.newton.solution)
 }
 
 /// A limited step in place of Newton's.
-pub(super) fn step(problem: &mut Problem<'_>, state: &State, system: &System) -> Result<Limited> {
+pub(super) fn step(problem: &mut Problem<'_>, state: &State, system: &mut System) -> Result<Limited> {
     let mut iterations = 0;
     problem.limited_steps += 1;
-    let mirror = mirror(&system.matrix);
-    let mut stiff = system.matrix.clone();
+    let mut stiff = system.multigrid.finest().clone();
+    let mirror = mirror(&stiff);
     let mut solution = system.newton.solution.clone();
     for _ in 0..ROUNDS {
         if !stiffen(&mut stiff, &system.limits, &mirror, &solution) {
             break;
         }
-        let found = system.solve(&mut Multigrid::new(stiff.clone()));
+        let found = system.solve_for(stiff.clone());
         iterations += found.iterations;
         solution = found.solution;
     }

@@ -4,6 +4,10 @@
 //! aggregates, which hold the kernel of a Laplacian, are smoothed by one Jacobi step and make the columns of the prolongation `P`; the
 //! next level's matrix is `Pᵀ A P`. A cycle smooths by Chebyshev polynomials, which are symmetric and, unlike Gauss–Seidel, the same for
 //! every number of threads.
+//!
+//! To make a hierarchy takes as long as some 15 iterations, so that it is kept from one matrix to the next while it serves.
+
+use rayon::prelude::*;
 
 use super::dense::Dense;
 use super::sparse::{Matrix, norm};
@@ -20,6 +24,8 @@ const POWER_MARGIN: f64 = 1.1;
 const SMOOTHED_SHARE: f64 = 0.25;
 /// Degree of the smoother's polynomial.
 const DEGREE: usize = 2;
+/// Unknowns whose aggregates one thread makes; fixed, for these depend on it.
+const BLOCK: usize = 1 << 15;
 const NONE: u32 = u32::MAX;
 
 /// A hierarchy of matrices.
@@ -27,18 +33,25 @@ pub(super) struct Multigrid {
     levels: Vec<Level>,
     /// Solves the last level; `None` where hardly anything is tied to anything, and smoothing is all that is needed.
     coarsest: Option<Dense>,
+    /// Whether all but the finest level was made for another matrix.
+    is_of_another: bool,
 }
 
 struct Level {
+    smoother: Smoother,
+    /// To the next level, and back.
+    restriction: Matrix,
+    prolongation: Matrix,
+    scratch: Scratch,
+}
+
+/// A matrix, and what smooths with it.
+struct Smoother {
     matrix: Matrix,
     /// 0 where the diagonal is.
     inverse_diagonal: Vec<f64>,
     /// Bounds of the eigenvalues of `D⁻¹A` that are smoothed.
     smoothed: (f64, f64),
-    /// To the next level, and back.
-    restriction: Matrix,
-    prolongation: Matrix,
-    scratch: Scratch,
 }
 
 /// Vectors of a cycle.
@@ -59,25 +72,45 @@ impl Multigrid {
                 None => break,
             }
         }
-        let last = &levels[levels.len() - 1].matrix;
+        let last = &levels[levels.len() - 1].smoother.matrix;
         let coarsest = (last.rows() <= 4 * COARSEST).then(|| Dense::factorised(last));
-        Self { levels, coarsest }
+        Self { levels, coarsest, is_of_another: false }
     }
 
-    /// The matrix that this was made for.
+    /// The same for another matrix of as many rows: with these coarse levels where there are some, and no more than one part.
+    pub(super) fn renew(&mut self, matrix: Matrix) {
+        if self.levels.len() == 1 || !self.is_connected() {
+            *self = Self::new(matrix);
+        } else {
+            self.levels[0].smoother = Smoother::new(matrix);
+            self.is_of_another = true;
+        }
+    }
+
+    /// The same with coarse levels of its own.
+    pub(super) fn make_anew(&mut self) {
+        *self = Self::new(std::mem::take(&mut self.levels[0].smoother.matrix));
+    }
+
+    /// Whether coarse levels are those of another matrix.
+    pub(super) fn is_of_another(&self) -> bool {
+        self.is_of_another
+    }
+
+    /// The matrix that is solved.
     pub(super) fn finest(&self) -> &Matrix {
-        &self.levels[0].matrix
+        &self.levels[0].smoother.matrix
     }
 
-    /// The same, when no more is to be solved.
-    pub(super) fn into_finest(mut self) -> Matrix {
-        std::mem::take(&mut self.levels[0].matrix)
+    /// Whether the coarsest matrix has but the constants in its kernel.
+    fn is_connected(&self) -> bool {
+        self.coarsest.as_ref().is_some_and(|dense| dense.kernel() <= 1)
     }
 
     /// The connected part that each unknown is in, and the number of parts. Looked for only where the coarsest matrix has more than the
-    /// constants in its kernel, as it then does.
+    /// constants in its kernel, as it then does, and not where that is another's.
     pub(super) fn parts(&self) -> Option<(Vec<u32>, usize)> {
-        if self.coarsest.as_ref().is_some_and(|dense| dense.kernel() <= 1) {
+        if self.is_connected() {
             return None;
         }
         let matrix = self.finest();
@@ -138,7 +171,7 @@ impl Multigrid {
     }
 }
 
-impl Level {
+impl Smoother {
     fn new(matrix: Matrix) -> Self {
         let n = matrix.rows();
         let mut inverse_diagonal = vec![0.0; n];
@@ -147,37 +180,43 @@ impl Level {
             *d = if a > 0.0 { a.recip() } else { 0.0 };
         });
         let largest = largest_eigenvalue(&matrix, &inverse_diagonal);
-        let zeros = || vec![0.0; n];
+        Self { matrix, inverse_diagonal, smoothed: (SMOOTHED_SHARE * largest, largest) }
+    }
+}
+
+impl Level {
+    fn new(matrix: Matrix) -> Self {
+        let zeros = || vec![0.0; matrix.rows()];
         Self {
-            matrix,
-            inverse_diagonal,
-            smoothed: (SMOOTHED_SHARE * largest, largest),
+            scratch: Scratch { solution: zeros(), residual: zeros(), step: zeros() },
+            smoother: Smoother::new(matrix),
             restriction: Matrix::default(),
             prolongation: Matrix::default(),
-            scratch: Scratch { solution: zeros(), residual: zeros(), step: zeros() },
         }
     }
 
     /// Makes the transfers to the next level, and its matrix; `None` where there is to be none.
     fn coarser(&mut self) -> Option<Matrix> {
-        if self.matrix.rows() <= COARSEST {
+        if self.smoother.matrix.rows() <= COARSEST {
             return None;
         }
-        let (aggregate, aggregates) = aggregates(&self.matrix, &self.inverse_diagonal);
-        if aggregates == 0 || aggregates >= self.matrix.rows() {
+        let (aggregate, aggregates) = aggregates(&self.smoother.matrix, &self.smoother.inverse_diagonal);
+        if aggregates == 0 || aggregates >= self.smoother.matrix.rows() {
             return None;
         }
         self.prolongation = self.prolongation(&aggregate);
         self.restriction = self.prolongation.transposed(aggregates);
-        Some(self.restriction.times(&self.matrix.times(&self.prolongation)))
+        let mut coarse = self.restriction.times(&self.smoother.matrix.times(&self.prolongation));
+        coarse.balance();
+        Some(coarse)
     }
 
     /// `(I − ω D⁻¹ A) T`, `T` the piecewise constants; weak entries of `A` are added to the diagonal.
     fn prolongation(&self, aggregate: &[u32]) -> Matrix {
-        let omega = 4.0 / 3.0 / self.smoothed.1;
-        let inverse = &self.inverse_diagonal;
+        let omega = 4.0 / 3.0 / self.smoother.smoothed.1;
+        let inverse = &self.smoother.inverse_diagonal;
         Matrix::from_rows(
-            self.matrix.rows(),
+            self.smoother.matrix.rows(),
             || (),
             |i, (), columns, values| {
                 let begin = columns.len();
@@ -194,7 +233,7 @@ impl Level {
                 };
                 add(aggregate[i], 1.0);
                 let mut strong = 0.0;
-                for (j, a) in self.matrix.row(i) {
+                for (j, a) in self.smoother.matrix.row(i) {
                     if j != i && is_strong(i, j, a, inverse) {
                         strong -= a;
                     }
@@ -202,7 +241,7 @@ impl Level {
                 if strong > 0.0 {
                     // The filtered row sums to zero, as the row does.
                     let scale = omega / strong;
-                    for (j, a) in self.matrix.row(i) {
+                    for (j, a) in self.smoother.matrix.row(i) {
                         if j != i && is_strong(i, j, a, inverse) {
                             add(aggregate[j], -scale * a);
                         }
@@ -216,16 +255,16 @@ impl Level {
     /// Improves the solution by Chebyshev's polynomial for the smoothed eigenvalues. The residual must be that of the solution, and
     /// lags behind by the last `step` after.
     fn smooth(&mut self) {
-        let (lo, hi) = self.smoothed;
+        let (lo, hi) = self.smoother.smoothed;
         let (middle, half) = ((hi + lo) / 2.0, (hi - lo) / 2.0);
         let sigma = middle / half;
         let mut rho = 1.0 / sigma;
-        let inverse = &self.inverse_diagonal;
+        let inverse = &self.smoother.inverse_diagonal;
         let Scratch { solution, residual, step } = &mut self.scratch;
         for_each(step, |i, d| *d = inverse[i] * residual[i] / middle);
         for_each(solution, |i, x| *x += step[i]);
         for _ in 1..DEGREE {
-            self.matrix.apply(step, residual, |_, ad, r| r - ad);
+            self.smoother.matrix.apply(step, residual, |_, ad, r| r - ad);
             let next = 1.0 / (2.0 * sigma - rho);
             for_each(step, |i, d| *d = next * rho * *d + 2.0 * next / half * inverse[i] * residual[i]);
             for_each(solution, |i, x| *x += step[i]);
@@ -236,7 +275,7 @@ impl Level {
     /// Brings the residual up to the last `step`.
     fn update_residual(&mut self) {
         let Scratch { residual, step, .. } = &mut self.scratch;
-        self.matrix.apply(step, residual, |_, ad, r| r - ad);
+        self.smoother.matrix.apply(step, residual, |_, ad, r| r - ad);
     }
 }
 
@@ -246,26 +285,46 @@ fn is_strong(i: usize, j: usize, a: f64, inverse_diagonal: &[f64]) -> bool {
 
 /// The aggregate of each unknown, and their number: first unknowns with all their strong neighbours where all are free, then what is
 /// left joins the aggregate it is most strongly tied to. An unknown without a strong neighbour has no part in the coarse levels:
-/// smoothing alone settles it.
+/// smoothing alone settles it. Blocks of unknowns are put together each for itself, on all threads, at first without ties between blocks.
 fn aggregates(matrix: &Matrix, inverse_diagonal: &[f64]) -> (Vec<u32>, usize) {
     let n = matrix.rows();
-    let mut aggregate = vec![NONE; n];
-    let mut count = 0;
     let strong = |i: usize| matrix.row(i).filter(move |&(j, a)| j != i && is_strong(i, j, a, inverse_diagonal));
-    for i in 0..n {
-        if aggregate[i] == NONE && strong(i).next().is_some() && strong(i).all(|(j, _)| aggregate[j] == NONE) {
-            strong(i).for_each(|(j, _)| aggregate[j] = count);
-            aggregate[i] = count;
-            count += 1;
-        }
+    let mut first = vec![NONE; n];
+    let blocks = first.par_chunks_mut(BLOCK).enumerate();
+    let counts: Vec<u32> = blocks
+        .map(|(block, aggregate)| {
+            let begin = block * BLOCK;
+            let is_inside = |j: &usize| j.wrapping_sub(begin) < BLOCK;
+            let of_block = |i: usize| strong(i).map(|(j, _)| j).filter(is_inside).map(|j| j - begin);
+            let mut count = 0;
+            for k in 0..aggregate.len() {
+                let i = begin + k;
+                if aggregate[k] == NONE && strong(i).next().is_some() && of_block(i).all(|j| aggregate[j] == NONE) {
+                    of_block(i).for_each(|j| aggregate[j] = count);
+                    aggregate[k] = count;
+                    count += 1;
+                }
+            }
+            count
+        })
+        .collect();
+    let mut sum = 0;
+    let mut base = Vec::with_capacity(counts.len());
+    for count in counts {
+        base.push(sum);
+        sum += count;
     }
+    let name = |i: usize| if first[i] == NONE { NONE } else { base[i / BLOCK] + first[i] };
     // Whoever is left has a strong neighbour that is taken, else it would have begun an aggregate.
-    let first = aggregate.clone();
-    for (i, own) in aggregate.iter_mut().enumerate().filter(|(_, own)| **own == NONE) {
-        let tied = strong(i).filter(|&(j, _)| first[j] != NONE).min_by(|x, y| x.1.total_cmp(&y.1));
-        *own = tied.map_or(NONE, |(j, _)| first[j]);
-    }
-    (aggregate, count as usize)
+    let mut aggregate = vec![NONE; n];
+    for_each(&mut aggregate, |i, own| {
+        *own = name(i);
+        if *own == NONE {
+            let tied = strong(i).filter(|&(j, _)| first[j] != NONE).min_by(|x, y| x.1.total_cmp(&y.1));
+            *own = tied.map_or(NONE, |(j, _)| name(j));
+        }
+    });
+    (aggregate, sum as usize)
 }
 
 /// An upper estimate of the largest eigenvalue of `D⁻¹A`.
@@ -361,21 +420,59 @@ mod tests {
         }
     }
 
-    #[test]
-    fn parts_that_are_not_tied_are_found() {
-        let (one, two) = (lattice(11, 1.0), lattice(9, 1.0));
+    /// Both, not tied to each other.
+    fn beside(one: &Matrix, two: &Matrix) -> Matrix {
         let n = one.rows();
-        let both = Matrix::from_rows(
+        Matrix::from_rows(
             n + two.rows(),
             || (),
             |i, (), columns, values| {
-                let (matrix, base) = if i < n { (&one, 0) } else { (&two, n) };
+                let (matrix, base) = if i < n { (one, 0) } else { (two, n) };
                 for (j, a) in matrix.row(i - base) {
                     columns.push((j + base) as u32);
                     values.push(a);
                 }
             },
+        )
+    }
+
+    #[test]
+    fn coarse_levels_serve_for_a_matrix_that_is_like_theirs_and_are_left_where_they_do_not() {
+        let matrix = lattice(20, 1.0);
+        let n = matrix.rows();
+        let mut b = noise(n, 5);
+        super::super::sparse::center(&mut b);
+        let mut multigrid = Multigrid::new(matrix);
+        let other = lattice(20, 0.5);
+        multigrid.renew(other.clone());
+        let found = conjugate_gradient::solve(&mut multigrid, b.clone(), 1e-6, |_| false);
+        let mut left = b.clone();
+        other.apply(&found.solution, &mut left, |_, ax, b| b - ax);
+        assert!(found.is_solved && norm(&left) <= 2e-6 * norm(&b), "{} {}", found.iterations, norm(&left) / norm(&b));
+        // Halves that are not tied any more, of which one is to have what the other has too much: no solution.
+        let half = Matrix::from_rows(
+            n / 2,
+            || (),
+            |i, (), columns, values| {
+                for (j, a) in lattice(20, 1.0).row(i) {
+                    let column = if j < n / 2 { j } else { i };
+                    columns.push(column as u32);
+                    values.push(a);
+                }
+            },
         );
+        multigrid.renew(beside(&half, &half));
+        let unequal = (0..n).map(|i| if i < n / 2 { 1.0 } else { -1.0 }).collect();
+        assert!(!conjugate_gradient::solve(&mut multigrid, unequal, 1e-6, |_| false).is_solved);
+        multigrid.make_anew();
+        assert_eq!(multigrid.parts().unwrap().1, 2);
+    }
+
+    #[test]
+    fn parts_that_are_not_tied_are_found() {
+        let (one, two) = (lattice(11, 1.0), lattice(9, 1.0));
+        let n = one.rows();
+        let both = beside(&one, &two);
         let (part, count) = Multigrid::new(both).parts().unwrap();
         assert_eq!(count, 2);
         assert!(part.iter().enumerate().all(|(i, &part)| (part == 0) == (i < n)));

@@ -3,12 +3,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, ErrorKind, Facet, Output, PowerDiagram, Request, Result};
+use rayon::prelude::*;
 
-use super::laplacian::{laplacian, limits};
+use super::laplacian::laplacian;
 use super::multigrid::Multigrid;
 use super::sparse::center;
-use super::system::System;
+use super::system::{Aim, System};
 use super::{End, Iteration, Options, bridge, limited, mend, request, start};
 use crate::density::Density;
 use crate::vectors::{for_each, sum};
@@ -28,7 +29,7 @@ pub(super) struct State {
 
 /// Where to go from a state.
 enum Direction {
-    Newton(System),
+    Newton(Box<System>),
     /// The cells fall into parts that do not touch, and this (true for each of its sites) has to gain mass from the others.
     Apart(Vec<bool>),
 }
@@ -50,6 +51,8 @@ pub(super) struct Problem<'a> {
     /// The sites so that neighbours in space are neighbours in memory, and where each stands there.
     pub(super) order: Vec<u32>,
     pub(super) place: Vec<u32>,
+    /// That of the last step, whose coarse levels may serve for the next.
+    multigrid: Option<Multigrid>,
     /// The last step that was taken.
     pub(super) step: f64,
     /// Limited steps that were tried.
@@ -95,6 +98,7 @@ impl<'a> Problem<'a> {
             bound: 0.0,
             order,
             place,
+            multigrid: None,
             step: 1.0,
             limited_steps: 0,
             evaluations: 0,
@@ -145,7 +149,11 @@ impl<'a> Problem<'a> {
     /// `None` where no step makes the error smaller.
     pub(super) fn next(&mut self, state: &mut State) -> Result<Option<(f64, usize, State)>> {
         match self.direction(state)? {
-            Direction::Newton(system) => self.advance(state, &system),
+            Direction::Newton(mut system) => {
+                let next = self.advance(state, &mut system);
+                self.multigrid = Some(system.multigrid);
+                next
+            }
             Direction::Apart(part) => Ok(bridge::bridge(self, state, &part)?.map(|next| (0.0, 0, next))),
         }
     }
@@ -167,19 +175,38 @@ impl<'a> Problem<'a> {
     }
 
     /// Where to go from a state, whose facets are taken out to make room.
-    fn direction(&self, state: &mut State) -> Result<Direction> {
+    fn direction(&mut self, state: &mut State) -> Result<Direction> {
         let Some(facets) = state.output.take_facets() else {
             return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to"));
         };
-        let matrix = laplacian(&facets, &self.density, &self.order, &self.place, self.unit);
-        let limit = |site: usize, other: usize, k: usize| {
-            limited::limit(self, state, site, other, facets.barycenter()[k], facets.distance()[k])
-        };
-        let limits = limits(&facets, &self.density, &self.order, &self.place, limit);
+        let sizes = state.output.volume().par_iter().map(|volume| volume.cbrt()).collect::<Vec<f64>>();
+        let limit = |site: usize, facet: &Facet| limited::limit(self, state, &sizes, site, facet);
+        let (matrix, limits) = laplacian(&facets, &self.density, &self.order, &self.place, self.unit, limit);
         drop(facets);
-        let multigrid = Multigrid::new(matrix);
+        let mut multigrid = match self.multigrid.take() {
+            Some(mut last) => {
+                last.renew(matrix);
+                last
+            }
+            None => Multigrid::new(matrix),
+        };
+        loop {
+            let aim = match self.aim(state, &multigrid) {
+                Ok(aim) => aim,
+                Err(part) => return Ok(Direction::Apart(part)),
+            };
+            let newton = aim.solve(&mut multigrid);
+            if newton.is_solved || !multigrid.is_of_another() {
+                return Ok(Direction::Newton(Box::new(System { multigrid, limits, aim, newton })));
+            }
+            multigrid.make_anew();
+        }
+    }
+
+    /// What a step is to come to; where the cells are in parts that do not touch, and one of them has to gain mass from others, the sites of that.
+    fn aim(&self, state: &State, multigrid: &Multigrid) -> std::result::Result<Aim, Vec<bool>> {
         let targets: Vec<f64> = self.order.iter().map(|&i| self.targets[i as usize]).collect();
-        let (mut missing, mut slope) = self.aims(state, &targets);
+        let (mut missing, mut slope) = self.missing(state, &targets);
         if let Some((parts, count)) = multigrid.parts() {
             let exact: Vec<f64> =
                 self.order.iter().zip(&targets).map(|(&i, target)| target - state.masses[i as usize]).collect();
@@ -192,9 +219,7 @@ impl<'a> Problem<'a> {
             let share = |part: &usize| lacking[*part] / asked[*part];
             let poorest = (0..count).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
             if share(&poorest) > self.tolerance {
-                return Ok(Direction::Apart(
-                    self.place.iter().map(|&row| parts[row as usize] == poorest as u32).collect(),
-                ));
+                return Err(self.place.iter().map(|&row| parts[row as usize] == poorest as u32).collect());
             }
             // Each part for itself: its constants are in the kernel.
             missing = exact;
@@ -203,8 +228,7 @@ impl<'a> Problem<'a> {
         }
         let whole = sum(targets.len(), |i| targets[i] * targets[i]).sqrt();
         let relative = LOOSEST.min(state.error / whole);
-        let system = System::solved(multigrid, limits, missing, targets, relative, self.tolerance, slope);
-        Ok(Direction::Newton(system))
+        Ok(Aim { missing, targets, tolerance: self.tolerance, relative, slope })
     }
 
     /// What a step is to add to each mass, in `order`, and how fast that makes the error fall: by `slope·t` of itself with a small part t
@@ -215,33 +239,33 @@ impl<'a> Problem<'a> {
     /// line of weights its cube root is concave, by Brunn and Minkowski). There it is the tangent of the cube root that is followed to
     /// the target, `3 m ((t/m)^⅓ − 1)`, which is less, and the others give as much less. Both are one at the target, up to what is
     /// quadratic in the error, so that the end stays quadratic; far from it, steps are many times longer.
-    fn aims(&self, state: &State, targets: &[f64]) -> (Vec<f64>, f64) {
+    fn missing(&self, state: &State, targets: &[f64]) -> (Vec<f64>, f64) {
         let n = targets.len();
         let mass = |row: usize| state.masses[self.order[row] as usize];
-        let mut aims = vec![0.0; n];
-        for_each(&mut aims, |row, aim| {
+        let mut missing = vec![0.0; n];
+        for_each(&mut missing, |row, missing| {
             let (t, m) = (targets[row], mass(row));
-            *aim = if m < t { 3.0 * m * ((t / m).cbrt() - 1.0) } else { t - m };
+            *missing = if m < t { 3.0 * m * ((t / m).cbrt() - 1.0) } else { t - m };
         });
-        let share = sum(n, |row| aims[row].max(0.0)) / sum(n, |row| (-aims[row]).max(0.0));
+        let share = sum(n, |row| missing[row].max(0.0)) / sum(n, |row| (-missing[row]).max(0.0));
         if !share.is_finite() {
-            return (aims, 1.0);
+            return (missing, 1.0);
         }
-        for_each(&mut aims, |_, aim| *aim *= if *aim < 0.0 { share } else { 1.0 });
+        for_each(&mut missing, |_, m| *m *= if *m < 0.0 { share } else { 1.0 });
         let error2 = state.error * state.error;
-        let slope = sum(n, |row| (targets[row] - mass(row)) * aims[row]) / error2;
-        (aims, slope)
+        let slope = sum(n, |row| (targets[row] - mass(row)) * missing[row]) / error2;
+        (missing, slope)
     }
 
     /// The next state: which part of a step leads there, and the iterations that it took. Newton's step if it is good as it is, once that
     /// failed a limited one, and where that fails too Newton's, shortened.
-    fn advance(&mut self, state: &State, system: &System) -> Result<Option<(f64, usize, State)>> {
-        let mut iterations = system.newton.iterations;
+    fn advance(&mut self, state: &State, system: &mut System) -> Result<Option<(f64, usize, State)>> {
+        let (mut iterations, slope) = (system.newton.iterations, system.aim.slope);
         let solution = &system.newton.solution;
         let newton: Vec<f64> = self.place.iter().map(|&row| solution[row as usize]).collect();
         if limited::is_to_be(self, system) {
             if self.limited_steps == 0
-                && let Some((step, next)) = self.damped(state, &newton, system.slope, 1.0)?
+                && let Some((step, next)) = self.damped(state, &newton, slope, 1.0)?
             {
                 return Ok(Some((step, iterations, next)));
             }
@@ -251,7 +275,7 @@ impl<'a> Problem<'a> {
                 return Ok(Some((step, iterations, next)));
             }
         }
-        let found = self.damped(state, &newton, system.slope, SHORTEST_STEP)?;
+        let found = self.damped(state, &newton, slope, SHORTEST_STEP)?;
         Ok(found.map(|(step, next)| {
             self.step = step;
             (step, iterations, next)

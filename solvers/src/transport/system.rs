@@ -7,45 +7,45 @@ use super::sparse::Matrix;
 /// A mass is not sought closer than to this part of the tolerance.
 const ENOUGH: f64 = 0.1;
 
-/// Its rows in `order`, and what it gives.
-pub(super) struct System {
-    pub(super) matrix: Matrix,
-    /// For each entry the weight by which the row's site may rise above the column's.
-    pub(super) limits: Vec<f64>,
+/// What a step is to come to. Rows are in the order of the sites along a curve.
+pub(super) struct Aim {
     /// What the step is to add to each mass.
-    missing: Vec<f64>,
-    targets: Vec<f64>,
-    tolerance: f64,
+    pub(super) missing: Vec<f64>,
+    pub(super) targets: Vec<f64>,
+    pub(super) tolerance: f64,
     /// The part of `missing` that may be left.
-    relative: f64,
-    pub(super) newton: Found,
+    pub(super) relative: f64,
     /// By which part of itself the error falls at the beginning of Newton's step.
     pub(super) slope: f64,
 }
 
-impl System {
-    /// The system of a matrix, and its solution.
-    pub(super) fn solved(
-        mut multigrid: Multigrid,
-        limits: Vec<f64>,
-        missing: Vec<f64>,
-        targets: Vec<f64>,
-        relative: f64,
-        tolerance: f64,
-        slope: f64,
-    ) -> Self {
-        let newton = Found { solution: Vec::new(), iterations: 0 };
-        let matrix = Matrix::default();
-        let mut system = Self { matrix, limits, missing, targets, tolerance, relative, newton, slope };
-        system.newton = system.solve(&mut multigrid);
-        system.matrix = multigrid.into_finest();
-        system
-    }
+/// A solved system.
+pub(super) struct System {
+    pub(super) multigrid: Multigrid,
+    /// For each entry the weight by which the row's site may rise above the column's.
+    pub(super) limits: Vec<f64>,
+    pub(super) aim: Aim,
+    pub(super) newton: Found,
+}
 
-    /// What solves it with the matrix of `multigrid`.
+impl Aim {
+    /// What solves the system with the matrix of `multigrid`, or comes as near as that does.
     pub(super) fn solve(&self, multigrid: &mut Multigrid) -> Found {
         let enough = ENOUGH * self.tolerance;
         let is_enough = |residual: &[f64]| residual.iter().zip(&self.targets).all(|(r, t)| r.abs() <= enough * t);
         conjugate_gradient::solve(multigrid, self.missing.clone(), self.relative, is_enough)
+    }
+}
+
+impl System {
+    /// What solves it with another matrix, whose entries stand where those of the first do.
+    pub(super) fn solve_for(&mut self, matrix: Matrix) -> Found {
+        self.multigrid.renew(matrix);
+        let found = self.aim.solve(&mut self.multigrid);
+        if found.is_solved || !self.multigrid.is_of_another() {
+            return found;
+        }
+        self.multigrid.make_anew();
+        self.aim.solve(&mut self.multigrid)
     }
 }

@@ -13,6 +13,7 @@
 //! coincide, masses have none.
 
 use crate::density::Density;
+use crate::vectors::{for_each, inner};
 use laguerre_core::{CellStatus, Error, Facet, Facets, Output, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 use std::ops::Deref;
@@ -126,9 +127,7 @@ impl<'a> Derivatives<'a> {
     /// `Input` where the density is not uniform: it would take third moments of the facets.
     pub fn barycenters_by_positions(&self) -> Result<Rows<9>> {
         if *self.density != Density::Uniform {
-            return Err(Error::input(
-                "derivatives of barycenters with respect to positions are there for the uniform density alone",
-            ));
+            return Err(positions_need_uniform());
         }
         let (masses, centers) = self.cells();
         Ok(self.rows(|facet| {
@@ -144,6 +143,77 @@ impl<'a> Derivatives<'a> {
             let other: [f64; 9] = over(self.positions[facet.neighbor]);
             (other.map(|m| -m), over(self.positions[facet.i]))
         }))
+    }
+
+    /// What a function of masses and barycenters changes with: by each position and each weight, from what it changes with by each mass, and by each
+    /// barycenter (an empty slice stands for zeros; empty cells take no part). That is the product of these derivatives with the transposed matrices above, in one pass over
+    /// the facets: with `φ_i(x) = u_i + v_i·(x − b_i)/m_i`, where `u` and `v` are given, it is `Σ_j ∫ ρ (φ_i − φ_j)(x − p_i)/d` by `p_i`, and `Σ_j ∫ ρ (φ_i − φ_j)/(2d)` by `w_i`.
+    ///
+    /// # Errors
+    /// `Input` where there is not one number for each site, or the density is not uniform and it changes with barycenters:
+    /// positions would take third moments.
+    pub fn pull_back(&self, by_masses: &[f64], by_barycenters: &[[f64; 3]]) -> Result<(Vec<[f64; 3]>, Vec<f64>)> {
+        if *self.density != Density::Uniform && !by_barycenters.is_empty() {
+            return Err(positions_need_uniform());
+        }
+        let positions = self.gathered(by_masses, by_barycenters, |facet, jump, tilt| {
+            let moment = self.moment(facet, self.positions[facet.i]);
+            let tilted = |c: usize| (0..3).map(|r| tilt[r] * entry(&facet.second, r, c)).sum::<f64>();
+            std::array::from_fn(|c| (jump * moment[c] + tilted(c)) / facet.distance)
+        })?;
+        Ok((positions, self.pull_back_to_weights(by_masses, by_barycenters)?))
+    }
+
+    /// The same by weights alone, for any density.
+    ///
+    /// # Errors
+    /// `Input` where there is not one number for each site.
+    pub fn pull_back_to_weights(&self, by_masses: &[f64], by_barycenters: &[[f64; 3]]) -> Result<Vec<f64>> {
+        let weights = self.gathered(by_masses, by_barycenters, |facet, jump, tilt| {
+            // Of the tilt about the facet's barycenter what a density that is not even has to do with.
+            let uneven = inner(tilt, self.moment(facet, facet.barycenter));
+            [(self.mass(facet) * jump + uneven) / (2.0 * facet.distance)]
+        })?;
+        Ok(weights.into_iter().map(|[w]| w).collect())
+    }
+
+    /// Sums over each cell's facets of what `of` makes of the jump of φ at the facet's barycenter, and of the jump of its gradient.
+    fn gathered<const N: usize>(
+        &self,
+        by_masses: &[f64],
+        by_barycenters: &[[f64; 3]],
+        of: impl Fn(&Seen, f64, [f64; 3]) -> [f64; N] + Sync,
+    ) -> Result<Vec<[f64; N]>> {
+        let n = self.positions.len();
+        for (what, length) in [("masses", by_masses.len()), ("barycenters", by_barycenters.len())] {
+            if length != n && (length > 0 || what == "masses") {
+                return Err(Error::input(format!(
+                    "derivatives by {what}: {length} of them for {n} sites: give one for each"
+                )));
+            }
+        }
+        let (masses, centers) = self.cells();
+        let gradient = |i: usize| match by_barycenters.get(i) {
+            Some(v) if masses[i] > 0.0 => v.map(|v| v / masses[i]),
+            _ => [0.0; 3],
+        };
+        let at = |i: usize, slope: [f64; 3], x: [f64; 3]| {
+            let arm = if masses[i] > 0.0 { std::array::from_fn(|k| x[k] - centers[i][k]) } else { [0.0; 3] };
+            by_masses[i] + inner(slope, arm)
+        };
+        let mut sums = vec![[0.0; N]; n];
+        for_each(&mut sums, |i, sum| {
+            let own = gradient(i);
+            for facet in self.facets.of(i) {
+                let (j, b) = (facet.neighbor, facet.barycenter);
+                let other = gradient(j);
+                let jump = at(i, own, b) - at(j, other, b);
+                let tilt = std::array::from_fn(|k| own[k] - other[k]);
+                let added = of(&Seen { i, facet, second: self.facet_moments[facet.number] }, jump, tilt);
+                (0..N).for_each(|k| sum[k] += added[k]);
+            }
+        });
+        Ok(sums)
     }
 
     /// Masses and their barycenters.
@@ -196,6 +266,10 @@ impl<'a> Derivatives<'a> {
         }
         made
     }
+}
+
+fn positions_need_uniform() -> Error {
+    Error::input("derivatives of barycenters with respect to positions are there for the uniform density alone")
 }
 
 /// Entry (r, c) of a second moment.

@@ -9,6 +9,7 @@
 mod bridge;
 mod conjugate_gradient;
 mod dense;
+mod implicit;
 mod laplacian;
 mod levels;
 mod limited;
@@ -27,6 +28,8 @@ use laguerre_core::{Backend, Error, Output, PowerDiagram, Request, Result};
 
 use crate::density::Density;
 use newton::Problem;
+
+pub use implicit::{Cotangent, Gradient, pull_back};
 
 /// How to solve.
 #[derive(Clone, Debug)]

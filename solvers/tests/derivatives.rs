@@ -85,6 +85,47 @@ fn derivatives_are_what_differences_tend_to() {
     }
 }
 
+/// Pulling back is the product with the transposed matrices.
+#[test]
+fn what_is_pulled_back_is_what_the_transposed_matrices_make() {
+    let (positions, weights) = scene();
+    let n = positions.len();
+    let fraction = |i: usize, step: f64| 2.0 * ((i * i) as f64 * step).fract() - 1.0;
+    let u: Vec<f64> = (0..n).map(|i| fraction(i, 11_f64.sqrt())).collect();
+    let v: Vec<[f64; 3]> = (0..n).map(|i| [13_f64, 17.0, 19.0].map(|x| fraction(i, x.sqrt()))).collect();
+    for density in [Density::Uniform, LINEAR] {
+        let (diagram, output) = evaluate(&positions, &weights, &density);
+        let all = Derivatives::new(&diagram, &output, &density).unwrap();
+        let (by_weights, centers_by_weights) = (all.masses_by_weights(), all.barycenters_by_weights());
+        let by_positions = all.masses_by_positions();
+        let centers_by_positions = all.barycenters_by_positions().ok();
+        let (mut points, mut heights) = (vec![[0.0; 3]; n], vec![0.0; n]);
+        for i in 0..n {
+            by_weights.row(i).for_each(|(j, [x])| heights[j] += u[i] * x);
+            centers_by_weights.row(i).for_each(|(j, x)| heights[j] += (0..3).map(|r| v[i][r] * x[r]).sum::<f64>());
+            by_positions.row(i).for_each(|(j, x)| (0..3).for_each(|c| points[j][c] += u[i] * x[c]));
+            for (j, x) in centers_by_positions.iter().flat_map(|rows| rows.row(i)) {
+                (0..9).for_each(|k| points[j][k % 3] += v[i][k / 3] * x[k]);
+            }
+        }
+        let found = match &centers_by_positions {
+            Some(_) => all.pull_back(&u, &v).unwrap(),
+            None => {
+                assert!(all.pull_back(&u, &v).is_err());
+                (all.pull_back(&u, &[]).unwrap().0, all.pull_back_to_weights(&u, &v).unwrap())
+            }
+        };
+        for i in 0..n {
+            let off = (found.1[i] - heights[i]).abs();
+            assert!(off < 1e-11 * (1.0 + heights[i].abs()), "weight {i}: {} and {}", found.1[i], heights[i]);
+            for (found, wanted) in found.0[i].iter().zip(points[i]) {
+                assert!((found - wanted).abs() < 1e-11 * (1.0 + wanted.abs()), "site {i}: {found} and {wanted}");
+            }
+        }
+        assert!(all.pull_back(&u[1..], &[]).is_err() && all.pull_back_to_weights(&u, &v[1..]).is_err());
+    }
+}
+
 /// The mass of all is the domain's; a shift of all weights changes nothing; what one cell gains, the other loses.
 #[test]
 fn masses_are_conserved() {

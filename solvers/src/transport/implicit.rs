@@ -1,0 +1,130 @@
+//! Derivatives through the solve: of weights, barycenters and cost by positions and masses.
+//!
+//! The weights are those for which `m(w, p) = ν`. So `A δw = δν − ∂m/∂p δp`, with `A = ∂m/∂w` the Laplacian, symmetric, whose kernel are the
+//! constants. For a function with the derivatives `u` by weights and `v` by barycenters let `z` solve `A z = u + (∂b/∂w)ᵀ v`. By masses it changes with
+//! `z`, and by positions with `(∂b/∂p)ᵀ v − (∂m/∂p)ᵀ z`. The cost is a maximum over weights, and changes with `2 m_i (p_i − b_i)` by a position, with `w_i` by a mass.
+
+use laguerre_core::{Backend, CellStatus, Error, PowerDiagram, Result};
+use rayon::prelude::*;
+
+use super::conjugate_gradient;
+use super::laplacian::laplacian;
+use super::multigrid::Multigrid;
+use super::sparse::{Matrix, center, norm};
+use crate::density::Density;
+use crate::derivatives::Derivatives;
+use crate::vectors::for_each;
+
+/// The system is solved to this part of its right-hand side; a solution that is left with more than `TOO_MUCH` of it is none.
+const RELATIVE: f64 = 1e-12;
+const TOO_MUCH: f64 = 1e-8;
+
+/// What a function of a transport's results changes with (its gradient by each of them).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cotangent {
+    /// By each weight; an empty list stands for zeros. Weights are told apart from their mean only.
+    pub weights: Vec<f64>,
+    /// By each barycenter (of mass), likewise.
+    pub barycenters: Vec<[f64; 3]>,
+    /// By the cost.
+    pub cost: f64,
+}
+
+/// What it changes with by what was given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradient {
+    /// By each position.
+    pub positions: Vec<[f64; 3]>,
+    /// By each mass, less their mean: masses change so that their sum stays.
+    pub masses: Vec<f64>,
+}
+
+/// The vector-Jacobian product of a solved transport: `diagram` has the weights that [`solve`](super::solve) found. It takes one diagram, with the second
+/// moments of its facets, and one linear system.
+///
+/// These are derivatives as far as the weights are a solution, and where no facet is about to appear on a triangle of the surface, all over that triangle.
+/// Where cells are in parts that do not touch, the weights of each are told apart from their own mean only.
+///
+/// # Errors
+/// `Input` where there is not one number for each site, a cell is empty, the density is not uniform and the function changes with barycenters, or the system is too
+/// ill-conditioned to be solved. What [`Backend::evaluate`] says.
+pub fn pull_back(
+    backend: &dyn Backend,
+    diagram: &PowerDiagram,
+    density: &Density,
+    cotangent: &Cotangent,
+) -> Result<Gradient> {
+    let n = diagram.positions().len();
+    let output = backend.evaluate(diagram, &Derivatives::request(density))?;
+    if let Some(i) = output.status().iter().position(|status| *status == CellStatus::Empty) {
+        return Err(
+            Error::input(format!("the cell of site {i} is empty: a transport that is solved has none")).of_site(i)
+        );
+    }
+    let derivatives = Derivatives::new(diagram, &output, density)?;
+    let mut by_weights = derivatives.pull_back_to_weights(&vec![0.0; n], &cotangent.barycenters)?;
+    match cotangent.weights.len() {
+        0 => {}
+        length if length == n => for_each(&mut by_weights, |i, u| *u += cotangent.weights[i]),
+        length => {
+            return Err(Error::input(format!(
+                "derivatives by weights: {length} of them for {n} sites: give one for each"
+            )));
+        }
+    }
+    let mut masses = solved(diagram, &output, density, &by_weights)?;
+    let less: Vec<f64> = masses.iter().map(|z| -z).collect();
+    let (mut positions, _) = derivatives.pull_back(&less, &cotangent.barycenters)?;
+    if cotangent.cost != 0.0 {
+        let (cells, centers) = (density.masses(&output), density.centers(&output).unwrap_or_default());
+        for_each(&mut positions, |i, by| {
+            let p = diagram.positions()[i];
+            (0..3).for_each(|k| by[k] += cotangent.cost * 2.0 * cells[i] * (p[k] - centers[i][k]));
+        });
+        for_each(&mut masses, |i, by| *by += cotangent.cost * diagram.weights()[i]);
+    }
+    center(&mut masses);
+    Ok(Gradient { positions, masses })
+}
+
+/// `A⁺ b`, in the caller's order.
+fn solved(diagram: &PowerDiagram, output: &laguerre_core::Output, density: &Density, b: &[f64]) -> Result<Vec<f64>> {
+    let Some(facets) = output.facets() else { return Err(Error::input("derivatives: the cells are without facets")) };
+    let sorted = diagram.prepare()?.sites;
+    let order = sorted.order();
+    let mut place = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(row, &site)| place[site as usize] = row as u32);
+    let (matrix, _) = laplacian(facets, density, order, &place, 1.0, |_, _| 0.0);
+    let mut multigrid = Multigrid::new(matrix.clone());
+    let mut b: Vec<f64> = order.iter().map(|&i| b[i as usize]).collect();
+    center_parts(&mut b, &multigrid);
+    let found = conjugate_gradient::solve(&mut multigrid, b.clone(), RELATIVE, |_| false);
+    let left = left_over(&matrix, &found.solution, &b);
+    if left > TOO_MUCH * norm(&b) {
+        return Err(Error::input(format!(
+            "derivatives: {:.1e} of the linear system is left: the cells' masses differ too much",
+            left / norm(&b)
+        )));
+    }
+    let mut solution = found.solution;
+    center_parts(&mut solution, &multigrid);
+    Ok(place.par_iter().map(|&row| solution[row as usize]).collect())
+}
+
+/// `‖b − A x‖`.
+fn left_over(matrix: &Matrix, x: &[f64], b: &[f64]) -> f64 {
+    let mut left = b.to_vec();
+    matrix.apply(x, &mut left, |_, ax, b| b - ax);
+    norm(&left)
+}
+
+/// Subtracts the mean, of each part that touches no other its own.
+fn center_parts(x: &mut [f64], multigrid: &Multigrid) {
+    let Some((parts, count)) = multigrid.parts() else { return center(x) };
+    let (mut sums, mut rows) = (vec![0.0; count], vec![0.0; count]);
+    for (x, &part) in x.iter().zip(&parts) {
+        sums[part as usize] += x;
+        rows[part as usize] += 1.0;
+    }
+    for_each(x, |row, x| *x -= sums[parts[row] as usize] / rows[parts[row] as usize]);
+}

@@ -7,7 +7,7 @@ use crate::vectors::for_each;
 /// Iterations after which the solution is taken as it is; some 10 to 30 are usual.
 const MOST_ITERATIONS: usize = 300;
 /// The same of a multigrid that was made for another matrix: to make one costs as much as some 15.
-const MOST_WHILE_IT_SERVES: usize = 15;
+const MOST_WHILE_IT_SERVES: usize = 25;
 
 /// What was found.
 pub(super) struct Found {

@@ -78,7 +78,7 @@ impl Backend for Cpu {
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
-        Capabilities::ALL.check(request)?;
+        Capabilities::ALL.check(request, diagram)?;
         self.pool.install(|| evaluate(diagram, Watched::new(request, observer)))
     }
 }

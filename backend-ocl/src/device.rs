@@ -68,7 +68,7 @@ rooms! {
     struct Memory {
         shells: [u8; 4] = "the table of offsets",
         domain_vertices: [f64; 3] = "the domain's vertices",
-        triangles: [u32; 3] = "the domain's triangles",
+        triangles: [u32; 4] = "the domain's triangles",
         lowest_voxels: [u32; 3] = "the domain's grid",
         list_offsets: u32 = "the domain's grid",
         list_entries: u32 = "the domain's grid",

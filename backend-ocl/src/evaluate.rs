@@ -100,7 +100,7 @@ impl Backend for Ocl {
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
-        Capabilities::OF_DEVICES.check(request)?;
+        Capabilities::OF_DEVICES.check(request, diagram)?;
         let request = &Watched::new(request, observer);
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let computed = self.compute(diagram, request, &mut devices);

@@ -112,7 +112,7 @@ impl Backend for Single {
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
-        Capabilities::MOMENTS.check(request)?;
+        Capabilities::MOMENTS.check(request, diagram)?;
         let watched = Watched::new(request, observer);
         let prepared = diagram.prepare()?;
         let scene = Scene::new(&prepared);

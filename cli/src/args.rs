@@ -463,9 +463,20 @@ pub(crate) struct ContainerArgs {
     #[arg(long, value_name = "MESH", conflicts_with = "box")]
     pub(crate) domain: Option<PathBuf>,
 
+    /// A density, constant in each voxel: .npy of shape (nx, ny, nz), which fills --box, or without it has unit cubes. Volumes are then masses, barycenters those of mass
+    #[arg(long, value_name = "IMAGE", conflicts_with = "domain")]
+    pub(crate) image: Option<PathBuf>,
+
     /// An axis-aligned box: minimum corner, maximum corner
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", allow_hyphen_values = true, value_parser = parse_box)]
     pub(crate) r#box: Option<Corners>,
+}
+
+impl ContainerArgs {
+    /// The file that it is read from.
+    pub(crate) fn file(&self) -> Option<&PathBuf> {
+        self.domain.as_ref().or(self.image.as_ref())
+    }
 }
 
 /// Minimum and maximum corner of a box.

@@ -18,9 +18,14 @@ pub(crate) enum Container {
 impl Container {
     /// Reads the domain if there is one, passing its notes on.
     pub(crate) fn read(args: &ContainerArgs) -> Result<Self> {
-        match (&args.domain, args.r#box) {
-            (Some(path), _) => {
-                let domain = Domain::load(path)?;
+        let place = args.r#box.map(|corners| (corners.lo, corners.hi));
+        let read = match (&args.domain, &args.image) {
+            (Some(path), _) => Some((path, Domain::load(path)?)),
+            (None, Some(path)) => Some((path, Domain::load_image(path, place)?)),
+            (None, None) => None,
+        };
+        match (read, args.r#box) {
+            (Some((path, domain)), _) => {
                 for remark in domain.notes() {
                     note(&format!("{}: {remark}", path.display()));
                 }

@@ -64,7 +64,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     args.derivatives.iter().try_for_each(|asked| derivatives::write(asked, &diagram, &output))?;
     if let Some(path) = &args.html {
         let report = Report::new(&output, &whole, backend.info(), seconds);
-        let title = page::title("Cells of", &sites::name(&args.sites), args.container.domain.as_deref());
+        let title = page::title("Cells of", &sites::name(&args.sites), args.container.file().map(PathBuf::as_path));
         page::write_still(path, &Page { title, facts: page::facts(&report), ..Page::default() }, &diagram, &output)?;
     }
     seconds.write = start.elapsed().as_secs_f64();
@@ -130,7 +130,7 @@ fn check(args: &IntegrateArgs) -> Result<()> {
     if args.second_moments && !has_room {
         return Err(Error::input("--second-moments: only .npz has room for them; name one with -o"));
     }
-    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
+    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.file()];
     outputs(args).try_for_each(|path| refuse_inputs(path, &inputs))?;
     share_standard_output(outputs(args), args.json)
 }

@@ -180,7 +180,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
 fn check(args: &LloydArgs) -> Result<()> {
     args.output.iter().try_for_each(|path| io::check_output(path, SITES_ENDINGS))?;
     check_page(args.html.as_ref(), args.output.iter())?;
-    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref()];
+    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.file()];
     args.output.iter().chain(&args.html).try_for_each(|path| refuse_inputs(path, &inputs))?;
     share_standard_output(args.output.iter().chain(&args.html), args.json)
 }
@@ -229,7 +229,11 @@ impl Report {
         facts.extend(page::made_by(self.backend, &self.device, self.precision, self.threads));
         let values = self.history.iter().map(|row| row.gradient).collect();
         Page {
-            title: page::title("Lloyd's cells of", &sites::name(&args.sites), args.container.domain.as_deref()),
+            title: page::title(
+                "Lloyd's cells of",
+                &sites::name(&args.sites),
+                args.container.file().map(PathBuf::as_path),
+            ),
             facts,
             shown,
             plot: Some(Plot {

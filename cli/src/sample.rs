@@ -93,9 +93,9 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
 
 /// Writes an uneven input, which is one of the unit cube, or as it is in a box.
 fn uneven(args: &SampleArgs, input: &Uneven) -> Result<Outcome> {
-    if args.container.domain.is_some() {
+    if args.container.file().is_some() {
         return Err(Error::input(format!(
-            "--domain: the sites of {} are in the unit cube, or in a --box; leave --domain out",
+            "--domain, --image: the sites of {} are in the unit cube, or in a --box; leave these out",
             input.name
         )));
     }

@@ -188,8 +188,7 @@ fn check(args: &TransportArgs) -> Result<()> {
     {
         return Err(Error::input(format!("{}: named for weights and for cells; give two files", path.display())));
     }
-    let inputs =
-        [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.domain.as_ref(), args.masses.as_ref()];
+    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.file(), args.masses.as_ref()];
     check_page(args.html.as_ref(), args.output.iter().chain(&args.cells))?;
     let outputs = || args.output.iter().chain(&args.cells).chain(&args.html);
     outputs().try_for_each(|path| refuse_inputs(path, &inputs))?;
@@ -230,7 +229,7 @@ impl Report {
         facts.extend(page::made_by(self.backend, &self.device, self.precision, self.threads));
         let values = self.history.iter().map(|row| row.residual).collect();
         Page {
-            title: page::title("Transport to", &sites::name(&args.sites), args.container.domain.as_deref()),
+            title: page::title("Transport to", &sites::name(&args.sites), args.container.file().map(PathBuf::as_path)),
             facts,
             shown,
             plot: Some(Plot { x: "step", y: "residual (largest relative error of a mass)", log: true, values }),

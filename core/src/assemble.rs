@@ -92,6 +92,8 @@ const ROWS_AT_ONCE: usize = 4096;
 pub struct Assembler<'a> {
     positions: &'a [[f64; 3]],
     frame: Frame,
+    /// Mass per volume where the winding number is one.
+    density: f64,
     output: OutputArrays,
     boundary: Option<Vec<Boundary>>,
     /// For each site where its facets begin in `facets`, and how many they are; empty where none are asked for.
@@ -126,6 +128,7 @@ impl<'a> Assembler<'a> {
         Self {
             positions: diagram.positions(),
             frame: container.frame,
+            density: container.density,
             output,
             boundary,
             rows,
@@ -146,7 +149,7 @@ impl<'a> Assembler<'a> {
         if cell.status == CellStatus::Empty {
             return;
         }
-        let finished = finish(&self.frame, self.positions[i], &cell.sums);
+        let finished = finish(&self.frame, self.density, self.positions[i], &cell.sums);
         self.output.volume[i] = finished.volume;
         self.output.barycenter[i] = finished.barycenter;
         if let Some(second) = &mut self.output.second_moment {
@@ -167,10 +170,10 @@ impl<'a> Assembler<'a> {
 
     /// Adds, for every site `i` where `cell(i)` is something that is not empty, that cell without its facets.
     pub fn add_all(&mut self, cell: impl Fn(usize) -> Option<(CellStatus, CellSums)> + Sync) {
-        let Self { positions, frame, output, boundary, .. } = self;
+        let Self { positions, frame, density, output, boundary, .. } = self;
         let finished = |i: usize| {
             let (status, sums) = cell(i).filter(|(status, _)| *status != CellStatus::Empty)?;
-            Some((status, finish(frame, positions[i], &sums)))
+            Some((status, finish(frame, *density, positions[i], &sums)))
         };
         let columns = output.status.par_iter_mut().zip(&mut output.volume).zip(&mut output.barycenter);
         columns.enumerate().for_each(|(i, ((status, volume), barycenter))| {
@@ -222,8 +225,9 @@ impl<'a> Assembler<'a> {
                 (_, 0) => row(i),
                 (begin, count) => self.facets.row(begin as usize, begin as usize + count as usize),
             };
-            let mut arrays = facet_arrays(&self.frame, self.positions, &|i| row_of(i).records);
-            arrays.second_moment = self.has_seconds.then(|| facet_seconds(&self.frame, self.positions.len(), &row_of));
+            let mut arrays = facet_arrays(&self.frame, self.density, self.positions, &|i| row_of(i).records);
+            arrays.second_moment =
+                self.has_seconds.then(|| facet_seconds(&self.frame, self.density, self.positions.len(), &row_of));
             self.output.facets = Some(Facets::of_fitting(FacetArrays { boundary, ..arrays }));
         }
         Output::new(OutputArrays { report, geometry, ..self.output })
@@ -242,7 +246,7 @@ fn check_integrals(integrals: &[f64]) -> Result<()> {
 }
 
 /// The integrals of the cell of the site at `position` (the caller's) from its sums.
-fn finish(frame: &Frame, position: [f64; 3], sums: &CellSums) -> Finished {
+fn finish(frame: &Frame, density: f64, position: [f64; 3], sums: &CellSums) -> Finished {
     let unit = frame.unit();
     let [x, y, z] = frame.enter(position);
     let place = |m: V3, mass: f64| frame.leave([x + m.x / mass, y + m.y / mass, z + m.z / mass]);
@@ -259,17 +263,17 @@ fn finish(frame: &Frame, position: [f64; 3], sums: &CellSums) -> Finished {
     if sums.boundary_area != 0.0 {
         let n = sums.boundary_vector;
         boundary = Boundary {
-            area: sums.boundary_area * unit.powi(2),
+            area: sums.boundary_area * (density * unit.powi(2)),
             barycenter: place(sums.boundary_moment, sums.boundary_area),
-            vector_area: [n.x, n.y, n.z].map(|a| a * unit.powi(2)),
-            flux: sums.boundary_flux * unit.powi(3),
+            vector_area: [n.x, n.y, n.z].map(|a| a * (density * unit.powi(2))),
+            flux: sums.boundary_flux * (density * unit.powi(3)),
         };
     }
     Finished {
-        volume: sums.volume * unit.powi(3),
+        volume: sums.volume * (density * unit.powi(3)),
         barycenter: place(sums.first, sums.volume),
-        second_moment: second_moment.map(|x| x * unit.powi(5)),
-        integral: sums.integral * unit.powi(3),
+        second_moment: second_moment.map(|x| x * (density * unit.powi(5))),
+        integral: sums.integral * (density * unit.powi(3)),
         boundary,
     }
 }
@@ -277,6 +281,7 @@ fn finish(frame: &Frame, position: [f64; 3], sums: &CellSums) -> Finished {
 /// The facets of all sites in one list.
 fn facet_arrays<'b>(
     frame: &Frame,
+    density: f64,
     positions: &[[f64; 3]],
     row_of: &(impl Fn(usize) -> &'b [FacetRecord] + Sync),
 ) -> FacetArrays {
@@ -324,7 +329,7 @@ fn facet_arrays<'b>(
                 let [nx, ny, nz] = frame.enter(positions[facet.neighbor as usize]);
                 let (a, m) = (facet.area, facet.moment);
                 neighbor[next] = facet.neighbor;
-                area[next] = a * frame.unit().powi(2);
+                area[next] = a * (density * frame.unit().powi(2));
                 barycenter[next] = frame.leave([x + m.x / a, y + m.y / a, z + m.z / a]);
                 distance[next] = ((nx - x).powi(2) + (ny - y).powi(2) + (nz - z).powi(2)).sqrt() * frame.unit();
                 next += 1;
@@ -335,8 +340,13 @@ fn facet_arrays<'b>(
 }
 
 /// The second moments of the facets of all sites, in the order of [`facet_arrays`].
-fn facet_seconds<'b>(frame: &Frame, sites: usize, row_of: &(impl Fn(usize) -> Row<'b> + Sync)) -> Vec<[f64; 6]> {
-    let unit = frame.unit().powi(4);
+fn facet_seconds<'b>(
+    frame: &Frame,
+    density: f64,
+    sites: usize,
+    row_of: &(impl Fn(usize) -> Row<'b> + Sync),
+) -> Vec<[f64; 6]> {
+    let unit = density * frame.unit().powi(4);
     let row_in_order = |i: usize| {
         let Row { records, seconds } = row_of(i);
         let mut row: Vec<_> = records.iter().map(|facet| facet.neighbor).zip(seconds).collect();

@@ -26,8 +26,8 @@ impl Capabilities {
     ///
     /// # Errors
     /// `Input` where not, or where a number of the request is none.
-    pub fn check(self, request: &Request) -> Result<()> {
-        request.check()?;
+    pub fn check(self, request: &Request, diagram: &PowerDiagram) -> Result<()> {
+        request.check(diagram)?;
         let wants_function = request.integral.as_ref().is_some_and(crate::Integrand::is_function);
         if !self.further && (request.facets || request.second_moments || request.integral.is_some()) {
             return Err(Error::input(

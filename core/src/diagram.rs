@@ -188,12 +188,18 @@ impl PowerDiagram {
         Ok(match self.container()? {
             Container::Box(lo, hi) => {
                 let frame = Frame::of_box(lo, hi);
-                FramedContainer { frame, lo: frame.enter(lo), hi: frame.enter(hi), grid: None }
+                FramedContainer { frame, lo: frame.enter(lo), hi: frame.enter(hi), density: 1.0, grid: None }
             }
             Container::Domain(domain) => {
                 let grid = domain.grid(self.positions.len());
                 let (lo, hi) = (grid.corner([0; 3]), grid.corner(grid.dims()));
-                FramedContainer { frame: *domain.frame(), lo, hi, grid: Some(Arc::clone(grid)) }
+                FramedContainer {
+                    frame: *domain.frame(),
+                    lo,
+                    hi,
+                    density: domain.density(),
+                    grid: Some(Arc::clone(grid)),
+                }
             }
         })
     }
@@ -293,6 +299,8 @@ pub struct FramedContainer {
     pub lo: [f64; 3],
     /// Maximum corner of the initial cell, in the frame.
     pub hi: [f64; 3],
+    /// Mass per volume where the winding number is one.
+    pub density: f64,
     grid: Option<Arc<DomainGrid>>,
 }
 

@@ -1,5 +1,6 @@
 //! The domain: a closed triangle mesh, validated once.
 
+mod density;
 mod moments;
 mod topology;
 
@@ -28,6 +29,10 @@ const SMALLEST_SHARE: f64 = 1.0 / 16.0;
 ///
 /// The domain is the function `winding(x)` on space: 1 inside a simple closed surface whose triangles are
 /// counterclockwise seen from outside, 0 outside; shells add up. Its volume is `∫ winding`.
+///
+/// It may also be a density `ρ(x)`, constant in each voxel of an image ([`Domain::of_image`]) or in each tetrahedron
+/// ([`Domain::of_tetrahedra`]): a winding number times a unit. Then all integrals are weighted by it, and exact: volumes are masses `∫ ρ`,
+/// barycenters and second moments are those of mass, areas of facets are `∫ ρ` over them.
 #[derive(Clone)]
 pub struct Domain {
     inner: Arc<Inner>,
@@ -36,6 +41,10 @@ pub struct Domain {
 struct Inner {
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
+    times: Vec<i32>,
+    /// Mass per volume where the winding number is one.
+    density: f64,
+    mean_density: Option<f64>,
     volume: f64,
     barycenter: [f64; 3],
     area: f64,
@@ -59,59 +68,22 @@ impl Domain {
     /// `Input` where an index or a coordinate is out of range, the surface is open or not consistently oriented, or
     /// nothing is enclosed. Triangles and vertices are counted from 0 in the order given.
     pub fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
-        check_numbers(vertices, triangles)?;
-        memory::probe(triangles.len() as u64, BYTES_OF_TRIANGLE, "triangles of the domain")?;
-        let mut mesh = topology::weld(vertices, triangles);
-        if mesh.triangles.is_empty() {
-            return Err(Error::input(format!(
-                "all {} triangles of the domain have two vertices at one place: nothing is enclosed; check the scale of \
-                 the mesh",
-                triangles.len()
-            )));
-        }
-        topology::check_closed(&mesh)?;
-        let (lo, hi) = bounding_box(&mesh.vertices);
-        let extent = (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
-        if extent < 1.0 / LARGEST_COORDINATE {
-            return Err(Error::input(format!(
-                "the domain's largest extent is {extent:e}: it must be at least 1e-60; scale the mesh up"
-            )));
-        }
-        let frame = Frame::of_box(lo, hi);
-        let inside: Vec<[f64; 3]> = mesh.vertices.iter().map(|&v| frame.enter(v)).collect();
-        let moments = moments::Moments::of_mesh(&inside, &mesh.triangles);
-        let unit = frame.unit();
-        let mut volume = moments.volume * unit * unit * unit;
-        if volume == 0.0 {
-            return Err(Error::input(format!(
-                "the domain's {} triangles enclose volume 0: give a closed surface that bounds a solid",
-                mesh.triangles.len()
-            )));
-        }
-        let mut notes = Vec::new();
-        let dropped = triangles.len() - mesh.triangles.len();
-        if dropped > 0 {
-            notes.push(format!("{dropped} triangles with two vertices at one place were dropped"));
-        }
-        if volume < 0.0 {
-            volume = -volume;
-            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-            notes.push("the mesh was oriented inward: all its triangles were flipped".to_owned());
-        }
-        Ok(Self {
-            inner: Arc::new(Inner {
-                volume,
-                barycenter: frame.leave(moments.barycenter),
-                area: moments.area * unit * unit,
-                vertices: mesh.vertices,
-                triangles: mesh.triangles,
-                lo,
-                hi,
-                notes,
-                frame,
-                grids: [const { OnceLock::new() }; LEVELS],
-            }),
-        })
+        Ok(Self { inner: Arc::new(Inner::new(vertices, triangles, &vec![1; triangles.len()], 1.0)?) })
+    }
+
+    /// The same where each triangle stands so many times, and a winding number of one is so much mass per volume; there is mass in a volume of `support`.
+    fn of_density(
+        vertices: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        times: &[i32],
+        density: f64,
+        support: f64,
+        note: Option<String>,
+    ) -> Result<Self> {
+        let mut inner = Inner::new(vertices, triangles, times, density)?;
+        inner.mean_density = Some(inner.volume / support);
+        inner.notes.extend(note);
+        Ok(Self { inner: Arc::new(inner) })
     }
 
     /// The vertices, each once, in the caller's unit and order of first appearance.
@@ -132,6 +104,22 @@ impl Domain {
     /// `∫ winding(x) x dx / volume`, in the caller's unit, to a few roundings of the box's coordinates.
     pub fn barycenter(&self) -> [f64; 3] {
         self.inner.barycenter
+    }
+
+    /// Mass per volume where the winding number is one: 1 of a mesh.
+    #[doc(hidden)]
+    pub fn density(&self) -> f64 {
+        self.inner.density
+    }
+
+    /// Whether it has a density of its own ([`Domain::of_image`], [`Domain::of_tetrahedra`]), so that what is said to be a volume is a mass.
+    pub fn has_density(&self) -> bool {
+        self.inner.mean_density.is_some()
+    }
+
+    /// Mass per volume where there is any: 1 of a mesh.
+    pub fn mean_density(&self) -> f64 {
+        self.inner.mean_density.unwrap_or(1.0)
     }
 
     /// The sum of the areas of all triangles, in the caller's unit squared.
@@ -173,7 +161,67 @@ impl Domain {
             let extent = (0..3).map(|k| (hi[k] - lo[k]) / unit).product::<f64>();
             let share = (self.inner.volume / (unit * unit * unit) / extent).clamp(SMALLEST_SHARE, 1.0);
             let in_box = f64::from(1_u32 << level) / share;
-            Arc::new(DomainGrid::new(&vertices, &self.inner.triangles, in_box as usize))
+            Arc::new(DomainGrid::new(&vertices, &self.inner.triangles, &self.inner.times, in_box as usize))
+        })
+    }
+}
+
+impl Inner {
+    /// Of triangles that stand so many times, where a winding number of one is so much mass per volume.
+    fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]], times: &[i32], density: f64) -> Result<Self> {
+        check_numbers(vertices, triangles)?;
+        memory::probe(triangles.len() as u64, BYTES_OF_TRIANGLE, "triangles of the domain")?;
+        let mut mesh = topology::weld(vertices, triangles, times);
+        if mesh.triangles.is_empty() {
+            return Err(Error::input(format!(
+                "all {} triangles of the domain have two vertices at one place: nothing is enclosed; check the scale of \
+                 the mesh",
+                triangles.len()
+            )));
+        }
+        topology::check_closed(&mesh)?;
+        let (lo, hi) = bounding_box(&mesh.vertices);
+        let extent = (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
+        if extent < 1.0 / LARGEST_COORDINATE {
+            return Err(Error::input(format!(
+                "the domain's largest extent is {extent:e}: it must be at least 1e-60; scale the mesh up"
+            )));
+        }
+        let frame = Frame::of_box(lo, hi);
+        let inside: Vec<[f64; 3]> = mesh.vertices.iter().map(|&v| frame.enter(v)).collect();
+        let moments = moments::Moments::of_mesh(&inside, &mesh.triangles, &mesh.times);
+        let unit = frame.unit();
+        let mut volume = moments.volume * unit * unit * unit * density;
+        if volume == 0.0 {
+            return Err(Error::input(format!(
+                "the domain's {} triangles enclose volume 0: give a closed surface that bounds a solid",
+                mesh.triangles.len()
+            )));
+        }
+        let mut notes = Vec::new();
+        let dropped = triangles.len() - mesh.triangles.len();
+        if dropped > 0 {
+            notes.push(format!("{dropped} triangles with two vertices at one place were dropped"));
+        }
+        if volume < 0.0 {
+            volume = -volume;
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            notes.push("the mesh was oriented inward: all its triangles were flipped".to_owned());
+        }
+        Ok(Self {
+            volume,
+            barycenter: frame.leave(moments.barycenter),
+            area: moments.area * unit * unit * density,
+            vertices: mesh.vertices,
+            triangles: mesh.triangles,
+            times: mesh.times,
+            density,
+            mean_density: None,
+            lo,
+            hi,
+            notes,
+            frame,
+            grids: [const { OnceLock::new() }; LEVELS],
         })
     }
 }

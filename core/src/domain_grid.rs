@@ -24,7 +24,7 @@ const MOST_ENTRIES: usize = 8;
 pub struct DomainGrid {
     lattice: Lattice,
     vertices: Vec<[f64; 3]>,
-    triangles: Vec<[u32; 3]>,
+    triangles: Vec<[u32; 4]>,
     lowest_voxels: Vec<[u32; 3]>,
     offsets: Vec<u32>,
     entries: Vec<u32>,
@@ -33,7 +33,7 @@ pub struct DomainGrid {
 }
 
 impl DomainGrid {
-    /// The grid over a closed mesh in the coordinates of its frame: its largest extent in (½, 1] and `|x| ≤ 2`.
+    /// The grid over a closed mesh in the coordinates of its frame: its largest extent in (½, 1] and `|x| ≤ 2`. Each triangle stands so many times.
     ///
     /// There are about √(number of triangles) voxels along the largest extent, within 12 and 160, or more (up to 250) until there is one for
     /// each of so many sites; fewer where the lists would be longer than 8 entries a triangle and voxel.
@@ -41,7 +41,7 @@ impl DomainGrid {
     /// Cells near the surface cost several times what others do, and the grid decides which are near: at 10 million sites of a perturbed
     /// lattice, a sphere of 1,280 triangles costs 118 % over no domain with 36 voxels along its diameter, 28 % with 214 (one NVIDIA
     /// H200).
-    pub fn new(vertices_in_frame: &[[f64; 3]], triangles: &[[u32; 3]], sites: usize) -> Self {
+    pub fn new(vertices_in_frame: &[[f64; 3]], triangles: &[[u32; 3]], times: &[i32], sites: usize) -> Self {
         let vertices = vertices_in_frame;
         let used: Vec<[f64; 3]> = triangles.iter().flatten().map(|&i| vertices[i as usize]).collect();
         let (lo, hi) = bounding_box(&used);
@@ -64,14 +64,20 @@ impl DomainGrid {
                 resolution *= 0.8;
                 continue;
             }
-            if let Some(windings) = winding::windings(vertices, triangles, &lattice) {
-                return Self::on_lattice(vertices, triangles, lattice, windings);
+            if let Some(windings) = winding::windings(vertices, triangles, times, &lattice) {
+                return Self::on_lattice(vertices, triangles, times, lattice, windings);
             }
             attempt += 1;
         }
     }
 
-    fn on_lattice(vertices: &[[f64; 3]], triangles: &[[u32; 3]], lattice: Lattice, windings: Vec<i32>) -> Self {
+    fn on_lattice(
+        vertices: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        times: &[i32],
+        lattice: Lattice,
+        windings: Vec<i32>,
+    ) -> Self {
         let mut offsets = vec![0_u32; lattice.voxels() + 1];
         let ranges: Vec<_> = triangles.iter().map(|t| box_of_triangle(vertices, t, &lattice)).collect();
         for &(lo, hi) in &ranges {
@@ -93,7 +99,7 @@ impl DomainGrid {
             surface_table: surface::summed_table(vertices, triangles, &lattice),
             lattice,
             vertices: vertices.to_vec(),
-            triangles: triangles.to_vec(),
+            triangles: triangles.iter().zip(times).map(|(&[a, b, c], &times)| [a, b, c, times as u32]).collect(),
             lowest_voxels: ranges.into_iter().map(|(lo, _)| lo).collect(),
             offsets,
             entries,
@@ -181,8 +187,9 @@ impl DomainGrid {
         &self.vertices
     }
 
-    /// The domain's triangles, counterclockwise seen from outside.
-    pub fn triangles(&self) -> &[[u32; 3]] {
+    /// The domain's triangles: corners, counterclockwise seen from outside, and the bits of how often it stands: by so much (`i32`) the winding number is
+    /// larger behind it.
+    pub fn triangles(&self) -> &[[u32; 4]] {
         &self.triangles
     }
 }

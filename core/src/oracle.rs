@@ -27,7 +27,7 @@ impl Backend for Naive {
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
-        request.check()?;
+        request.check(diagram)?;
         let watched = Watched::new(request, observer);
         let prepared = diagram.prepare()?;
         let mut assembler = Assembler::new(diagram, &prepared.container, request);

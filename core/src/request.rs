@@ -1,5 +1,7 @@
 //! What to compute: a [`Request`].
 
+use crate::PowerDiagram;
+use crate::diagram::Container;
 use crate::{Error, Integrand, Result};
 
 /// What to compute for every cell. Volumes and barycenters always; the rest on request.
@@ -67,12 +69,17 @@ impl Request {
         Self { integral: Some(integrand), ..self }
     }
 
-    /// Refuses numbers that are none. Called by backends.
+    /// Refuses numbers that are none, and what a diagram cannot have. Called by backends.
     ///
     /// # Errors
-    /// `Input` where `epsilon` is not a number from 0.
+    /// `Input` where `epsilon` is not a number from 0, or geometry is asked for in a domain that has a density.
     #[doc(hidden)]
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self, diagram: &PowerDiagram) -> Result<()> {
+        if self.geometry && matches!(diagram.container()?, Container::Domain(domain) if domain.has_density()) {
+            return Err(Error::input(
+                "geometry: cells of a domain with a density have none: ask for it in the domain's mesh, or in a box",
+            ));
+        }
         match self.epsilon {
             Some(epsilon) if epsilon.is_nan() || epsilon < 0.0 => {
                 Err(Error::input(format!("epsilon {epsilon}: a number from 0 is needed")))

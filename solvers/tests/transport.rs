@@ -208,6 +208,22 @@ fn hard_starts_take_few_steps() {
     }
 }
 
+/// Equal masses of an image of strong contrast, with voxels where there is nothing.
+#[test]
+fn an_image_is_shared_out_evenly() {
+    let mut values: Vec<f64> =
+        white(6 * 6 * 6, [0.0; 3], [1.0; 3], 36).iter().map(|p| (200.0 * p[0].powi(4)).floor()).collect();
+    values[..40].fill(0.0);
+    let domain = Domain::of_image(&values, [6; 3], [0.0; 3], [1.0; 3]).unwrap();
+    let sites = white(300, [0.0; 3], [1.0; 3], 37);
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
+    let solution = solved(&mut diagram, &[], &Options::default());
+    let mass = targets(&diagram, &[], &Options::default()).unwrap();
+    assert!((mass[0] - values.iter().sum::<f64>() / 216.0 / 300.0).abs() < 1e-15 * values.iter().sum::<f64>());
+    check(&diagram, &solution, &mass, &Density::Uniform);
+    assert!(solution.iterations.len() <= 16, "{} steps", solution.iterations.len() - 1);
+}
+
 #[test]
 fn the_result_is_the_same_to_the_last_bit() {
     let sites = white(6000, [0.0; 3], [1.0; 3], 13);

@@ -19,7 +19,8 @@ kernels! {
         input slabs: Slabs,
         input weight_bounds: WeightBounds,
         input domain_vertices: [f64; 3],
-        input triangles: [u32; 3],
+        /// Corners, and how often it stands.
+        input triangles: [u32; 4],
         input lowest_voxels: [u32; 3],
         input list_offsets: u32,
         input list_entries: u32,

@@ -162,7 +162,7 @@ INLINE uint add_surface_together(
         }
         for (uint left = lanes_with(meets); left != 0u; left &= left - 1u) {
             const uint from = lowest_bit(left);
-            const real sign = lane_real(prism.sign, from);
+            const real jump = lane_real(prism.jump, from);
             uint ends = 0;
             uint status = cut_by_cone(s, &prism, from, &ends);
             if ((status == COMPLETE) && (ends != 0u)) {
@@ -181,7 +181,7 @@ INLINE uint add_surface_together(
                 const FacetSum facet = (FacetSum){
                     .area = lanes_sum(part.area), .moment = lanes_sum_of(part.moment), .rounding = lanes_folded(part.rounding, 0u)
                 };
-                add_boundary(facet, plane, -sign, sums);
+                add_boundary(facet, plane, -jump, sums);
             } else if ((status != COMPLETE) && (status != EMPTY)) {
                 return status;
             }
@@ -241,7 +241,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         touched |= lanes_with(is_flat);
         for (uint left = lanes_with(meets); left != 0u; left &= left - 1u) {
             const uint from = lowest_bit(left);
-            const real sign = lane_real(cone.sign, from);
+            const real jump = lane_real(cone.jump, from);
             const real reach = lane_real(cone.reach, from);
             uint ends = 0;
             const uint status = cut_by_cone(s, &cone, from, &ends);
@@ -249,7 +249,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
             if ((status != COMPLETE) && (status != EMPTY)) {
                 return status;
             }
-            if ((status != EMPTY) && (add_polytope(s, -sign, center, reach, flags, sums, base, facet) != COMPLETE)) {
+            if ((status != EMPTY) && (add_polytope(s, -jump, center, reach, flags, sums, base, facet) != COMPLETE)) {
                 return UNSETTLED;
             }
             restore_cell(s, &saved);

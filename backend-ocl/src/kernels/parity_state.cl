@@ -35,7 +35,7 @@ OUTLINE void give_FacetSum(Output *out, FacetSum value);
     Store store; \
     Store *s = &store; \
     s->world = (World){ \
-        .params = params, .domain_vertices = domain_vertices, .triangles = table + table[0], .lowest_voxels = table + table[1], \
+        .params = params, .domain_vertices = domain_vertices, .triangles = (__global const uint4 *)(table + table[0]), .lowest_voxels = table + table[1], \
         .list_offsets = table + table[2], .list_entries = table + table[3], \
         .windings = (__global const int *)(table + table[4]), .surface_table = table + table[5], .integrand = integrand \
     }; \

@@ -24,7 +24,7 @@ typedef struct {
     __global const Slabs *slabs;
     __global const WeightBounds *weight_bounds;
     __global const real *domain_vertices;
-    __global const uint *triangles;
+    __global const uint4 *triangles;
     __global const uint *lowest_voxels;
     __global const uint *list_offsets;
     __global const uint *list_entries;

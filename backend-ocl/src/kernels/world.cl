@@ -45,8 +45,8 @@ INLINE Voxel store_lowest_voxel(Store *s, uint t) {
 INLINE Triangle store_triangle(Store *s, uint t) {
     s->tried += (s->last_tried != (t + 1u)) ? 1u : 0u;
     s->last_tried = t + 1u;
-    __global const uint *corners = s->world.triangles + 3u * t;
-    return (Triangle){ .a = corners[0], .b = corners[1], .c = corners[2] };
+    const uint4 words = s->world.triangles[t];
+    return (Triangle){ .a = words.x, .b = words.y, .c = words.z, .times = (int)words.w };
 }
 INLINE V3 store_domain_point(Store *s, uint i) {
     __global const host_real *point = s->world.domain_vertices + 3u * i;

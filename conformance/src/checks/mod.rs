@@ -3,6 +3,7 @@
 pub mod cgal;
 pub mod closure;
 pub mod containers;
+pub mod density;
 pub mod epsilon;
 pub mod errors;
 pub mod facet_moments;
@@ -100,6 +101,8 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(integrals::not_finite),
     given!(reproducible::any_number_of_threads),
     given!(epsilon::zero_is_seen),
+    given!(density::parts),
+    given!(density::contrast),
     given!(lattice::equal_volumes),
     given!(lattice::duplicated),
     given!(lattice::turned),

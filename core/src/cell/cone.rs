@@ -10,6 +10,8 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, cross, dot, larger, norm_1, scale, 
 pub(super) struct TruncatedCone {
     /// Sign of the triangle as seen from the apex: +1 where it turns its back, so that what lies behind is outside.
     pub(super) sign: Real,
+    /// How much larger the winding number is within than behind the triangle: the sign, as often as the triangle stands.
+    pub(super) jump: Real,
     /// ‖·‖₁ of the way from the site to the farthest corner: what the planes' rounding is relative to.
     pub(super) reach: Real,
     pub(super) end: Plane,
@@ -31,6 +33,7 @@ pub(super) fn make_cone<S: DomainStore>(s: &mut S, t: u32, apex: Voxel, cone: &m
         return UNCERTAIN;
     }
     cone.sign = sign as Real;
+    cone.jump = cone.sign * (triangle.times as Real);
     if sign == 0 {
         return COMPLETE;
     }
@@ -52,6 +55,7 @@ pub(super) fn make_cone<S: DomainStore>(s: &mut S, t: u32, apex: Voxel, cone: &m
 pub(super) fn no_cone() -> TruncatedCone {
     return TruncatedCone {
         sign: 0.0,
+        jump: 0.0,
         reach: 0.0,
         end: Plane::default(),
         side_0: Plane::default(),
@@ -77,6 +81,7 @@ pub(super) fn make_prism<S: DomainStore>(s: &mut S, t: u32, apex: Voxel, prism: 
     if sign < 0 {
         prism.sign = -1.0;
     }
+    prism.jump = prism.sign * (triangle.times as Real);
     let site: V3 = s.site();
     let a_in: V3 = sub(a, site);
     let b_in: V3 = sub(b, site);

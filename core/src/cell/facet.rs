@@ -127,8 +127,8 @@ pub(crate) fn reset_facets<S: IntegralStore>(s: &mut S, flags: u32) {
     }
 }
 
-/// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
-/// keeps the domain's inside, −1 where it keeps its outside.
+/// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is by how much the winding number is
+/// larger in the half-space: +1 where it keeps the domain's inside, −1 where it keeps its outside.
 #[cfg_attr(opencl, outline)]
 pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mut CellSums) {
     // The surface has no negative area.
@@ -136,8 +136,8 @@ pub(crate) fn add_boundary(sum: FacetSum, plane: Plane, outward: Real, sums: &mu
         return;
     }
     let share: Real = (outward * sum.area) / dot(plane.n, plane.n).sqrt();
-    sums.boundary_area = sums.boundary_area + sum.area;
-    sums.boundary_moment = add(sums.boundary_moment, sum.moment);
+    sums.boundary_area = sums.boundary_area + (outward.abs() * sum.area);
+    sums.boundary_moment = add(sums.boundary_moment, scale(outward.abs(), sum.moment));
     sums.boundary_vector = sub(sums.boundary_vector, scale(share, plane.n));
     sums.boundary_flux = sums.boundary_flux + (share * plane.d);
 }

@@ -73,8 +73,8 @@ pub(super) fn voxel_passes_by<S: DomainStore>(
     return true;
 }
 
-/// Whether triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
-/// it stands between that and the site.
+/// Whether triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, as often as it stands, where
+/// that is between that and the site.
 ///
 /// Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
 #[inline]
@@ -127,7 +127,7 @@ pub(super) fn triangle_passes_by<S: DomainStore>(
         return false;
     }
     if ((over_0 == of_corner) && (over_1 == of_corner)) && (over_2 == of_corner) {
-        *winding -= of_corner;
+        *winding -= of_corner * triangle.times;
     }
     return true;
 }

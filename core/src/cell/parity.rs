@@ -151,14 +151,17 @@ impl World {
         numbers.extend([integrand.nodes().len() as f64, f64::from(integrand.degree())]);
         numbers.extend(integrand.origin());
         let windings: Vec<u32> = grid.windings().iter().map(|&winding| winding as u32).collect();
-        let (triangles, lowest) = (grid.triangles().as_flattened(), grid.lowest_voxels().as_flattened());
-        let parts = [triangles, lowest, grid.offsets(), grid.entries(), &windings, grid.surface_table()];
+        let (triangles, lowest) = (grid.triangles(), grid.lowest_voxels().as_flattened());
+        // Triangles first, aligned to their size.
+        let parts = [triangles.as_flattened(), lowest, grid.offsets(), grid.entries(), &windings, grid.surface_table()];
         let mut table = Vec::new();
-        let mut begin = parts.len();
+        let mut begin = parts.len().next_multiple_of(4);
+        let gap = begin - parts.len();
         for part in parts {
             table.push(begin as u32);
             begin += part.len();
         }
+        table.extend(std::iter::repeat_n(0, gap));
         table.extend(parts.concat());
         let indices = grid.dims().into_iter().fold(grid.triangles().len() as u32, u32::min);
         Self { indices, numbers, integrand, vertices: grid.vertices().to_vec(), table, domain }

@@ -218,7 +218,7 @@ pub(crate) fn add_cone<S: CellStore>(
             *touched = true;
         }
         if (status == CUT) || (status == UNTOUCHED) {
-            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
+            status = integrate(s, -cone.jump, center, cone.reach, flags, sums);
         }
     }
     s.restore();
@@ -280,7 +280,7 @@ pub(crate) fn add_surface<S: ClipStore + DomainStore + SignStore>(
         let mut facet: FacetSum = FacetSum::default();
         status = integrate_facet(s, end_index, center, 0.0, &mut facet);
         if status == COMPLETE {
-            add_boundary(facet, prism.end, -prism.sign, sums);
+            add_boundary(facet, prism.end, -prism.jump, sums);
         }
     }
     s.restore();

@@ -15,7 +15,7 @@ use crate::domain_grid::DomainGrid;
 use crate::exact;
 use crate::integrand::FramedIntegrand;
 
-/// A triangle of the domain: the indices of its vertices, outward oriented.
+/// A triangle of the domain: the indices of its vertices, outward oriented, and how often it stands.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Triangle {
@@ -25,6 +25,8 @@ pub struct Triangle {
     pub b: u32,
     /// Third vertex.
     pub c: u32,
+    /// By so much the winding number is larger behind it, seen from outside.
+    pub times: i32,
 }
 
 /// A voxel of the domain's grid.
@@ -355,13 +357,13 @@ pub trait DomainStore: Polytope {
     #[inline(always)]
     fn note_tried(&self, _t: u32) {}
 
-    /// The vertices of triangle `t`.
+    /// Triangle `t`.
     #[inline(always)]
     fn triangle(&self, t: u32) -> Triangle {
         self.note_tried(t);
         self.domain().map_or(Triangle::default(), |grid| {
-            let [a, b, c] = grid.triangles()[t as usize];
-            Triangle { a, b, c }
+            let [a, b, c, times] = grid.triangles()[t as usize];
+            Triangle { a, b, c, times: times as i32 }
         })
     }
 

@@ -18,14 +18,15 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    /// The integrals of a mesh in a frame: coordinates are at most 2, and zero or at least 2⁻¹⁵⁰.
-    pub(super) fn of_mesh(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
+    /// The integrals of a mesh in a frame: coordinates are at most 2, and zero or at least 2⁻¹⁵⁰. Each triangle stands so many times.
+    pub(super) fn of_mesh(vertices: &[[f64; 3]], triangles: &[[u32; 3]], times: &[i32]) -> Self {
         let mut area = Sum::default();
         let mut volume6 = Wide::default();
         let mut moment24 = [Wide::default(); 3];
         let mut magnitude = 0.0;
-        for t in triangles {
+        for (t, &times) in triangles.iter().zip(times) {
             let [a, b, c] = t.map(|i| vertices[i as usize]);
+            let times = f64::from(times);
             let u: [Wide; 3] = std::array::from_fn(|k| Wide::difference(b[k], a[k]));
             let v: [Wide; 3] = std::array::from_fn(|k| Wide::difference(c[k], a[k]));
             let mut n = [Wide::default(); 3];
@@ -35,9 +36,10 @@ impl Moments {
                 let (p, q) = (u[i].times(v[j]), u[j].times(v[i]));
                 n[k] = p.plus(q.negated());
                 term = term.plus(n[k].times(Wide::from(a[k])));
-                magnitude += a[k].abs() * (p.hi.abs() + q.hi.abs());
+                magnitude += times.abs() * a[k].abs() * (p.hi.abs() + q.hi.abs());
             }
-            area.add(n.iter().map(|x| x.hi * x.hi).sum::<f64>().sqrt());
+            term = term.times(Wide::from(times));
+            area.add(times.abs() * n.iter().map(|x| x.hi * x.hi).sum::<f64>().sqrt());
             volume6 = volume6.plus(term);
             for k in 0..3 {
                 let sum = Wide::difference(a[k], -b[k]).plus(Wide::from(c[k]));
@@ -52,32 +54,33 @@ impl Moments {
             let barycenter = moment24.map(|m| m.hi / volume6.hi / 4.0);
             Self { volume: volume6.hi / 6.0, barycenter, area }
         } else {
-            let (volume, barycenter) = exactly(vertices, triangles);
+            let (volume, barycenter) = exactly(vertices, triangles, times);
             Self { volume, barycenter, area }
         }
     }
 }
 
 /// Volume and barycenter by integers, each rounded at the end; the barycenter of no volume is NaN.
-fn exactly(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> (f64, [f64; 3]) {
+fn exactly(vertices: &[[f64; 3]], triangles: &[[u32; 3]], times: &[i32]) -> (f64, [f64; 3]) {
     let integers: Vec<[BigInt; 3]> = vertices.iter().map(|v| v.map(to_integer)).collect();
     let mut volume6 = BigInt::ZERO;
     let mut moment24 = [BigInt::ZERO; 3];
-    for t in triangles {
+    for (t, &times) in triangles.iter().zip(times) {
         let [a, b, c] = t.map(|i| &integers[i as usize]);
-        let term: BigInt = (0..3)
+        let once: BigInt = (0..3)
             .map(|k| {
                 let (i, j) = ((k + 1) % 3, (k + 2) % 3);
                 &a[k] * (&b[i] * &c[j] - &b[j] * &c[i])
             })
             .sum();
+        let term = once * times;
         for k in 0..3 {
             moment24[k] += &term * (&a[k] + &b[k] + &c[k]);
         }
         volume6 += term;
     }
     let v = Dyadic::of(volume6, 0).rounded();
-    // Largest magnitudes: (2²⁰⁵)³ · 6 · 2²⁸ and (2²⁰⁵)⁴ · 18 · 2²⁸, both within the range of f64.
+    // Largest magnitudes: (2²⁰⁵)³ · 6 · 2²⁸ · 2³¹ and (2²⁰⁵)⁴ · 18 · 2²⁸ · 2³¹, both within the range of f64.
     let barycenter = moment24.map(|m| Dyadic::of(m, 0).rounded() / v / 4.0 * (-f64::from(FRACTION_BITS)).exp2());
     (v * (-3.0 * f64::from(FRACTION_BITS)).exp2() / 6.0, barycenter)
 }
@@ -141,6 +144,10 @@ impl Wide {
 mod tests {
     use super::*;
 
+    fn moments_of(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Moments {
+        Moments::of_mesh(vertices, triangles, &vec![1; triangles.len()])
+    }
+
     #[test]
     fn wide_sums_agree_with_exact_ones() {
         // A fan of slivers around a skew axis: large terms that cancel.
@@ -155,8 +162,8 @@ mod tests {
             let (p, q) = (2 + i, 2 + (i + 1) % n);
             triangles.extend([[0, p, q], [1, q, p]]);
         }
-        let wide = Moments::of_mesh(&vertices, &triangles);
-        let (volume, barycenter) = exactly(&vertices, &triangles);
+        let wide = moments_of(&vertices, &triangles);
+        let (volume, barycenter) = exactly(&vertices, &triangles, &vec![1; triangles.len()]);
         assert!((wide.volume - volume).abs() <= 2.3e-16 * volume.abs(), "{} {volume}", wide.volume);
         for (found, right) in wide.barycenter.into_iter().zip(barycenter) {
             assert!((found - right).abs() <= 4.5e-16 * right.abs());
@@ -168,11 +175,11 @@ mod tests {
         let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         let tetrahedron = |height: f64| [[0.1, 0.2, 0.3], [1.1, 0.2, 0.3], [0.1, 1.2, 0.3], [0.1, 0.2, 0.3 + height]];
         let height = (0.3 + 1e-15) - 0.3;
-        let thin = Moments::of_mesh(&tetrahedron(1e-15), &triangles);
+        let thin = moments_of(&tetrahedron(1e-15), &triangles);
         let base = (1.1_f64 - 0.1) * (1.2_f64 - 0.2);
         assert!((thin.volume / (base * height / 6.0) - 1.0).abs() < 1e-15, "{}", thin.volume);
         assert!((thin.barycenter[0] - 0.35).abs() < 1e-15);
-        assert_eq!(Moments::of_mesh(&tetrahedron(0.0), &triangles).volume, 0.0);
+        assert_eq!(moments_of(&tetrahedron(0.0), &triangles).volume, 0.0);
         // Two fans over one ring in the plane z = x + y: nothing, or as much as the second apex is lifted.
         let at = |x: f64, y: f64| {
             let [x, y] = [x, y].map(|x| (x * 50_f64.exp2()).round() * (-50_f64).exp2());
@@ -182,13 +189,13 @@ mod tests {
         vertices.extend((0..40_u32).map(|i| at(0.7 * f64::from(i).cos(), 0.7 * f64::from(i).sin())));
         let fans: Vec<[u32; 3]> =
             (0..40).flat_map(|i| [[0, 2 + i, 2 + (i + 1) % 40], [1, 2 + (i + 1) % 40, 2 + i]]).collect();
-        assert_eq!(Moments::of_mesh(&vertices, &fans).volume, 0.0);
+        assert_eq!(moments_of(&vertices, &fans).volume, 0.0);
         // The cone from the origin over the flattened upper fan has a third of its area as volume, like the lifted tent.
         let flat: Vec<[f64; 3]> = vertices.iter().map(|v| [v[0], v[1], 1.0]).collect();
         let upper: Vec<[u32; 3]> = fans.iter().copied().step_by(2).collect();
-        let ring = Moments::of_mesh(&flat, &upper);
+        let ring = moments_of(&flat, &upper);
         vertices[0][2] += (-50_f64).exp2();
-        let lifted = Moments::of_mesh(&vertices, &fans).volume;
+        let lifted = moments_of(&vertices, &fans).volume;
         let right = ring.volume * (-50_f64).exp2();
         assert!((lifted / right - 1.0).abs() < 1e-15, "{lifted:e} is not {right:e}");
     }

@@ -8,23 +8,26 @@ use crate::{Error, Result};
 pub(super) struct Mesh {
     pub(super) vertices: Vec<[f64; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
+    /// How often each of them stands.
+    pub(super) times: Vec<i32>,
     /// For every triangle its number in the caller's list.
     faces: Vec<u32>,
 }
 
 /// One vertex for each position (−0 is 0), without the triangles that then have two equal vertices and without the
 /// vertices of no triangle. Dropping such a triangle keeps edges balanced: it meets one edge once each way.
-pub(super) fn weld(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Mesh {
+pub(super) fn weld(vertices: &[[f64; 3]], triangles: &[[u32; 3]], times: &[i32]) -> Mesh {
     const UNUSED: u32 = u32::MAX;
     let mut first_at = HashMap::with_capacity(vertices.len());
     let canonical: Vec<u32> =
         (0_u32..).zip(vertices).map(|(i, v)| *first_at.entry(v.map(|x| (x + 0.0).to_bits())).or_insert(i)).collect();
-    let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), faces: Vec::new() };
+    let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new(), times: Vec::new(), faces: Vec::new() };
     let mut used = vec![false; vertices.len()];
-    for (face, t) in (0_u32..).zip(triangles) {
+    for ((face, t), &times) in (0_u32..).zip(triangles).zip(times) {
         let [a, b, c] = t.map(|i| canonical[i as usize]);
         if a != b && b != c && c != a {
             mesh.triangles.push([a, b, c]);
+            mesh.times.push(times);
             mesh.faces.push(face);
             [a, b, c].into_iter().for_each(|i| used[i as usize] = true);
         }
@@ -38,7 +41,7 @@ pub(super) fn weld(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Mesh {
     mesh
 }
 
-/// Checks that every undirected edge is met equally often in each direction.
+/// Checks that every undirected edge is met equally often in each direction, a triangle counted as often as it stands.
 pub(super) fn check_closed(mesh: &Mesh) -> Result<()> {
     // (undirected edge, triangle and direction): sorting brings the uses of an edge together.
     let mut uses: Vec<(u64, u32)> = Vec::with_capacity(3 * mesh.triangles.len());
@@ -49,7 +52,10 @@ pub(super) fn check_closed(mesh: &Mesh) -> Result<()> {
         }
     }
     uses.sort_unstable();
-    let unbalanced = |uses: &&[(u64, u32)]| 2 * uses.iter().filter(|u| u.1 & 1 == 0).count() != uses.len();
+    let times = |use_: u32| i64::from(mesh.times[(use_ >> 1) as usize]);
+    let balance =
+        |uses: &[(u64, u32)]| uses.iter().map(|u| if u.1 & 1 == 0 { times(u.1) } else { -times(u.1) }).sum::<i64>();
+    let unbalanced = |uses: &&[(u64, u32)]| balance(uses) != 0;
     // The one of the lowest face, so that the message does not depend on how vertices are numbered.
     match uses.chunk_by(|u, v| u.0 == v.0).filter(unbalanced).min_by_key(|uses| uses[0].1) {
         Some(uses) => Err(edge_error(mesh, uses)),

@@ -40,7 +40,7 @@ fn shapes() -> Vec<(&'static str, Mesh)> {
 const INNER: [f64; 3] = [0.12, -0.31, 0.45];
 
 fn grid_of(mesh: &Mesh) -> DomainGrid {
-    DomainGrid::new(&mesh.vertices, &mesh.triangles, 0)
+    DomainGrid::new(&mesh.vertices, &mesh.triangles, &vec![1; mesh.triangles.len()], 0)
 }
 
 /// The solid angle of the surface seen from `x`, over 4π (Van Oosterom and Strackee).

@@ -10,10 +10,15 @@ use super::lattice::Lattice;
 /// a vertex, or a corner lies on a triangle.
 ///
 /// Going along such a line towards +x, a triangle crossed whose normal points towards −x is entered (+1), otherwise left
-/// (−1); far outside the winding number is 0.
-pub(super) fn windings(vertices: &[[f64; 3]], triangles: &[[u32; 3]], lattice: &Lattice) -> Option<Vec<i32>> {
+/// (−1), each as often as it stands; far outside the winding number is 0.
+pub(super) fn windings(
+    vertices: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    times: &[i32],
+    lattice: &Lattice,
+) -> Option<Vec<i32>> {
     let mut windings = vec![0_i32; lattice.voxels()];
-    for t in triangles {
+    for (t, times) in triangles.iter().zip(times) {
         let corners = t.map(|i| vertices[i as usize]);
         for j in lines(lattice, 1, &corners) {
             for k in lines(lattice, 2, &corners) {
@@ -21,7 +26,7 @@ pub(super) fn windings(vertices: &[[f64; 3]], triangles: &[[u32; 3]], lattice: &
                 if side.sign != 0 {
                     let i = first_beyond(&corners, side, lattice, j, k)?;
                     if i < lattice.dims[0] {
-                        windings[lattice.voxel_index([i, j, k])] -= side.sign;
+                        windings[lattice.voxel_index([i, j, k])] -= side.sign * times;
                     }
                 }
             }

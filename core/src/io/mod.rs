@@ -10,6 +10,8 @@ mod atomic;
 mod atoms;
 mod geometry;
 mod glb;
+#[cfg(feature = "npy")]
+mod image;
 mod lines;
 mod mesh;
 #[cfg_attr(not(feature = "npy"), path = "npy_absent.rs")]

@@ -59,6 +59,16 @@ impl<R: BufRead> Array<R> {
         Ok(Self { rows: rows as usize, columns: columns as usize, header, single, reader })
     }
 
+    /// The shape as it stands in the header.
+    pub(super) fn shape(&self) -> &[u64] {
+        self.header.shape()
+    }
+
+    /// Whether the first index is the fastest.
+    pub(super) fn is_fortran(&self) -> bool {
+        self.header.order() == Order::Fortran
+    }
+
     /// Hands every number on as (row, column, number), in the order of the file; one that is not finite is an error.
     pub(super) fn for_each(self, mut put: impl FnMut(usize, usize, f64)) -> Result<()> {
         self.for_each_number(|row, column, x| {

@@ -17,7 +17,7 @@ pub(super) fn bridge(problem: &mut Problem<'_>, state: &State, part: &[bool]) ->
     let before = sum_of(&state.masses);
     let lacking = sum_of(&problem.targets) - before;
     let sites = state.masses.len() as f64;
-    let total: f64 = state.output.volume().iter().sum();
+    let total = state.output.volume().iter().sum::<f64>() / problem.mean_density;
     // The size of a cell, squared: less would hardly show.
     let (mut low, mut high, mut shift) = (0.0, f64::INFINITY, (total / sites).powf(2.0 / 3.0));
     for _ in 0..MOST_EVALUATIONS {

@@ -32,7 +32,7 @@ const LENGTHS: i32 = 3;
 const TURNED: f64 = 0.5;
 
 /// Weight by which a site may rise above its neighbour before their facet, as the site sees it, is too far in the neighbour's cell. `sizes` are
-/// the cube roots of the cells' volumes.
+/// the cube roots of the cells' volumes, as these would be at the mean density.
 pub(super) fn limit(problem: &Problem<'_>, state: &State, sizes: &[f64], site: usize, facet: &Facet) -> f64 {
     let (other, distance) = (facet.neighbor, facet.distance);
     let (p, q, b) = (problem.positions[site], problem.positions[other], state.output.barycenter()[other]);

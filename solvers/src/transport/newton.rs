@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use laguerre_core::diagram::Container;
 use laguerre_core::{Backend, Error, ErrorKind, Facet, Output, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 
@@ -44,6 +45,8 @@ pub(super) struct Problem<'a> {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) targets: Vec<f64>,
     pub(super) least_target: f64,
+    /// Mass per volume where the domain has any.
+    pub(super) mean_density: f64,
     /// The power of two near the mean target: masses here are in units of it, so that their squares are in range.
     pub(super) unit: f64,
     /// No cell's mass may fall below this, half of what the first state or the targets had; 0 until there is a first state.
@@ -79,6 +82,10 @@ impl<'a> Problem<'a> {
         let unit = (targets.iter().sum::<f64>() / targets.len() as f64).log2().round().exp2();
         targets.iter_mut().for_each(|target| *target /= unit);
         let positions = diagram.positions().to_vec();
+        let mean_density = match diagram.container()? {
+            Container::Domain(domain) => domain.mean_density(),
+            Container::Box(..) => 1.0,
+        };
         let sorted = diagram.prepare()?.sites;
         start::check_coincident(&positions, &sorted)?;
         let order = sorted.order().to_vec();
@@ -92,6 +99,7 @@ impl<'a> Problem<'a> {
             density: options.density,
             tolerance: options.tolerance,
             request: request(options),
+            mean_density,
             least_target: targets.iter().copied().fold(f64::INFINITY, f64::min),
             positions,
             targets,
@@ -180,7 +188,8 @@ impl<'a> Problem<'a> {
         let Some(facets) = state.output.take_facets() else {
             return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to"));
         };
-        let sizes = state.output.volume().par_iter().map(|volume| volume.cbrt()).collect::<Vec<f64>>();
+        let size = |mass: &f64| (mass / self.mean_density).cbrt();
+        let sizes = state.output.volume().par_iter().map(size).collect::<Vec<f64>>();
         let limit = |site: usize, facet: &Facet| limited::limit(self, state, &sizes, site, facet);
         let (matrix, limits) = laplacian(&facets, &self.density, &self.order, &self.place, self.unit, limit);
         drop(facets);

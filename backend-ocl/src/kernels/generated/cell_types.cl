@@ -150,7 +150,7 @@ typedef struct {
 
 // core/src/cell/store.rs
 
-// A triangle of the domain: the indices of its vertices, outward oriented.
+// A triangle of the domain: the indices of its vertices, outward oriented, and how often it stands.
 typedef struct {
     // First vertex.
     uint a;
@@ -158,6 +158,8 @@ typedef struct {
     uint b;
     // Third vertex.
     uint c;
+    // By so much the winding number is larger behind it, seen from outside.
+    int times;
 } Triangle;
 
 // A voxel of the domain's grid.
@@ -423,6 +425,8 @@ typedef struct {
 typedef struct {
     // Sign of the triangle as seen from the apex: +1 where it turns its back, so that what lies behind is outside.
     real sign;
+    // How much larger the winding number is within than behind the triangle: the sign, as often as the triangle stands.
+    real jump;
     // ‖·‖₁ of the way from the site to the farthest corner: what the planes' rounding is relative to.
     real reach;
     Plane end;

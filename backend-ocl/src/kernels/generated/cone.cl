@@ -12,6 +12,7 @@ OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone) {
         return UNCERTAIN;
     }
     cone->sign = (real)sign;
+    cone->jump = cone->sign * ((real)triangle.times);
     if (sign == 0) {
         return COMPLETE;
     }
@@ -30,7 +31,7 @@ OUTLINE uint make_cone(Store *s, uint t, Voxel apex, TruncatedCone *cone) {
 
 // No cone yet.
 OUTLINE TruncatedCone no_cone() {
-    return (TruncatedCone){ .sign = REAL(0.0), .reach = REAL(0.0), .end = (Plane){ 0 }, .side_0 = (Plane){ 0 }, .side_1 = (Plane){ 0 }, .side_2 = (Plane){ 0 } };
+    return (TruncatedCone){ .sign = REAL(0.0), .jump = REAL(0.0), .reach = REAL(0.0), .end = (Plane){ 0 }, .side_0 = (Plane){ 0 }, .side_1 = (Plane){ 0 }, .side_2 = (Plane){ 0 } };
 }
 
 // The prism over triangle `t`, in the frame of the site, on the side that the cone from `apex` keeps: where the surface touches
@@ -49,6 +50,7 @@ OUTLINE uint make_prism(Store *s, uint t, Voxel apex, TruncatedCone *prism) {
     if (sign < 0) {
         prism->sign = -REAL(1.0);
     }
+    prism->jump = prism->sign * ((real)triangle.times);
     const V3 site = store_site(s);
     const V3 a_in = sub(a, site);
     const V3 b_in = sub(b, site);

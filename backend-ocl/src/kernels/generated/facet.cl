@@ -69,16 +69,16 @@ OUTLINE void reset_facets(Store *s, uint flags) {
     }
 }
 
-// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is +1 where the half-space
-// keeps the domain's inside, −1 where it keeps its outside.
+// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is by how much the winding number is
+// larger in the half-space: +1 where it keeps the domain's inside, −1 where it keeps its outside.
 OUTLINE void add_boundary(FacetSum sum, Plane plane, real outward, CellSums *sums) {
     // The surface has no negative area.
     if (!facet_is_above_bound(sum) || (sum.area < REAL(0.0))) {
         return;
     }
     const real share = (outward * sum.area) / sqrt(v3_dot(plane.n, plane.n));
-    sums->boundary_area = sums->boundary_area + sum.area;
-    sums->boundary_moment = add(sums->boundary_moment, sum.moment);
+    sums->boundary_area = sums->boundary_area + (fabs(outward) * sum.area);
+    sums->boundary_moment = add(sums->boundary_moment, scale(fabs(outward), sum.moment));
     sums->boundary_vector = sub(sums->boundary_vector, scale(share, plane.n));
     sums->boundary_flux = sums->boundary_flux + (share * plane.d);
 }

@@ -190,7 +190,8 @@ typedef struct {
     __global const Slabs *slabs;
     __global const WeightBounds *weight_bounds;
     __global const double *domain_vertices;
-    __global const uint *triangles;
+    // Corners, and how often it stands.
+    __global const uint4 *triangles;
     __global const uint *lowest_voxels;
     __global const uint *list_offsets;
     __global const uint *list_entries;
@@ -223,7 +224,7 @@ typedef struct {
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
     __global const double *domain_vertices, \
-    __global const uint *triangles, \
+    __global const uint4 *triangles, \
     __global const uint *lowest_voxels, \
     __global const uint *list_offsets, \
     __global const uint *list_entries, \
@@ -239,7 +240,7 @@ typedef struct {
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
     __global const double *domain_vertices, \
-    __global const uint *triangles, \
+    __global const uint4 *triangles, \
     __global const uint *lowest_voxels, \
     __global const uint *list_offsets, \
     __global const uint *list_entries, \

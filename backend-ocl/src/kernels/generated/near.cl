@@ -50,8 +50,8 @@ HOT bool voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *
     return 1;
 }
 
-// Whether triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, where
-// it stands between that and the site.
+// Whether triangle `t` certainly does not meet the cell; takes from `winding` its sign as seen from the corner of `apex`, as often as it stands, where
+// that is between that and the site.
 //
 // Every sign is certain about the true points: floating point with a bound, and 0 where that does not suffice.
 HOT bool triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding) {
@@ -95,7 +95,7 @@ HOT bool triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *
         return 0;
     }
     if (((over_0 == of_corner) && (over_1 == of_corner)) && (over_2 == of_corner)) {
-        *winding -= of_corner;
+        *winding -= (of_corner * triangle.times);
     }
     return 1;
 }

@@ -170,6 +170,7 @@ OUTLINE void give_Voxel(Output *out, Voxel value) {
 INLINE TruncatedCone take_TruncatedCone(Input *in) {
     TruncatedCone value;
     value.sign = take_real(in);
+    value.jump = take_real(in);
     value.reach = take_real(in);
     value.end = take_Plane(in);
     value.side_0 = take_Plane(in);
@@ -179,6 +180,7 @@ INLINE TruncatedCone take_TruncatedCone(Input *in) {
 }
 OUTLINE void give_TruncatedCone(Output *out, TruncatedCone value) {
     give_real(out, value.sign);
+    give_real(out, value.jump);
     give_real(out, value.reach);
     give_Plane(out, value.end);
     give_Plane(out, value.side_0);

@@ -164,7 +164,7 @@ OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, bool 
             *touched = 1;
         }
         if ((status == CUT) || (status == UNTOUCHED)) {
-            status = integrate(s, -cone.sign, center, cone.reach, flags, sums);
+            status = integrate(s, -cone.jump, center, cone.reach, flags, sums);
         }
     }
     store_restore(s);
@@ -215,7 +215,7 @@ OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums
         FacetSum facet = (FacetSum){ 0 };
         status = integrate_facet(s, end_index, center, REAL(0.0), &facet);
         if (status == COMPLETE) {
-            add_boundary(facet, prism.end, -prism.sign, sums);
+            add_boundary(facet, prism.end, -prism.jump, sums);
         }
     }
     store_restore(s);

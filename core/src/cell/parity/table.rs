@@ -14,7 +14,7 @@ words!(Side { index, n, d, square, foot });
 words!(Corner { position, distance, radius });
 words!(FacetSum { area, moment, rounding });
 words!(Voxel { i, j, k });
-words!(TruncatedCone { sign, reach, end, side_0, side_1, side_2 });
+words!(TruncatedCone { sign, jump, reach, end, side_0, side_1, side_2 });
 
 /// Every function that other modules can see.
 pub static FUNCTIONS: &[Function] = &[

@@ -463,6 +463,11 @@ pub(crate) struct ContainerArgs {
     #[arg(long, value_name = "MESH", conflicts_with = "box")]
     pub(crate) domain: Option<PathBuf>,
 
+    /// Turn every part of the mesh's surface outward, or inward where it lies within another, so that a shell within a shell is a cavity; without
+    /// this only a mesh whose triangles do not agree is turned so
+    #[arg(long, requires = "domain")]
+    pub(crate) orient: bool,
+
     /// An axis-aligned box: minimum corner, maximum corner
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", allow_hyphen_values = true, value_parser = parse_box)]
     pub(crate) r#box: Option<Corners>,

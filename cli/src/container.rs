@@ -20,7 +20,7 @@ impl Container {
     pub(crate) fn read(args: &ContainerArgs) -> Result<Self> {
         match (&args.domain, args.r#box) {
             (Some(path), _) => {
-                let domain = Domain::load(path)?;
+                let domain = if args.orient { Domain::load_oriented(path)? } else { Domain::load(path)? };
                 for remark in domain.notes() {
                     note(&format!("{}: {remark}", path.display()));
                 }

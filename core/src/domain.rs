@@ -1,6 +1,7 @@
 //! The domain: a closed triangle mesh, validated once.
 
 mod moments;
+mod orient;
 mod topology;
 
 use std::fmt;
@@ -51,14 +52,31 @@ impl Domain {
     /// The domain bounded by `triangles`, indices into `vertices`, counterclockwise seen from outside.
     ///
     /// Vertices at identical positions become one; triangles with two equal vertices and vertices of no triangle are
-    /// dropped. Every edge must then be met equally often in each direction, which is to be closed: several components,
-    /// shells, surfaces that touch and edges shared by four triangles are legal. A mesh whose volume is negative is
-    /// turned inside out, with a note.
+    /// dropped. Every edge must then belong to an even number of triangles, which is to be closed: several components,
+    /// shells, surfaces that touch and edges shared by four triangles are legal.
+    ///
+    /// Where every edge is met equally often in each direction, the orientation is the caller's, and only a mesh whose volume is negative is
+    /// turned inside out, with a note. Where not, there is no winding number, and the triangles are oriented as [`Domain::oriented`] does,
+    /// with a note.
     ///
     /// # Errors
-    /// `Input` where an index or a coordinate is out of range, the surface is open or not consistently oriented, or
+    /// `Input` where an index or a coordinate is out of range, the surface is open or one-sided, or
     /// nothing is enclosed. Triangles and vertices are counted from 0 in the order given.
     pub fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
+        Self::validated(vertices, triangles, false)
+    }
+
+    /// The domain bounded by `triangles` as [`Domain::new`] makes it, whatever their orientation is: those that share an edge are made to agree, and
+    /// every component is turned outward, or inward where it lies within an odd number of others, so that the shell of a cavity is one. Time
+    /// `O(T log T)` for `T` triangles.
+    ///
+    /// # Errors
+    /// As [`Domain::new`].
+    pub fn oriented(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
+        Self::validated(vertices, triangles, true)
+    }
+
+    fn validated(vertices: &[[f64; 3]], triangles: &[[u32; 3]], orient: bool) -> Result<Self> {
         check_numbers(vertices, triangles)?;
         memory::probe(triangles.len() as u64, BYTES_OF_TRIANGLE, "triangles of the domain")?;
         let mut mesh = topology::weld(vertices, triangles);
@@ -69,7 +87,8 @@ impl Domain {
                 triangles.len()
             )));
         }
-        topology::check_closed(&mesh)?;
+        let edges = topology::Edges::of(&mesh);
+        topology::check_closed(&mesh, &edges)?;
         let (lo, hi) = bounding_box(&mesh.vertices);
         let extent = (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
         if extent < 1.0 / LARGEST_COORDINATE {
@@ -79,6 +98,9 @@ impl Domain {
         }
         let frame = Frame::of_box(lo, hi);
         let inside: Vec<[f64; 3]> = mesh.vertices.iter().map(|&v| frame.enter(v)).collect();
+        let agree = edges.are_balanced();
+        let turned = if agree && !orient { 0 } else { orient::orient(&mut mesh, &inside, &edges)? };
+        drop(edges);
         let moments = moments::Moments::of_mesh(&inside, &mesh.triangles);
         let unit = frame.unit();
         let mut volume = moments.volume * unit * unit * unit;
@@ -92,6 +114,13 @@ impl Domain {
         let dropped = triangles.len() - mesh.triangles.len();
         if dropped > 0 {
             notes.push(format!("{dropped} triangles with two vertices at one place were dropped"));
+        }
+        if turned > 0 {
+            let why = if agree { "" } else { ", for they were not consistently oriented" };
+            notes.push(format!(
+                "{turned} of {} triangles were turned{why}: every part of the surface is outward now, or inward within another",
+                mesh.triangles.len()
+            ));
         }
         if volume < 0.0 {
             volume = -volume;

@@ -68,6 +68,16 @@ impl Domain {
         Self::new(&mesh.vertices, &mesh.triangles).map_err(|e| e.in_file(path))
     }
 
+    /// Reads a domain as [`Domain::load`] does, and orients it as [`Domain::oriented`] does.
+    ///
+    /// # Errors
+    /// As [`Domain::load`].
+    pub fn load_oriented(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let mesh = read_mesh(path)?;
+        Self::oriented(&mesh.vertices, &mesh.triangles).map_err(|e| e.in_file(path))
+    }
+
     /// Reads a domain from the text of an `.obj` file in memory.
     ///
     /// # Errors

@@ -50,7 +50,7 @@ impl Container {
 
 /// Of sites too near to each other to be told apart all but one are without a cell, which is not what they look like in the file.
 pub(crate) fn note_if_merged(diagram: &PowerDiagram) -> Result<()> {
-    if let Some(MergedSites { count, first: [i, j] }) = diagram.merged_sites()? {
+    if let Some(MergedSites { count, first: [i, j], .. }) = diagram.merged_sites()? {
         note(&format!(
             "sites too near to another to be told from it in the box or domain: {count} (first site {j}, from site {i}); \
              of each such group one has a cell"

@@ -77,7 +77,9 @@ mod tests {
         let said = |bytes: &[u8], name: &str| parse_sites(bytes, name).unwrap_err().to_string();
         assert!(said(b"1 2 3\n", "s.xyz.gz").starts_with("s.xyz.gz: line 1: cannot read: "));
         let whole = packed("1 2 3\n".repeat(1000).as_bytes());
-        let half = said(&whole[..whole.len() / 2], "s.xyz.gz");
+        let cut = &whole[..whole.len() / 2];
+        assert_eq!(parse_sites(cut, "s.xyz.gz").unwrap_err().kind(), crate::ErrorKind::Input);
+        let half = said(cut, "s.xyz.gz");
         assert!(half.contains("cannot read: ") && !half.contains('\n'), "{half}");
         assert!(said(b"", "s.gz").starts_with("s: no ending; known here: .xyz"), "{}", said(b"", "s.gz"));
         assert_eq!(said(b"", "s.npy.gz"), "s.npy.gz: .npy is not read packed; unpack it by gunzip");

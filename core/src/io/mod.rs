@@ -124,9 +124,12 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
     Ok((BufReader::with_capacity(1 << 18, file), found.len()))
 }
 
-/// What the operating system said in the midst of a file.
+/// What the operating system said in the midst of a file, or who unpacks it: that is wrong input.
 fn cannot_read(error: std::io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("cannot read: {error}")).because(error)
+    use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+    let is_of_file = matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof);
+    let kind = if is_of_file { ErrorKind::Input } else { ErrorKind::Io };
+    Error::new(kind, format!("cannot read: {error}")).because(error)
 }
 
 /// The folder that `path` names a file in.

@@ -305,7 +305,9 @@ mod tests {
                     let mut damaged = file.clone();
                     damaged[at] = b'7';
                     for bytes in [&file[..at], &damaged] {
-                        let line = parse_mesh(bytes, "m.vtp").err().map(|e| e.to_string()).unwrap_or_default();
+                        let error = parse_mesh(bytes, "m.vtp").err();
+                        assert!(error.as_ref().is_none_or(|e| e.kind() == crate::ErrorKind::Input), "{error:?}");
+                        let line = error.map(|e| e.to_string()).unwrap_or_default();
                         assert!(!line.contains('\n') && line.len() < 300, "{line}");
                     }
                 }

@@ -11,7 +11,7 @@ fn main() {
     tell(Domain::new(&vertices, &triangles));
     // A hole: three edges have a triangle on one side alone.
     tell(Domain::new(&vertices, &triangles[..3]));
-    // One triangle turned over.
+    // One triangle turned over: which way they face is found anew.
     tell(Domain::new(&vertices, &[[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]]));
     // All turned over: inside out, which can be put right.
     tell(Domain::new(&vertices, &triangles.map(|[a, b, c]| [a, c, b])));

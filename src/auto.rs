@@ -40,7 +40,7 @@ impl Backend for Fastest {
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
-        let backend = if request.integral.as_ref().is_some_and(Integrand::is_function) { &self.cpu } else { &self.gpu };
+        let backend = if request.integral().is_some_and(Integrand::is_function) { &self.cpu } else { &self.gpu };
         backend.evaluate_watched(diagram, request, observer)
     }
 }

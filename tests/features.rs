@@ -28,3 +28,18 @@ fn arrays_are_read() {
         "w.npy: not a .npy file: its first bytes are not NumPy's"
     );
 }
+
+/// Without the feature `packed` packed files are not read, and the line names the feature.
+#[cfg(not(feature = "packed"))]
+#[test]
+fn packed_files_take_a_feature() {
+    use laguerre::io;
+    for (name, error) in [
+        ("m.obj.gz", io::read_mesh("m.obj.gz").unwrap_err()),
+        ("m.vtp", io::parse_mesh(b"", "m.vtp").unwrap_err()),
+        ("s.xyz.GZ", io::read_sites("s.xyz.GZ").unwrap_err()),
+    ] {
+        let line = format!("{name}: packed files and .vtp are not part of this build: build with the feature `packed`");
+        assert_eq!((error.to_string(), error.kind()), (line, laguerre::ErrorKind::Input));
+    }
+}

@@ -85,11 +85,11 @@ impl Backend for Cpu {
 
 fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
     let prepared = diagram.prepare()?;
-    let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
+    let integrand = request.integral().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let mut assembler = Assembler::new(diagram, &prepared.container, &request);
     let mut geometry = request
-        .geometry
-        .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids));
+        .geometry()
+        .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
     let mut exact_cells = 0;
     let all = (0..prepared.sites.len() as u32).collect();
     let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
@@ -120,7 +120,7 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes)));
         Ok(outcome)
     })?;
-    let report = Report { exact_cells, passes, ..Report::default() };
+    let report = Report::of_host(exact_cells, passes);
     assembler.finish(report, geometry.map(GeometryAssembler::finish).transpose()?)
 }
 
@@ -135,7 +135,7 @@ fn run_chunks(
     let new_worker = || Worker {
         store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
         search: Search::new(prepared),
-        shaper: Shaper::new(request.solids),
+        shaper: Shaper::new(request.solids()),
     };
     cells
         .par_chunks(CHUNK)
@@ -160,7 +160,7 @@ fn run_cell(
     let [x, y, z, _] = prepared.sites.site(site);
     let store = &mut worker.store;
     store.turn_to(v3(x, y, z));
-    let outcome = worker.search.complete(store, site, request.epsilon);
+    let outcome = worker.search.complete(store, site, request.epsilon());
     let mut sums = CellSums::default();
     let flags = cell::flags_of(request);
     let status = match outcome.status {
@@ -180,7 +180,7 @@ fn run_cell(
         _ => return Err(Error::undecided("cell", prepared.sites.order()[site as usize])),
     };
     let order = prepared.sites.order();
-    if request.geometry && status != CellStatus::Empty {
+    if request.geometry() && status != CellStatus::Empty {
         let frame = &prepared.container.frame;
         if worker.shaper.add(store, site, sums.volume, order, frame, &mut result.shapes) != cell::COMPLETE {
             return Err(Error::undecided("geometry", order[site as usize]));
@@ -188,7 +188,7 @@ fn run_cell(
     }
     result.exact_cells += usize::from(store.exact);
     result.cells.push(CellRecord { site: order[site as usize], status, sums });
-    if request.facets {
+    if request.facets() {
         let before = result.facets.records.len();
         if status != CellStatus::Empty {
             result.facets.collect(store, flags, order);

@@ -1,5 +1,6 @@
 //! The backend: all devices, and what they leave to the host.
 
+use crate::again::Again;
 use crate::believed::check_volumes;
 use crate::device::Device;
 use crate::fallback;
@@ -101,7 +102,8 @@ impl Backend for Ocl {
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
         Capabilities::OF_DEVICES.check(request, diagram)?;
-        let request = &Watched::new(request, observer);
+        let observer = Again::new(observer);
+        let request = &Watched::new(request, &observer);
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let computed = self.compute(diagram, request, &mut devices);
         // Sub-groups are whatever a driver makes of them: where they fail, or what they answer is not believed, each cell is one work-item's.
@@ -110,14 +112,18 @@ impl Backend for Ocl {
         for device in devices.iter_mut().filter(|_| has_failed) {
             leaves |= device.leave_sub_groups();
         }
-        if leaves { self.compute(diagram, request, &mut devices) } else { computed }
+        if !leaves {
+            return computed;
+        }
+        observer.begin_again();
+        self.compute(diagram, request, &mut devices)
     }
 }
 
 impl Ocl {
     fn compute(&self, diagram: &PowerDiagram, request: &Watched<'_>, devices: &mut [Device]) -> Result<Output> {
         let container = diagram.framed_container()?;
-        let integrand = request.integral.as_ref().map(|f| f.framed(&container.frame)).transpose()?;
+        let integrand = request.integral().map(|f| f.framed(&container.frame)).transpose()?;
         let name: fn(&Device) -> &String = |device| &device.name;
         // Every device orders all sites for itself: its cells are cut by others' sites.
         let sorted = on_all(devices, name, &|_, device| {
@@ -160,13 +166,10 @@ impl Ocl {
             computed.iter().map(|device| device.results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default()
         };
         let host_cells = for_host.len();
-        let report = Report { exact_cells: exact_cells + host_cells, host_cells, device_seconds, passes };
-        let geometry = match request.geometry {
-            true => Some(geometry::on_host(diagram, request, assembler.status())?),
-            false => None,
-        };
+        let report = Report::of_devices(exact_cells + host_cells, host_cells, device_seconds, passes);
+        let geometry = geometry::on_host(diagram, request, assembler.status())?;
         let output = assembler.finish_with(row, report, geometry)?;
-        if request.epsilon.is_none() {
+        if request.epsilon().is_none() {
             check_volumes(diagram, &output, self.precision, &self.name)?;
         }
         Ok(output)

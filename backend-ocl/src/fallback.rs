@@ -16,7 +16,7 @@ pub(crate) fn compute(
     sites: &[u32],
     assembler: &mut Assembler<'_>,
 ) -> Result<()> {
-    let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
+    let integrand = request.integral().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let wanted: HashSet<u32> = sites.iter().copied().collect();
     let order = prepared.sites.order();
     let sorted: Vec<u32> =
@@ -48,7 +48,7 @@ fn compute_cell(
     let order = prepared.sites.order();
     let [x, y, z, _] = prepared.sites.site(site);
     let mut store = PlainStore::new([x, y, z], prepared.domain_grid()).with_integrand(integrand);
-    let outcome = search.complete(&mut store, site, request.epsilon);
+    let outcome = search.complete(&mut store, site, request.epsilon());
     let mut sums = CellSums::default();
     let flags = cell::flags_of(request);
     let status = match outcome.status {
@@ -62,7 +62,7 @@ fn compute_cell(
         _ => return Err(Error::undecided("cell", order[site as usize])),
     };
     let mut facets = FacetRecords::default();
-    if request.facets && status != CellStatus::Empty {
+    if request.facets() && status != CellStatus::Empty {
         facets.collect(&store, flags, order);
     }
     Ok((CellRecord { site: order[site as usize], status, sums }, facets))

@@ -2,6 +2,7 @@
 //!
 //! The loader is found at run time: this builds, and says what is missing, on a machine without OpenCL.
 
+mod again;
 mod believed;
 mod buffer;
 mod builds;

@@ -37,7 +37,7 @@ impl Params {
         let mut params = Self {
             box_lo: container.lo,
             box_hi: container.hi,
-            enlarged: request.epsilon.map_or(0.0, |e| 1.0 + e),
+            enlarged: request.epsilon().map_or(0.0, |e| 1.0 + e),
             frame_shift: frame.shift(),
             frame_unit: frame.unit(),
             frame_smallest: frame::SMALLEST,

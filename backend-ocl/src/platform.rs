@@ -87,14 +87,8 @@ fn find() -> Result<Vec<Found>> {
 
 fn describe(id: cl_device_id, platform: &str) -> Found {
     let device = Device::new(id);
-    let mut info = DeviceInfo {
-        name: device.name().unwrap_or_else(|_| "a device without a name".to_owned()).trim().to_owned(),
-        platform: platform.trim().to_owned(),
-        is_gpu: false,
-        compute_units: 0,
-        memory: 0,
-        unusable: None,
-    };
+    let name = device.name().unwrap_or_else(|_| "a device without a name".to_owned());
+    let mut info = DeviceInfo::new(&name, platform);
     info.unusable = examine(&device, &mut info)
         .unwrap_or_else(|error| Some(format!("OpenCL does not answer for it: {error} ({})", error.0)));
     Found { info, id: DeviceId(id) }
@@ -102,14 +96,8 @@ fn describe(id: cl_device_id, platform: &str) -> Found {
 
 /// Stands for the devices of a platform that does not list them: that it fails is to be seen beside those that can be used.
 fn unlisted(platform: &str, error: ClError) -> Found {
-    let info = DeviceInfo {
-        name: "unknown devices".to_owned(),
-        platform: platform.trim().to_owned(),
-        is_gpu: false,
-        compute_units: 0,
-        memory: 0,
-        unusable: Some(format!("OpenCL cannot list the devices of {}: {error} ({})", platform.trim(), error.0)),
-    };
+    let mut info = DeviceInfo::new("unknown devices", platform);
+    info.unusable = Some(format!("OpenCL cannot list the devices of {}: {error} ({})", info.platform, error.0));
     Found { info, id: DeviceId(ptr::null_mut()) }
 }
 

@@ -144,16 +144,12 @@ impl Backend for Single {
             Some((status, CellSums { volume: v, first, ..CellSums::default() }))
         });
         // Everything is proved here, so that nothing is left of `epsilon`.
-        let mut proved = request.clone();
-        proved.epsilon = None;
+        let proved = request.clone().without_epsilon();
         if !for_host.is_empty() {
             fallback::compute(&prepared, &watched.of(&proved), &for_host, &mut assembler)?;
         }
-        let report = Report { exact_cells, host_cells: for_host.len(), device_seconds, passes };
-        let geometry = match request.geometry {
-            true => Some(geometry::on_host(diagram, &watched.of(&proved), assembler.status())?),
-            false => None,
-        };
+        let report = Report::of_devices(exact_cells, for_host.len(), device_seconds, passes);
+        let geometry = geometry::on_host(diagram, &watched.of(&proved), assembler.status())?;
         let output = assembler.finish(report, geometry)?;
         check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)

@@ -128,7 +128,7 @@ fn several_devices_find_the_cells_of_one() {
             for many in &several {
                 let again = Count::default();
                 let found = many.evaluate_watched(&diagram, &request, &again).unwrap();
-                let what = format!("{name}, on {}, facets: {}", many.info().device, request.facets);
+                let what = format!("{name}, on {}, facets: {}", many.info().device, request.facets());
                 assert_identical(&alone, &found, &what);
                 assert_eq!(again.0.load(Ordering::Relaxed), count.0.load(Ordering::Relaxed), "{what}");
             }

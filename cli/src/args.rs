@@ -8,6 +8,7 @@ use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use laguerre::io::Columns;
 use laguerre::{DeviceChoice, Integrand};
 
 use crate::derivatives::{self, Asked};
@@ -93,9 +94,10 @@ Examples:
 
 /// Volume and barycenter of the power cell of every site, cut by a domain.
 ///
-/// SITES is .xyz, .txt or .csv (3 or 4 columns, the fourth the weight; the first line may be the count or the columns' names; or as chemists
-/// have it: a count, a comment, rows of a name and x y z), .npy (N×3 or N×4), .ply (its vertices, with a property w or weight), .dump or .lammpstrj
-/// (a snapshot of LAMMPS as text), or - for text on standard input.
+/// SITES is .xyz, .txt or .csv (3 or 4 columns, the fourth the weight; the first line may be the count or the columns' names, in any order with x, y
+/// and z among them; or as chemists have it: a count, a comment, rows of a name and x y z), .npy (N×3 or N×4), .npz (an array positions, points or sites,
+/// N×3, and one weights), .ply (its vertices, with a property w or weight), .vtk or .vtp (the points of PolyData), .dump or .lammpstrj (a snapshot of LAMMPS as text), each
+/// but NumPy's also packed, with .gz after it, or - for text on standard input.
 /// Without --domain or --box, the cells are cut by the bounding box of the sites.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = INTEGRATE_EXAMPLES)]
@@ -448,9 +450,14 @@ pub(crate) enum Experiment {
 
 #[derive(ClapArgs, Debug)]
 pub(crate) struct SitesArgs {
-    /// Sites, with weights in a fourth column: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, or - for text on standard input
+    /// Sites, with weights in a fourth column: .xyz, .txt, .csv, .npy, .npz, .ply, .vtk, .vtp, .dump, .lammpstrj, or - for text on standard input
     #[arg(value_name = "SITES")]
     pub(crate) path: PathBuf,
+
+    /// What the columns of text are, such as id,x,y,z,r (voro++): x, y, z; w or weight; r or radius, whose square is the weight; others are passed over.
+    /// Without this the first line may name them
+    #[arg(long, value_name = "NAMES")]
+    pub(crate) columns: Option<Columns>,
 
     /// Weights in a file of their own, one for each site: .txt or .csv (one a line) or .npy
     #[arg(long, value_name = "FILE")]
@@ -459,9 +466,14 @@ pub(crate) struct SitesArgs {
 
 #[derive(ClapArgs, Debug)]
 pub(crate) struct ContainerArgs {
-    /// A closed triangle mesh: .obj, .off, .ply or .stl
+    /// A closed triangle mesh: .obj, .off, .ply, .stl, .vtk or .vtp, or with .gz after that
     #[arg(long, value_name = "MESH", conflicts_with = "box")]
     pub(crate) domain: Option<PathBuf>,
+
+    /// Turn every part of the mesh's surface outward, or inward where it lies within another, so that a shell within a shell is a cavity; without
+    /// this only a mesh whose triangles do not agree is turned so
+    #[arg(long, requires = "domain")]
+    pub(crate) orient: bool,
 
     /// A density, constant in each voxel: .npy of shape (nx, ny, nz), which fills --box, or without it has unit cubes. Volumes are then masses, barycenters those of mass
     #[arg(long, value_name = "IMAGE", conflicts_with = "domain")]

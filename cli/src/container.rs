@@ -20,7 +20,10 @@ impl Container {
     pub(crate) fn read(args: &ContainerArgs) -> Result<Self> {
         let place = args.r#box.map(|corners| (corners.lo, corners.hi));
         let read = match (&args.domain, &args.image) {
-            (Some(path), _) => Some((path, Domain::load(path)?)),
+            (Some(path), _) => {
+                let domain = if args.orient { Domain::load_oriented(path)? } else { Domain::load(path)? };
+                Some((path, domain))
+            }
             (None, Some(path)) => Some((path, Domain::load_image(path, place)?)),
             (None, None) => None,
         };
@@ -55,7 +58,7 @@ impl Container {
 
 /// Of sites too near to each other to be told apart all but one are without a cell, which is not what they look like in the file.
 pub(crate) fn note_if_merged(diagram: &PowerDiagram) -> Result<()> {
-    if let Some(MergedSites { count, first: [i, j] }) = diagram.merged_sites()? {
+    if let Some(MergedSites { count, first: [i, j], .. }) = diagram.merged_sites()? {
         note(&format!(
             "sites too near to another to be told from it in the box or domain: {count} (first site {j}, from site {i}); \
              of each such group one has a cell"

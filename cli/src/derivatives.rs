@@ -52,10 +52,10 @@ pub(crate) fn parse(text: &str) -> std::result::Result<Asked, String> {
 
 /// What is to be asked of a backend besides.
 pub(crate) fn request(request: Request) -> Request {
-    let Request { facets, second_moments, facet_second_moments, .. } = Derivatives::request(&Density::Uniform);
-    let request = if facets { request.with_facets() } else { request };
-    let request = if second_moments { request.with_second_moments() } else { request };
-    if facet_second_moments { request.with_facet_second_moments() } else { request }
+    let wanted = Derivatives::request(&Density::Uniform);
+    let request = if wanted.facets() { request.with_facets() } else { request };
+    let request = if wanted.second_moments() { request.with_second_moments() } else { request };
+    if wanted.facet_second_moments() { request.with_facet_second_moments() } else { request }
 }
 
 /// Writes the matrix that is asked for.

@@ -66,7 +66,7 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<Outcome> {
 
 impl From<(usize, DeviceInfo)> for Device {
     fn from((number, device): (usize, DeviceInfo)) -> Self {
-        let DeviceInfo { name, platform, is_gpu, compute_units, memory, unusable } = device;
+        let DeviceInfo { name, platform, is_gpu, compute_units, memory, unusable, .. } = device;
         Self { number, name, platform, gpu: is_gpu, compute_units, memory, unusable }
     }
 }

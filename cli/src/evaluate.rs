@@ -71,7 +71,7 @@ const REDRAW: Duration = Duration::from_millis(100);
 /// # Errors
 /// Also where there is not so much memory as that will take, for the host at least.
 pub(crate) fn evaluate(backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
-    let of_facets = if request.facets { FACETS } else { 0 };
+    let of_facets = if request.facets() { FACETS } else { 0 };
     let of_domain = if diagram.domain().is_some() { VOXELS } else { 0 };
     memory::probe(diagram.positions().len() as u64, CELL + of_facets + of_domain, "cells")?;
     let progress = Progress::default();

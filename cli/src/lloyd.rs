@@ -133,7 +133,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
         }
         if !args.json {
             let header = if count == 0 { "iteration  diagrams        energy      gradient\n" } else { "" };
-            let Iteration { energy, gradient, evaluations } = *done;
+            let Iteration { energy, gradient, evaluations, .. } = *done;
             // Where nobody reads, the work goes on.
             let _ = print(&format!("{header}{count:9}  {evaluations:8}  {energy:12.6e}  {gradient:12.4e}\n"));
         }
@@ -190,7 +190,7 @@ impl Report {
         let history: Vec<Row> = relaxed
             .iterations
             .iter()
-            .map(|&Iteration { energy, gradient, evaluations }| Row { energy, gradient, evaluations })
+            .map(|&Iteration { energy, gradient, evaluations, .. }| Row { energy, gradient, evaluations })
             .collect();
         let (energy, residual, evaluations) =
             history.last().map_or((0.0, 0.0, 0), |last| (last.energy, last.gradient, last.evaluations));

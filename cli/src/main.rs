@@ -11,7 +11,6 @@ mod domains;
 mod evaluate;
 mod files;
 mod fluid;
-mod inside;
 mod integrate;
 mod lloyd;
 mod manual;

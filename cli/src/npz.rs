@@ -9,7 +9,7 @@ use laguerre::io;
 use laguerre::{CellStatus, Output, PowerDiagram, Result};
 use rawzip::ZipArchiveWriter;
 
-pub(crate) use read::{read_cells, read_facets};
+pub(crate) use read::{read_cells, read_facets, read_sites};
 
 /// The ending of such files.
 pub(crate) const ENDING: &str = ".npz";

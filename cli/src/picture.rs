@@ -223,7 +223,8 @@ mod tests {
     fn neighbours_differ_in_colour() {
         // A ring of cells, each the neighbour of the next two.
         let n = 50;
-        let mut facets = FacetArrays { offsets: vec![0], ..FacetArrays::default() };
+        let mut facets = FacetArrays::default();
+        facets.offsets.push(0);
         for i in 0..n {
             let mut row = [1, 2, n - 2, n - 1].map(|d| (i + d) % n);
             row.sort_unstable();

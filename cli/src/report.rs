@@ -78,8 +78,9 @@ struct Second {
 
 impl From<&PassReport> for Pass {
     fn from(pass: &PassReport) -> Self {
-        let PassReport { neighbors, planes, vertices, triangles, cells, failed, seconds, device_seconds, second } =
-            *pass;
+        let PassReport {
+            neighbors, planes, vertices, triangles, cells, failed, seconds, device_seconds, second, ..
+        } = *pass;
         let second = Second { cells: second.cells, seconds: second.seconds };
         Self { neighbors, planes, vertices, triangles, cells, failed, seconds, device_seconds, second }
     }

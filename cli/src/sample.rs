@@ -1,6 +1,7 @@
 //! `laguerre sample`: sites to compute with.
 
 use clap::ValueEnum;
+use laguerre::engine::inside::InsideTest;
 use laguerre::engine::memory;
 use laguerre::io::{self, SITES_ENDINGS};
 use laguerre::solvers::lloyd::{Equalized, equalize};
@@ -13,7 +14,6 @@ use crate::args::{Corners, Distribution, SampleArgs, Spread};
 use crate::container::Container;
 use crate::evaluate::open_for_samples;
 use crate::files::share_standard_output;
-use crate::inside::InsideTest;
 use crate::outcome::{Outcome, note, print_json};
 use crate::solver::WithBar;
 use crate::uneven::{Cloud, Uneven};
@@ -140,7 +140,7 @@ impl<'a> Sampler<'a> {
         Self {
             corners,
             extent: std::array::from_fn(|k| corners.hi[k] - corners.lo[k]),
-            inside: domain.map(|d| (d, InsideTest::new(d))),
+            inside: domain.map(|d| (d, InsideTest::new(d.vertices(), d.triangles()))),
             random: ChaCha8Rng::seed_from_u64(seed),
             backend: None,
         }

@@ -3,10 +3,14 @@
 use laguerre::{Error, PowerDiagram, Result, io};
 
 use crate::args::SitesArgs;
+use crate::npz;
 
 /// Reads the sites, and their weights where those have a file of their own.
 pub(crate) fn read(args: &SitesArgs) -> Result<PowerDiagram> {
-    let mut sites = io::read_sites(&args.path)?;
+    let mut sites = match &args.columns {
+        Some(columns) => io::read_sites_by_columns(&args.path, columns)?,
+        None => npz::read_sites(&args.path)?,
+    };
     if let Some(path) = &args.weights {
         if !sites.weights.is_empty() {
             let name = name(args);

@@ -41,8 +41,8 @@ pub fn check(scene: &Scene, request: &Request, output: &Output) -> Verdict {
         return Ok(());
     }
     let bounds = Bounds::new(scene, output, Planes::Same);
-    let second: &[OutputLaw] = if request.second_moments { &[sums::second_moments] } else { &[] };
-    let of_facets = if request.facets { OF_FACETS } else { &[] };
+    let second: &[OutputLaw] = if request.second_moments() { &[sums::second_moments] } else { &[] };
+    let of_facets = if request.facets() { OF_FACETS } else { &[] };
     ALWAYS.iter().chain(of_facets).chain(second).try_for_each(|law| law(scene, output, &bounds))
 }
 
@@ -77,12 +77,14 @@ pub fn form(count: usize, request: &Request, output: &Output) -> Verdict {
                 ensure!(volume != 0.0, "site {i} is complete with volume 0");
                 ensure!(barycenter.iter().all(|x| x.is_finite()), "site {i}: barycenter {barycenter:?}");
             }
-            CellStatus::Uncertified => ensure!(request.epsilon.is_some(), "site {i} is uncertified without `epsilon`"),
+            CellStatus::Uncertified => {
+                ensure!(request.epsilon().is_some(), "site {i} is uncertified without `epsilon`")
+            }
         }
     }
-    ensure!(output.facets().is_some() == request.facets, "facets are there: {}", output.facets().is_some());
+    ensure!(output.facets().is_some() == request.facets(), "facets are there: {}", output.facets().is_some());
     ensure!(
-        output.second_moment().is_some() == request.second_moments,
+        output.second_moment().is_some() == request.second_moments(),
         "second moments are there: {}",
         output.second_moment().is_some()
     );

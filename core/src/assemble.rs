@@ -119,12 +119,12 @@ impl<'a> Assembler<'a> {
             status: vec![CellStatus::Empty; n],
             volume: vec![0.0; n],
             barycenter: vec![[f64::NAN; 3]; n],
-            second_moment: request.second_moments.then(|| vec![[0.0; 6]; n]),
-            integral: request.integral.is_some().then(|| vec![0.0; n]),
+            second_moment: request.second_moments().then(|| vec![[0.0; 6]; n]),
+            integral: request.integral().is_some().then(|| vec![0.0; n]),
             ..OutputArrays::default()
         };
-        let boundary = request.facets.then(|| vec![Boundary::default(); n]);
-        let rows = if request.facets { vec![(0, 0); n] } else { Vec::new() };
+        let boundary = request.facets().then(|| vec![Boundary::default(); n]);
+        let rows = if request.facets() { vec![(0, 0); n] } else { Vec::new() };
         Self {
             positions: diagram.positions(),
             frame: container.frame,
@@ -133,7 +133,7 @@ impl<'a> Assembler<'a> {
             boundary,
             rows,
             facets: FacetRecords::default(),
-            has_seconds: request.facet_second_moments,
+            has_seconds: request.facet_second_moments(),
         }
     }
 

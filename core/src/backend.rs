@@ -28,8 +28,8 @@ impl Capabilities {
     /// `Input` where not, or where a number of the request is none.
     pub fn check(self, request: &Request, diagram: &PowerDiagram) -> Result<()> {
         request.check(diagram)?;
-        let wants_function = request.integral.as_ref().is_some_and(crate::Integrand::is_function);
-        if !self.further && (request.facets || request.second_moments || request.integral.is_some()) {
+        let wants_function = request.integral().is_some_and(crate::Integrand::is_function);
+        if !self.further && (request.facets() || request.second_moments() || request.integral().is_some()) {
             return Err(Error::input(
                 "in f32 there are volumes, barycenters and geometry only: compute facets, second moments and integrals in f64",
             ));
@@ -147,6 +147,7 @@ pub enum DeviceChoice {
 
 /// The numbers that devices compute with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Precision {
     /// 64 bits.
     #[default]
@@ -168,6 +169,7 @@ impl Precision {
 
 /// A device, and why it cannot be used if so.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct DeviceInfo {
     /// Its name, in its own words.
     pub name: String,
@@ -181,6 +183,13 @@ pub struct DeviceInfo {
     pub memory: u64,
     /// Why it cannot be used.
     pub unusable: Option<String>,
+}
+
+impl DeviceInfo {
+    /// A device of a platform, nothing else known of it yet.
+    pub fn new(name: &str, platform: &str) -> Self {
+        Self { name: name.trim().to_owned(), platform: platform.trim().to_owned(), ..Self::default() }
+    }
 }
 
 /// Something that can compute a restricted power diagram.

@@ -55,7 +55,7 @@ pub fn sufficient(counts: &[CellCounts], share: f64) -> CellCounts {
 fn count_cell(search: &mut Search<'_>, prepared: &Prepared, request: &Request, site: u32) -> CellCounts {
     let [x, y, z, _] = prepared.sites.site(site);
     let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
-    let outcome = search.complete(&mut store, site, request.epsilon);
+    let outcome = search.complete(&mut store, site, request.epsilon());
     let mut planes = store.most_planes().max(BOX_PLANES);
     if outcome.status == cell::COMPLETE {
         cell::integrate_cell(&mut store, cell::flags_of(request), 0, &mut CellSums::default());

@@ -270,6 +270,7 @@ fn room_for<T>(old: &mut Vec<T>, new: &[T], what: &str) -> Result<()> {
 
 /// Sites that count as standing where another does, though they do not ([`PowerDiagram::merged_sites`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct MergedSites {
     /// How many.
     pub count: usize,

@@ -6,6 +6,7 @@ use crate::{Error, Result};
 
 /// The part of the domain's boundary that lies in one restricted cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Boundary {
     /// Area (length²).
     pub area: f64,
@@ -35,6 +36,7 @@ pub struct Facet {
 
 /// Facets as flat arrays: compressed sparse rows, those of site `i` at `offsets[i]..offsets[i + 1]`, sorted by neighbour.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct FacetArrays {
     /// Row starts; one more than sites.
     pub offsets: Vec<usize>,

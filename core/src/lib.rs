@@ -16,6 +16,7 @@ pub mod exact;
 pub mod facets;
 pub mod frame;
 pub mod geometry;
+pub mod inside;
 pub mod integrand;
 pub mod io;
 pub mod memory;

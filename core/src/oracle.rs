@@ -31,12 +31,12 @@ impl Backend for Naive {
         let watched = Watched::new(request, observer);
         let prepared = diagram.prepare()?;
         let mut assembler = Assembler::new(diagram, &prepared.container, request);
-        let integrand = request.integral.as_ref().map(|f| f.framed(&prepared.container.frame)).transpose()?;
+        let integrand = request.integral().map(|f| f.framed(&prepared.container.frame)).transpose()?;
         let flags = cell::flags_of(request);
         let mut geometry = request
-            .geometry
-            .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids));
-        let mut shaper = Shaper::new(request.solids);
+            .geometry()
+            .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
+        let mut shaper = Shaper::new(request.solids());
         let sites: Vec<[f64; 4]> = prepared.sites.sites().collect();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
             let site = prepared.sites.order()[i];
@@ -61,7 +61,7 @@ impl Backend for Naive {
                 other => return Err(Error::new(ErrorKind::Device, format!("cell {i} ended with status {other}"))),
             };
             let mut facets = FacetRecords::default();
-            if request.facets {
+            if request.facets() {
                 facets.collect(&store, flags, prepared.sites.order());
             }
             assembler.add(&CellRecord { site, status, sums }, facets.all());

@@ -37,6 +37,7 @@ impl CellStatus {
 
 /// The part of a pass that computes the cells near the surface alone (paper §1); zeros where the backend does not part its passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Substep {
     /// Cells tried.
     pub cells: usize,
@@ -46,6 +47,7 @@ pub struct Substep {
 
 /// One pass of the scheduler: the capacities it had, how many cells it tried, how many did not fit, and what it took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct PassReport {
     /// Most neighbours of one cell. A backend that does not bound them reports the most that a cell visited.
     pub neighbors: u32,
@@ -69,6 +71,7 @@ pub struct PassReport {
 
 /// How an output was computed.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Report {
     /// Cells for which floating point did not suffice and exact arithmetic decided.
     pub exact_cells: usize,
@@ -80,8 +83,21 @@ pub struct Report {
     pub passes: Vec<PassReport>,
 }
 
-/// What an [`Output`] is made of.
+impl Report {
+    /// Of a backend that computes on the host.
+    pub fn of_host(exact_cells: usize, passes: Vec<PassReport>) -> Self {
+        Self { exact_cells, passes, ..Self::default() }
+    }
+
+    /// Of a backend that computes on devices, and leaves some cells to the host.
+    pub fn of_devices(exact_cells: usize, host_cells: usize, device_seconds: f64, passes: Vec<PassReport>) -> Self {
+        Self { exact_cells, host_cells, device_seconds, passes }
+    }
+}
+
+/// What an [`Output`] is made of: begin with none of it, `OutputArrays::default()`, and put in what there is.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct OutputArrays {
     /// How each cell ended.
     pub status: Vec<CellStatus>,

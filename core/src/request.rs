@@ -6,23 +6,16 @@ use crate::{Error, Integrand, Result};
 
 /// What to compute for every cell. Volumes and barycenters always; the rest on request.
 #[derive(Clone, Debug, Default)]
-#[non_exhaustive]
 pub struct Request {
-    /// Facets with every neighbour, and the cell's piece of the boundary.
-    pub facets: bool,
-    /// Second moments.
-    pub second_moments: bool,
-    /// Second moments of the facets; only with `facets`.
-    pub facet_second_moments: bool,
-    /// The cells as polygons.
-    pub geometry: bool,
-    /// The cells as convex solids; only with `geometry`.
-    pub solids: bool,
-    /// A function to be integrated over every cell.
-    pub integral: Option<Integrand>,
-    /// `Some(ε)`: stop each cell at the paper's security radius enlarged by the factor `1 + ε` (paper §2.3), with no
-    /// certificate: cells for which that cannot be shown to suffice are marked `Uncertified`.
-    pub epsilon: Option<f64>,
+    facets: bool,
+    second_moments: bool,
+    /// Only with `facets`.
+    facet_second_moments: bool,
+    geometry: bool,
+    /// Only with `geometry`.
+    solids: bool,
+    integral: Option<Integrand>,
+    epsilon: Option<f64>,
 }
 
 impl Request {
@@ -88,9 +81,51 @@ impl Request {
         }
     }
 
-    /// Stop at the paper's enlarged security radius instead of a proof (see [`Request::epsilon`]).
+    /// Stop each cell at the paper's security radius enlarged by the factor `1 + ε` (paper §2.3), with no certificate: cells for which that
+    /// cannot be shown to suffice are marked `Uncertified`.
     #[must_use]
     pub fn with_epsilon(self, epsilon: f64) -> Self {
         Self { epsilon: Some(epsilon), ..self }
+    }
+
+    /// The same with a proof for every cell.
+    #[must_use]
+    pub fn without_epsilon(self) -> Self {
+        Self { epsilon: None, ..self }
+    }
+
+    /// Whether facets are asked for, with every neighbour, and the cell's piece of the boundary.
+    pub fn facets(&self) -> bool {
+        self.facets
+    }
+
+    /// Whether second moments are.
+    pub fn second_moments(&self) -> bool {
+        self.second_moments
+    }
+
+    /// Whether second moments of the facets are, which are then asked for.
+    pub fn facet_second_moments(&self) -> bool {
+        self.facet_second_moments
+    }
+
+    /// Whether the cells as polygons are.
+    pub fn geometry(&self) -> bool {
+        self.geometry
+    }
+
+    /// Whether the cells as convex solids are, and as polygons then.
+    pub fn solids(&self) -> bool {
+        self.solids
+    }
+
+    /// The function that is to be integrated over every cell.
+    pub fn integral(&self) -> Option<&Integrand> {
+        self.integral.as_ref()
+    }
+
+    /// The ε of [`Request::with_epsilon`].
+    pub fn epsilon(&self) -> Option<f64> {
+        self.epsilon
     }
 }

@@ -16,6 +16,8 @@ const AT_ALL: usize = 1 << 20;
 /// Bytes that a parser may take for each byte of the file. A face of an `.obj` or `.off` may name a vertex with two
 /// characters, for which a triangle of 12 bytes stands in the mesh and in what `tobj` keeps, in vectors that double.
 const FOR_EACH: usize = 128;
+/// The same of a `.vtp`: each byte may unpack to a thousand, each of them a number of 8 bytes.
+const FOR_EACH_PACKED: usize = 20_000;
 
 /// Longest message: a file's name, a place, what is there and what is needed.
 const LONGEST_MESSAGE: usize = 500;
@@ -75,7 +77,8 @@ pub fn facets(ending: &str, bytes: &[u8]) {
 fn owed<T>(ending: &str, bytes: &[u8], parse: impl FnOnce(&Path) -> Result<T, Error>) -> Option<T> {
     let name = format!("file{ending}");
     // Beyond the limit an allocation fails, which ends the process.
-    let limit = ALLOCATOR.allocated() + AT_ALL + FOR_EACH * bytes.len();
+    let for_each = if ending == ".vtp" { FOR_EACH_PACKED } else { FOR_EACH };
+    let limit = ALLOCATOR.allocated() + AT_ALL + for_each * bytes.len();
     ALLOCATOR.set_limit(limit).expect("more than what is allocated");
     let parsed = parse(Path::new(&name));
     ALLOCATOR.set_limit(usize::MAX).expect("more than what is allocated");

@@ -126,11 +126,17 @@ pub(crate) fn evaluate<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let mut request = Request::moments();
-    request.facets = facets || facet_second_moments;
-    request.second_moments = second_moments;
-    request.facet_second_moments = facet_second_moments;
-    request.geometry = geometry;
-    request.epsilon = epsilon;
+    for (is_wanted, with) in [
+        (facets, Request::with_facets as fn(Request) -> Request),
+        (second_moments, Request::with_second_moments),
+        (facet_second_moments, Request::with_facet_second_moments),
+        (geometry, Request::with_geometry),
+    ] {
+        request = if is_wanted { with(request) } else { request };
+    }
+    if let Some(epsilon) = epsilon {
+        request = request.with_epsilon(epsilon);
+    }
     if let Some((terms, origin)) = polynomial {
         request = request.with_integral(Integrand::polynomial(origin, &terms).map_err(raised)?);
     }
@@ -206,23 +212,20 @@ pub(crate) fn jacobian<'py>(
 
 /// A dictionary of arrays as the output that it came from, but for what derivatives do not ask for.
 fn output(cells: &Bound<'_, PyDict>) -> PyResult<Output> {
-    let facets = FacetArrays {
-        offsets: column(cells, "offsets")?,
-        neighbor: column(cells, "neighbor")?,
-        area: column(cells, "area")?,
-        barycenter: rows(cells, "facet_centroid")?,
-        distance: column(cells, "distance")?,
-        second_moment: Some(rows(cells, "facet_second_moment")?),
-        boundary: vec![Boundary::default(); column::<f64>(cells, "volume")?.len()],
-    };
+    let mut facets = FacetArrays::default();
+    facets.offsets = column(cells, "offsets")?;
+    facets.neighbor = column(cells, "neighbor")?;
+    facets.area = column(cells, "area")?;
+    facets.barycenter = rows(cells, "facet_centroid")?;
+    facets.distance = column(cells, "distance")?;
+    facets.second_moment = Some(rows(cells, "facet_second_moment")?);
+    facets.boundary = vec![Boundary::default(); column::<f64>(cells, "volume")?.len()];
     let status: Vec<u8> = column(cells, "status")?;
-    let arrays = OutputArrays {
-        status: status.into_iter().map(|n| if n == 1 { CellStatus::Empty } else { CellStatus::Complete }).collect(),
-        volume: column(cells, "volume")?,
-        barycenter: rows(cells, "centroid")?,
-        facets: Some(Facets::new(facets).map_err(raised)?),
-        ..OutputArrays::default()
-    };
+    let mut arrays = OutputArrays::default();
+    arrays.status = status.into_iter().map(|n| if n == 1 { CellStatus::Empty } else { CellStatus::Complete }).collect();
+    arrays.volume = column(cells, "volume")?;
+    arrays.barycenter = rows(cells, "centroid")?;
+    arrays.facets = Some(Facets::new(facets).map_err(raised)?);
     Output::new(arrays).map_err(raised)
 }
 

@@ -23,6 +23,7 @@ use lbfgs::Memory;
 
 /// How to go down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Method {
     /// Every site to the barycenter of its cell.
     Lloyd,
@@ -65,6 +66,7 @@ impl Options {
 
 /// What the diagram was like after some iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Iteration {
     /// The energy `F` (length⁵).
     pub energy: f64,
@@ -155,6 +157,7 @@ pub fn relax(
 
 /// How far [`equalize`] came.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Equalized {
     /// Steps taken.
     pub steps: usize,

@@ -20,7 +20,7 @@ pub(crate) fn run() -> Result<(), String> {
         ));
     }
     println!("the library brings {} crates, of at most {MOST_CRATES}", crates.len());
-    for features in ["", "cpu", "ocl", "solvers", "npy", "oracle", "shapes"] {
+    for features in ["", "cpu", "ocl", "solvers", "npy", "oracle", "packed", "shapes"] {
         let line = ["clippy", "--locked", "--quiet", "-p", "laguerre", "--no-default-features", "--features", features];
         cargo(&[&line[..], &["--", "-D", "warnings"]].concat(), &[])?;
     }

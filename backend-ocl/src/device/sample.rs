@@ -49,7 +49,7 @@ impl Device {
 
     /// The work-items that compute a cell together, if they do: together no proof is cut short, and what few ask for is not computed.
     pub(super) fn lanes(&self, request: &Request) -> Option<Lanes> {
-        let whole = request.epsilon.is_none() && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
+        let whole = request.epsilon().is_none() && self.shared.params.flags & (FACET_SECOND_MOMENTS | INTEGRAL) == 0;
         self.together.filter(|_| whole)
     }
 

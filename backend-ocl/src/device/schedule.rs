@@ -119,7 +119,7 @@ impl Device {
         results.width = width;
         memory.outcome.read(queue, sites, &mut results.outcomes)?;
         memory.sums.read(queue, sites * width, &mut results.sums)?;
-        if request.facets {
+        if request.facets() {
             memory.rows.read(queue, sites, &mut results.rows)?;
         }
         Ok(Computed { passes, results, for_host, tree, seconds: self.seconds })
@@ -136,11 +136,11 @@ impl Device {
         let Self { context, queue, memory, shared, results, domain, together, .. } = self;
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * width_of(shared.params.flags))?;
-        memory.rows.grow(context, if request.facets { sites } else { 1 })?;
+        memory.rows.grow(context, if request.facets() { sites } else { 1 })?;
         for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
             list.grow(context, share)?;
         }
-        let gives_near = domain.is_some() && together.is_some() && !request.facets;
+        let gives_near = domain.is_some() && together.is_some() && !request.facets();
         let near = if gives_near { near_cells(share) * NEAR_LENGTH } else { 1 };
         memory.near.grow(context, near)?;
         shared.params.near_room = near as u32;
@@ -191,7 +191,7 @@ impl Device {
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
         // (With a domain, cells that `Far` leaves are tried by `Large` first; what is open of them, and of `Far`, then goes to `Wide` together.)
-        let has_domain = self.domain.is_some() && !request.facets;
+        let has_domain = self.domain.is_some() && !request.facets();
         let begin = self.seconds;
         let mut second = Substep::default();
         while now.count() > 0 {
@@ -240,7 +240,7 @@ impl Device {
                 }
                 way = match stage {
                     // (Facets of cells that need more room are not computed together.)
-                    _ if request.facets => Way::Alone(room),
+                    _ if request.facets() => Way::Alone(room),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Together(lanes, Stage::Large),
                 };
@@ -285,14 +285,14 @@ impl Device {
             let before = unended(&self.counters);
             // (With facets, what is left of these stages is for the next at once, and what that leaves not for it again.)
             let leaves_cut =
-                request.facets && self.domain.is_some() && matches!(way, Way::Together(_, Stage::First | Stage::Far));
+                request.facets() && self.domain.is_some() && matches!(way, Way::Together(_, Stage::First | Stage::Far));
             let kept = if leaves_cut { std::mem::take(&mut self.counters.left) } else { 0 };
             if leaves_cut {
                 std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
             }
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
-                if !request.facets || batch <= FEWEST_CELLS {
+                if !request.facets() || batch <= FEWEST_CELLS {
                     return Err(late);
                 }
                 self.memory.facets.free();
@@ -319,12 +319,12 @@ impl Device {
                 }
             }
             request.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize))?;
-            if request.facets {
+            if request.facets() {
                 // Beyond the room there is nothing; a gap at its end belongs to no row.
                 let written = self.counters.facets.min(self.shared.params.facet_room) as usize;
                 let Self { queue, memory, results, .. } = self;
                 memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
-                if request.facet_second_moments {
+                if request.facet_second_moments() {
                     memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
                 }
                 results.facet_count += written;
@@ -354,18 +354,18 @@ impl Device {
 
     /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
     fn room_for_batch(&mut self, request: &Watched<'_>, count: usize, most: usize) -> Result<usize> {
-        if !request.facets {
+        if !request.facets() {
             self.memory.facets.grow(&self.context, 1)?;
             return Ok(most);
         }
-        let second = if request.facet_second_moments { size_of::<FacetSecond>() } else { 0 };
+        let second = if request.facet_second_moments() { size_of::<FacetSecond>() } else { 0 };
         let bytes = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
         let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
         let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
         loop {
             let room = (batch * FACETS_PER_CELL).max(MOST_PLANES as usize);
             let Memory { facets, facet_seconds, .. } = &mut self.memory;
-            let seconds = if request.facet_second_moments { room } else { 1 };
+            let seconds = if request.facet_second_moments() { room } else { 1 };
             let is_there = batch <= FEWEST_CELLS
                 || (facets.grow_if_possible(&self.context, room)?
                     && facet_seconds.grow_if_possible(&self.context, seconds)?);

@@ -1,10 +1,13 @@
-//! Results in `.npz`, whoever wrote them, as `verify` reads them.
+//! Results in `.npz`, whoever wrote them, as `verify` reads them; and sites.
 
+use std::borrow::Cow;
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 
+use flate2::bufread::DeflateDecoder;
 use laguerre::engine::memory;
-use laguerre::io::{self, CellRow, CellsFile, FacetRow};
+use laguerre::io::{self, CellRow, CellsFile, FacetRow, SitesFile};
 use laguerre::{CellStatus, Error, ErrorKind, Result};
 use rawzip::{CompressionMethod, ZipArchive, ZipSliceArchive};
 
@@ -30,6 +33,45 @@ pub(crate) fn read_facets(path: &Path) -> Result<Vec<FacetRow>> {
         ENDING => read(path).and_then(|bytes| facets(&bytes)).map_err(|e| e.at(path.display())),
         _ => io::read_facets(path),
     }
+}
+
+/// Names of the array of positions, the last that of the only array of `np.savez(file, array)`.
+const POSITIONS: [&str; 4] = ["positions", "points", "sites", "arr_0"];
+const WEIGHTS: [&str; 2] = ["weights", "weight"];
+
+/// Reads sites by the file's ending: see [`io::read_sites`]; of an `.npz` an array of positions (N, 3), and one of weights (N) if there is one.
+///
+/// # Errors
+/// As [`read_cells`].
+pub(crate) fn read_sites(path: &Path) -> Result<SitesFile> {
+    if io::ending(path, &[ENDING]).is_err() {
+        return io::read_sites(path);
+    }
+    read(path).and_then(|bytes| sites(&bytes)).map_err(|e| e.at(path.display()))
+}
+
+fn sites(bytes: &[u8]) -> Result<SitesFile> {
+    let archive = ZipArchive::from_slice(bytes).map_err(strange)?;
+    let first = |names: &[&'static str], columns: usize| {
+        names.iter().find_map(|name| array(&archive, name, columns).transpose()).transpose()
+    };
+    let missing = || Error::input(format!("there is none of the arrays {} in it", POSITIONS.join(", ")));
+    let positions = first(&POSITIONS, 3)?.ok_or_else(missing)?;
+    let weights = first(&WEIGHTS, 1)?.map(|a| a.of(positions.rows)).transpose()?;
+    if positions.rows == 0 {
+        return Err(Error::input("no sites in it; at least one is needed"));
+    }
+    let mut sites = SitesFile { positions: memory::filled([0.0; 3], positions.rows, "sites")?, weights: Vec::new() };
+    for (i, position) in sites.positions.iter_mut().enumerate() {
+        *position = [positions.finite(i, 0)?, positions.finite(i, 1)?, positions.finite(i, 2)?];
+    }
+    if let Some(weights) = weights {
+        sites.weights = memory::filled(0.0, weights.rows, "weights")?;
+        for (i, weight) in sites.weights.iter_mut().enumerate() {
+            *weight = weights.finite(i, 0)?;
+        }
+    }
+    Ok(sites)
 }
 
 fn read(path: &Path) -> Result<Vec<u8>> {
@@ -92,7 +134,7 @@ struct Array<'a> {
     kind: &'static str,
     rows: usize,
     columns: usize,
-    data: &'a [u8],
+    data: Cow<'a, [u8]>,
 }
 
 /// Kinds of numbers that are read, and how many bytes each takes.
@@ -112,7 +154,7 @@ fn needed<'a>(archive: &'a Archive<'_>, name: &'static str, columns: usize) -> R
 /// The array called `name`, if there is one, in rows of `columns`.
 ///
 /// # Errors
-/// `Input` where the file is no zip, or the array compressed or of another form.
+/// `Input` where the file is no zip, or the array of another form, or packed otherwise than by `np.savez_compressed`.
 fn array<'a>(archive: &'a Archive<'_>, name: &'static str, columns: usize) -> Result<Option<Array<'a>>> {
     let file = format!("{name}.npy");
     let mut entries = archive.entries();
@@ -120,22 +162,35 @@ fn array<'a>(archive: &'a Archive<'_>, name: &'static str, columns: usize) -> Re
         if entry.file_path().as_ref() != file.as_bytes() {
             continue;
         }
-        if entry.compression_method() != CompressionMethod::STORE {
-            return Err(Error::input(format!("array '{name}' is compressed; write it by np.savez")));
-        }
         let data = archive.get_entry(entry.wayfinder()).map_err(strange)?.data();
+        let data = match entry.compression_method() {
+            CompressionMethod::STORE => Cow::Borrowed(data),
+            CompressionMethod::DEFLATE => Cow::Owned(inflated(data, entry.uncompressed_size_hint())?),
+            _ => return Err(Error::input(format!("array '{name}' is packed; write it by np.savez"))),
+        };
         return parse(data, name, columns).map(Some).map_err(|e| e.at(format_args!("array '{name}'")));
     }
     Ok(None)
 }
 
+/// What was packed to `bytes`: as much as the file says, or the file is not whole.
+fn inflated(bytes: &[u8], says: u64) -> Result<Vec<u8>> {
+    let mut data = Vec::new();
+    let read = DeflateDecoder::new(bytes).take(says.saturating_add(1)).read_to_end(&mut data);
+    if read.is_ok_and(|read| read as u64 == says) {
+        Ok(data)
+    } else {
+        Err(Error::input("no .npz file, or not the whole of one"))
+    }
+}
+
 /// Reads the head of a `.npy`, and holds what it says against what is there.
-fn parse<'a>(bytes: &'a [u8], name: &'static str, columns: usize) -> Result<Array<'a>> {
+fn parse<'a>(bytes: Cow<'a, [u8]>, name: &'static str, columns: usize) -> Result<Array<'a>> {
     let strange = || Error::input("no .npy file of numbers");
-    let length = match bytes {
-        [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([*a, *b]))),
+    let length = match *bytes {
+        [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([a, b]))),
         [0x93, b'N', b'U', b'M', b'P', b'Y', 2 | 3, _, a, b, c, d, ..] => {
-            (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize)
+            (12, u32::from_le_bytes([a, b, c, d]) as usize)
         }
         _ => return Err(strange()),
     };
@@ -144,7 +199,7 @@ fn parse<'a>(bytes: &'a [u8], name: &'static str, columns: usize) -> Result<Arra
         return Err(strange());
     }
     let says = std::str::from_utf8(&bytes[start..start + text]).map_err(|_| strange())?;
-    let data = &bytes[start + text..];
+    let rest = bytes.len() - start - text;
     let after = |key: &str| says.split_once(key).map(|(_, rest)| rest.trim_start_matches([':', ' ']));
     let kind = after("'descr'").and_then(|rest| rest.strip_prefix('\'')?.split('\'').next()).ok_or_else(strange)?;
     let Some((kind, size)) = KINDS.into_iter().find(|known| known.0 == kind) else {
@@ -165,9 +220,13 @@ fn parse<'a>(bytes: &'a [u8], name: &'static str, columns: usize) -> Result<Arra
             return Err(Error::input(format!("shape {sizes:?}; {form} is needed")));
         }
     };
-    if rows.checked_mul(columns).and_then(|count| count.checked_mul(size)) != Some(data.len()) {
-        return Err(Error::input(format!("{} bytes of data, but shape {sizes:?} needs other", data.len())));
+    if rows.checked_mul(columns).and_then(|count| count.checked_mul(size)) != Some(rest) {
+        return Err(Error::input(format!("{rest} bytes of data, but shape {sizes:?} needs other")));
     }
+    let data = match bytes {
+        Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[start + text..]),
+        Cow::Owned(mut bytes) => Cow::Owned(bytes.split_off(start + text)),
+    };
     Ok(Array { name, kind, rows, columns, data })
 }
 
@@ -199,6 +258,14 @@ impl Array<'_> {
         std::array::from_fn(|k| self.data[at * SIZE + k])
     }
 
+    /// A finite number.
+    fn finite(&self, row: usize, column: usize) -> Result<f64> {
+        let x = self.at(row, column);
+        let wrong =
+            || Error::input(format!("array '{}', row {row}, column {column} (from 0): {x} is not finite", self.name));
+        x.is_finite().then_some(x).ok_or_else(wrong)
+    }
+
     /// A whole number.
     fn whole(&self, row: usize, most: u64) -> Result<u64> {
         let x = self.at(row, 0);
@@ -212,5 +279,46 @@ impl Array<'_> {
         let x = self.at(row, 0);
         let wrong = || Error::input(format!("array 'status', row {row} (from 0): {x}; 0, 1 and 2 are known"));
         known.into_iter().find(|status| f64::from(status.number()) == x).ok_or_else(wrong)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Npz;
+    use super::*;
+
+    #[test]
+    fn sites_are_read_by_the_names_of_their_arrays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.npz");
+        let write = |arrays: &[(&str, &[usize], &[f64])]| {
+            io::write_whole(&path, |w| {
+                let mut npz = Npz::new(w);
+                for (name, shape, numbers) in arrays {
+                    npz.add(name, shape, numbers.iter().copied())?;
+                }
+                npz.finish()
+            })
+            .unwrap();
+            read_sites(&path).map_err(|e| e.to_string().rsplit_once(".npz: ").unwrap().1.to_owned())
+        };
+        let six = [0.5, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let positions = vec![[0.5, 1.0, 2.0], [3.0, 4.0, 5.0]];
+        for name in POSITIONS {
+            let alone = write(&[("other", &[1], &[7.0]), (name, &[2, 3], &six)]).unwrap();
+            assert_eq!(alone, SitesFile { positions: positions.clone(), weights: vec![] });
+        }
+        let both = write(&[("weights", &[2], &[7.0, 8.0]), ("points", &[2, 3], &six)]).unwrap();
+        assert_eq!(both, SitesFile { positions, weights: vec![7.0, 8.0] });
+        assert!(
+            write(&[("x", &[2, 3], &six)]).unwrap_err().starts_with("there is none of the arrays positions, points")
+        );
+        let other = write(&[("weight", &[3], &[7.0; 3]), ("points", &[2, 3], &six)]);
+        assert_eq!(other.unwrap_err(), "array 'weight' has 3 rows, another has 2");
+        let shape = write(&[("points", &[3, 2], &six)]).unwrap_err();
+        assert_eq!(shape, "array 'points': shape [3, 2]; (N, 3) is needed");
+        let nan = write(&[("points", &[1, 3], &[1.0, f64::NAN, 0.0])]).unwrap_err();
+        assert_eq!(nan, "array 'points', row 0, column 1 (from 0): NaN is not finite");
+        assert_eq!(write(&[("points", &[0, 3], &[])]).unwrap_err(), "no sites in it; at least one is needed");
     }
 }

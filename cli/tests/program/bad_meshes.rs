@@ -32,16 +32,6 @@ fn surfaces_that_enclose_nothing_are_named_by_edge_and_triangle() {
         "the domain's surface is open: the edge from [0.0, 0.0, 0.0] to [0.0, 1.0, 0.0] of triangle 1 (from 0) belongs to no other \
          triangle; close the hole"
     );
-    // One face the other way round.
-    let uneven = said(&CUBE.replace("4 3 0 4 7", "4 7 4 0 3"));
-    assert!(uneven.starts_with("the domain's triangles are not consistently oriented: the edge from ["), "{uneven}");
-    assert!(
-        uneven.ends_with(
-            "of triangle 1 (from 0) is met 2 times in this direction and 0 times in the other, which must be equal; \
-        orient the triangles alike"
-        ),
-        "{uneven}"
-    );
     // A fin on an edge: that is met by three triangles.
     let fin = said(
         &CUBE
@@ -174,6 +164,32 @@ fn a_flipped_mesh_is_turned_and_noted() {
 }
 
 #[test]
+fn triangles_that_do_not_agree_are_turned_and_noted() {
+    let folder = inputs();
+    let (volume, notes) = accepted(folder.path(), "one.off", CUBE.replace("4 3 0 4 7", "4 7 4 0 3").as_bytes());
+    assert_eq!(volume, 1.0);
+    assert!(
+        notes[0].starts_with("one.off: 2 of 12 triangles were turned, for they were not consistently oriented"),
+        "{notes:?}"
+    );
+    // A cube within a cube, both outward: counted twice, or asked to be a cavity.
+    let (head, faces) = CUBE.split_at(CUBE.find("4 3 2 1 0").unwrap());
+    let corners: Vec<&str> = head.lines().skip(2).collect();
+    let inner = corners.iter().map(|line| line.replace('0', "0.25").replace('1', "0.75") + "\n").collect::<String>();
+    let further = |face: &str| {
+        let corners = face.split(' ').skip(1).map(|i| (i.parse::<u32>().unwrap() + 8).to_string());
+        format!("4 {}\n", corners.collect::<Vec<_>>().join(" "))
+    };
+    let nested = head.replace("8 6 0", "16 12 0") + &inner + faces + &faces.lines().map(further).collect::<String>();
+    std::fs::write(folder.path().join("two.off"), nested).unwrap();
+    for (option, volume) in [(None, 1.125), (Some("--orient"), 0.875)] {
+        let args = ["integrate", "white.xyz", "--domain", "two.off", "--json"];
+        let args: Vec<&str> = args.into_iter().chain(option).collect();
+        assert_eq!(json(&runs(folder.path(), &args))["domain_volume"].as_f64().unwrap(), volume);
+    }
+}
+
+#[test]
 fn triangles_without_area_are_accepted() {
     let folder = inputs();
     // A vertex in the midst of an edge, and the triangle without area that closes the seam; then one that is a line twice.
@@ -194,6 +210,6 @@ fn meshes_that_are_no_files_are_refused() {
     let said = |mesh: &str| fails(folder, 2, &["integrate", "white.xyz", "--domain", mesh, "-o", "cells.csv"]);
     assert_eq!(said("d.stl"), "d.stl: it is a folder; name a file");
     assert!(said("gone.ply").starts_with("gone.ply: cannot open: "));
-    assert_eq!(said("white.xyz"), "white.xyz: unknown ending '.xyz'; known here: .obj, .off, .ply, .stl");
-    assert_eq!(said("-"), "-: no ending; known here: .obj, .off, .ply, .stl");
+    assert_eq!(said("white.xyz"), "white.xyz: unknown ending '.xyz'; known here: .obj, .off, .ply, .stl, .vtk, .vtp");
+    assert_eq!(said("-"), "-: no ending; known here: .obj, .off, .ply, .stl, .vtk, .vtp");
 }

@@ -38,10 +38,18 @@ fn files_that_are_ragged_or_empty_or_no_numbers_are_refused() {
     let said = |text: &[u8]| said_of(folder.path(), "bad.xyz", text);
     assert_eq!(said(b"0 0 0\n0 0 0 1\n"), "line 2: 4 columns, but line 1 has 3");
     assert_eq!(said(b"0 0 0 1\n0 0 0\n"), "line 2: 3 columns, but line 1 has 4");
-    assert_eq!(said(b"0 0\n"), "line 1: 2 columns; x y z, or x y z weight, are needed");
-    assert_eq!(said(b"1 2 3 4 5 6\n"), "line 1: 6 columns; x y z, or x y z weight, are needed");
+    assert_eq!(
+        said(b"0 0\n"),
+        "line 1: 2 columns; x y z, or x y z weight, are needed, or a first line of their names, as 'id x y z r'"
+    );
+    assert_eq!(
+        said(b"1 2 3 4 5 6\n"),
+        "line 1: 6 columns; x y z, or x y z weight, are needed, or a first line of their names, as 'id x y z r'"
+    );
     assert_eq!(said(b"0,,0\n"), "line 1: a number is missing between commas");
-    assert_eq!(said(b"0;0;0\n"), "line 1: '0;0;0' is not a number");
+    assert_eq!(said(b"0;;0\n"), "line 1: a number is missing between semicolons");
+    // Decimal commas.
+    assert_eq!(said(b"0,5;1;0\n"), "line 1: '0,5' is not a number");
     for empty in [&b""[..], b"\n\n", b"# nothing\n", b"0\n", b"x y z\n", b"\xef\xbb\xbf"] {
         assert_eq!(said(empty), "no sites in it; at least one is needed");
     }
@@ -51,7 +59,7 @@ fn files_that_are_ragged_or_empty_or_no_numbers_are_refused() {
     // Text in UTF-16, as some editors save it.
     assert_eq!(said(b"\xff\xfe0\0 \x000\0 \x000\0\n\0"), "line 1: not text in UTF-8");
     assert_eq!(said(&vec![0; 1 << 20]), "line 1: longer than 65536 bytes; is this a text file?");
-    assert_eq!(said(b"weight x y z\n1 2 3 4\n"), "line 1: column 2 is 'x'; the order is x, y, z, weight");
+    assert_eq!(said(b"weight x y\n1 2 3\n"), "line 1: no column 'z' among 'weight,x,y'; x, y and z are needed");
 }
 
 #[test]
@@ -155,10 +163,13 @@ fn files_that_are_none_are_refused() {
     assert_eq!(said("folder.xyz"), "folder.xyz: it is a folder; name a file");
     assert_eq!(said("folder.npy"), "folder.npy: it is a folder; name a file");
     assert!(said("gone.xyz").starts_with("gone.xyz: cannot open: "));
-    assert_eq!(said("sites"), "sites: no ending; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj");
+    assert_eq!(
+        said("sites"),
+        "sites: no ending; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, .vtk, .vtp"
+    );
     assert_eq!(
         said("sites.las"),
-        "sites.las: unknown ending '.las'; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj"
+        "sites.las: unknown ending '.las'; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, .vtk, .vtp"
     );
     let args = ["integrate", "-", "--box", UNIT_BOX, "-o", "cells.csv"];
     let said = |input: &[u8]| failed(&laguerre_with(folder, &args, input), 2, &args);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{CUBE, fails, files, json, laguerre_with, notes, runs};
+use crate::support::{CUBE, UNIT_BOX, fails, files, inputs, json, laguerre_with, notes, runs};
 
 /// Sites in the unit cube and their weights; exact in 32 bits.
 const SITES: [[f64; 4]; 5] = [
@@ -288,4 +288,30 @@ fn atoms_are_sites() {
     assert_eq!(line, "film.xyz: line 4: more rows than the 1 that line 1 says; give one frame alone");
     let line = fails(folder, 2, &["sample", "white", "9", "-o", "a.dump"]);
     assert!(line.ends_with("unknown ending '.dump'; known here: .xyz, .txt, .csv, .npy, .ply"), "{line}");
+}
+
+#[test]
+fn columns_are_named_by_the_file_or_the_command_line() {
+    let folder = inputs();
+    let folder = folder.path();
+    let rows: Vec<[f64; 5]> = (0..20)
+        .map(|i| [f64::from(i), 0.618, 0.414, 0.732, 0.1].map(|x: f64| (x * f64::from(i + 1)).fract()))
+        .collect();
+    let text = |between: &str, order: [usize; 5]| {
+        let row = |row: &[f64; 5]| order.map(|k| format!("{:?}", row[k])).join(between) + "\n";
+        rows.iter().map(row).collect::<String>()
+    };
+    fs::write(folder.join("named.csv"), "r;z;y;x;id\n".to_owned() + &text(";", [4, 3, 2, 1, 0])).unwrap();
+    fs::write(folder.join("voro.txt"), text(" ", [0, 1, 2, 3, 4])).unwrap();
+    let plain = |row: &[f64; 5]| format!("{:?} {:?} {:?} {:?}\n", row[1], row[2], row[3], row[4] * row[4]);
+    fs::write(folder.join("plain.xyz"), rows.iter().map(plain).collect::<String>()).unwrap();
+    let cells = |sites: &[&str]| {
+        runs(folder, &[&["integrate"], sites, &["--box", UNIT_BOX, "-o", "cells.csv"]].concat());
+        fs::read(folder.join("cells.csv")).unwrap()
+    };
+    let expected = cells(&["plain.xyz"]);
+    assert_eq!(cells(&["named.csv"]), expected);
+    assert_eq!(cells(&["voro.txt", "--columns", "id,x,y,z,r"]), expected);
+    let line = fails(folder, 2, &["integrate", "voro.txt", "--columns", "id,x,y"]);
+    assert!(line.contains("no column 'z' among 'id,x,y'; x, y and z are needed"), "{line}");
 }

@@ -77,8 +77,8 @@ fn closes(bounds: &Bounds, i: usize, length: f64, miss: impl Fn(&[(usize, f64)])
 
 #[cfg(test)]
 mod tests {
+    use laguerre_core::Facets;
     use laguerre_core::oracle::Naive;
-    use laguerre_core::{Facets, OutputArrays};
 
     use super::*;
     use crate::bounds::Planes;
@@ -98,8 +98,9 @@ mod tests {
             arrays.offsets[i + 1..].iter_mut().for_each(|offset| *offset -= 1);
             facets = Facets::new(arrays).expect("rows of facets");
         }
-        *output =
-            Output::new(OutputArrays { facets: Some(facets), ..output.clone().into_arrays() }).expect("an output");
+        let mut arrays = output.clone().into_arrays();
+        arrays.facets = Some(facets);
+        *output = Output::new(arrays).expect("an output");
     }
 
     /// Whether the facets of `scene` close; whether they do without facet `i`-`j`; and whether a facet of its area, negated, may be missing.

@@ -34,10 +34,36 @@ pub fn containers(backend: &dyn Backend) -> Verdict {
     };
     refused_mesh("no triangle", &|mesh| mesh.triangles.clear())?;
     refused_mesh("an open mesh", &|mesh| mesh.triangles.truncate(3))?;
-    refused_mesh("one triangle turned over", &|mesh| mesh.triangles[2].swap(0, 1))?;
+    refused_mesh("a one-sided mesh", &|mesh| {
+        // The projective plane of six vertices.
+        mesh.vertices = (0..6).map(|i| [f64::from(i), f64::from(i * i % 5), f64::from(i * i * i % 7)]).collect();
+        mesh.triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5], [0, 5, 1]];
+        mesh.triangles.extend([[1, 2, 4], [2, 3, 5], [3, 4, 1], [4, 5, 2], [5, 1, 3]]);
+    })?;
     refused_mesh("an unknown vertex", &|mesh| mesh.triangles[0][0] = 7)?;
     refused_mesh("a vertex that is not finite", &|mesh| mesh.vertices[1][1] = f64::NAN)?;
-    refused_mesh("a mesh without volume", &|mesh| mesh.vertices[3] = [0.25, 0.25, 0.0])
+    refused_mesh("a mesh without volume", &|mesh| mesh.vertices[3] = [0.25, 0.25, 0.0])?;
+    turned_over(backend)
+}
+
+/// A mesh some of whose triangles are turned over is oriented: the cells are those of the mesh as it was, to the bit.
+fn turned_over(backend: &dyn Backend) -> Verdict {
+    let good = shapes::box_with_cavity(1);
+    let mut turned = good.clone();
+    turned.triangles.iter_mut().step_by(3).for_each(|triangle| triangle.swap(1, 2));
+    let volumes = |mesh: &Mesh| {
+        let domain = Domain::new(&mesh.vertices, &mesh.triangles)?;
+        let (lo, hi) = domain.bounding_box();
+        let site = |i: u32| {
+            std::array::from_fn(|k| lo[k] + (hi[k] - lo[k]) * (f64::from(i) * [0.618, 0.414, 0.732][k]).fract())
+        };
+        let sites: Vec<[f64; 3]> = (1..30).map(site).collect();
+        let output = backend.evaluate(&PowerDiagram::new(&sites, &[])?.restricted_to(&domain), &Request::moments())?;
+        Ok(output.volume().iter().map(|volume| volume.to_bits()).collect::<Vec<_>>())
+    };
+    let [good, turned] = [&good, &turned].map(|mesh| volumes(mesh).map_err(|error: Error| error.to_string()));
+    ensure!(good? == turned?, "cells of a mesh whose triangles were turned over");
+    Ok(())
 }
 
 /// A search that is to end by a number that is none.

@@ -111,15 +111,13 @@ fn unpermuted(output: &Output, order: &[usize]) -> Output {
             taken.extend(row);
             offsets.push(taken.len());
         }
-        let facets = FacetArrays {
-            offsets,
-            neighbor: taken.iter().map(|facet| order[facet.neighbor] as u32).collect(),
-            area: taken.iter().map(|facet| facet.area).collect(),
-            barycenter: taken.iter().map(|facet| facet.barycenter).collect(),
-            distance: taken.iter().map(|facet| facet.distance).collect(),
-            second_moment: None,
-            boundary: place.iter().map(|&k| from.boundary()[k]).collect(),
-        };
+        let mut facets = FacetArrays::default();
+        facets.offsets = offsets;
+        facets.neighbor = taken.iter().map(|facet| order[facet.neighbor] as u32).collect();
+        facets.area = taken.iter().map(|facet| facet.area).collect();
+        facets.barycenter = taken.iter().map(|facet| facet.barycenter).collect();
+        facets.distance = taken.iter().map(|facet| facet.distance).collect();
+        facets.boundary = place.iter().map(|&k| from.boundary()[k]).collect();
         Facets::new(facets).expect("rows of facets")
     });
     Output::new(back).expect("an output")

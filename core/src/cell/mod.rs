@@ -81,16 +81,16 @@ pub use wide::Minors;
 /// The flags of [`integrate_cell`] that answer a request.
 pub fn flags_of(request: &crate::Request) -> u32 {
     let mut flags = VOLUME_ONLY;
-    if request.facets {
+    if request.facets() {
         flags |= FACETS;
-        if request.facet_second_moments {
+        if request.facet_second_moments() {
             flags |= FACET_SECOND_MOMENTS;
         }
     }
-    if request.second_moments {
+    if request.second_moments() {
         flags |= SECOND_MOMENTS;
     }
-    if request.integral.is_some() {
+    if request.integral().is_some() {
         flags |= INTEGRAL;
     }
     flags

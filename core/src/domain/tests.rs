@@ -140,11 +140,6 @@ fn what_is_wrong_is_named() {
     fin.extend([[0, 1, 7], [1, 0, 7], [0, 1, 7]]);
     let text = message(&vertices, &fin);
     assert!(text.contains("open") && text.contains("belongs to 5 triangles"), "{text}");
-    let mut turned = CUBE;
-    turned[4].swap(0, 1);
-    let text = message(&vertices, &turned);
-    assert!(text.contains("not consistently oriented") && text.contains("met 2 times"), "{text}");
-    assert!(!text.contains("open"), "{text}");
     // Nothing enclosed: a flat pillow off the axes, two opposite cubes, and triangles that are all points.
     let flat = [[0.1, 0.2, 0.3], [0.7, 0.9, 1.3], [0.4, -0.8, 2.9]];
     assert!(message(&flat, &[[0, 1, 2], [0, 2, 1]]).contains("volume 0"));
@@ -153,4 +148,117 @@ fn what_is_wrong_is_named() {
     assert!(message(&[[1.0; 3]; 3], &[[0, 1, 2]]).contains("two vertices at one place"));
     let tiny = cube([0.0; 3], [1e-101; 3]);
     assert!(message(&tiny, &CUBE).contains("extent"));
+}
+
+/// The same triangles, those that `turn` says the other way round; the first corner stays, so that sums come to the same bits.
+fn shuffled(triangles: &[[u32; 3]], turn: impl Fn(usize) -> bool) -> Vec<[u32; 3]> {
+    let turned = |(i, &[a, b, c]): (usize, &[u32; 3])| if turn(i) { [a, c, b] } else { [a, b, c] };
+    triangles.iter().enumerate().map(turned).collect()
+}
+
+/// Both are the same, to the bit, and the second says why it is not as it came.
+fn assert_same(given: &Domain, mended: &Domain, name: &str) {
+    assert_eq!(given.triangles(), mended.triangles(), "{name}");
+    assert_eq!(given.vertices(), mended.vertices(), "{name}");
+    assert_eq!(given.volume().to_bits(), mended.volume().to_bits(), "{name}");
+    assert_eq!(given.barycenter().map(f64::to_bits), mended.barycenter().map(f64::to_bits), "{name}");
+    assert_eq!(mended.notes().len(), 1, "{name}: {:?}", mended.notes());
+    assert!(mended.notes()[0].contains("triangles were turned"), "{name}: {:?}", mended.notes());
+}
+
+#[test]
+fn shuffled_triangles_are_oriented_as_they_were() {
+    let shapes = [
+        ("swan", crate::shapes::swan()),
+        ("torus", crate::shapes::torus(1.0, 0.4, 16, 8)),
+        ("double torus", crate::shapes::double_torus()),
+        ("cavity", crate::shapes::box_with_cavity(1)),
+    ];
+    for (name, shape) in shapes {
+        let given = Domain::new(&shape.vertices, &shape.triangles).unwrap();
+        for turn in [|i: usize| i.wrapping_mul(0x9e37_79b9) >> 7 & 1 == 0, |i| i == 0, |i| i != 5] {
+            let mesh = shuffled(&shape.triangles, turn);
+            assert_same(&given, &Domain::new(&shape.vertices, &mesh).unwrap(), name);
+        }
+        // What was right, and what is inside out as a whole, need no help; asked for, it changes nothing or all.
+        assert!(Domain::oriented(&shape.vertices, &shape.triangles).unwrap().notes().is_empty(), "{name}");
+        assert_same(&given, &Domain::oriented(&shape.vertices, &shuffled(&shape.triangles, |_| true)).unwrap(), name);
+    }
+}
+
+#[test]
+fn parts_are_turned_by_what_they_are_within() {
+    // Five cubes, each within the one before; one beside them; and one that touches the second's wall from within, at a corner, where both walls of
+    // the touched cube stand along the ray.
+    let mut cubes: Vec<([f64; 3], [f64; 3])> = (0..5).map(|i| ([f64::from(i); 3], [20.0 - f64::from(i); 3])).collect();
+    cubes.push(([30.0; 3], [31.0; 3]));
+    let mut vertices: Vec<[f64; 3]> = cubes.iter().flat_map(|&(lo, hi)| cube(lo, hi)).collect();
+    vertices.extend(octahedron([1.5, 10.0, 10.0], 0.5));
+    let mut right: Vec<[u32; 3]> = Vec::new();
+    for c in 0..6 {
+        let inward = c % 2 == 1 && c < 5;
+        right.extend(shuffled(&CUBE, |_| inward).into_iter().map(|t| t.map(|i| i + 8 * c)));
+    }
+    // Between the second cube and the third, which it touches too: a solid within a cavity.
+    right.extend(OCTAHEDRON.map(|t| t.map(|i| i + 48)));
+    let given = Domain::new(&vertices, &right).unwrap();
+    let volume =
+        (0..5).map(|i| (20.0_f64 - 2.0 * f64::from(i)).powi(3) * if i % 2 == 0 { 1.0 } else { -1.0 }).sum::<f64>();
+    assert!((given.volume() - volume - 1.0 - 4.0 / 3.0 * 0.125).abs() < 1e-11, "{}", given.volume());
+    for outward in [true, false] {
+        // All outward: consistent, so that only who asks gets cavities.
+        let mesh: Vec<[u32; 3]> = (0..7)
+            .flat_map(|c| {
+                shuffled(&right[12 * c..right.len().min(12 * c + 12)], |_| c % 2 == 1 && c < 5 || !outward && c == 3)
+            })
+            .collect();
+        assert_same(&given, &Domain::oriented(&vertices, &mesh).unwrap(), "nested");
+        assert!(Domain::new(&vertices, &mesh).unwrap().volume() > given.volume());
+    }
+    let mesh = shuffled(&right, |i| i % 3 == 0);
+    assert_same(&given, &Domain::new(&vertices, &mesh).unwrap(), "nested");
+    // From outside, wherever it touches.
+    for axis in 0..3 {
+        for side in [-0.5, 1.5] {
+            let mut center = [0.5; 3];
+            center[axis] = side;
+            let mut vertices = cube([0.0; 3], [1.0; 3]);
+            vertices.extend(octahedron(center, 0.5));
+            let right: Vec<[u32; 3]> = CUBE.into_iter().chain(OCTAHEDRON.map(|t| t.map(|i| i + 8))).collect();
+            let given = Domain::new(&vertices, &right).unwrap();
+            assert_same(&given, &Domain::new(&vertices, &shuffled(&right, |i| i % 2 == 1)).unwrap(), "touching");
+        }
+    }
+}
+
+#[test]
+fn where_many_triangles_share_an_edge_they_are_solids_around_it() {
+    // Wedges around the z axis, of which any two have one before the other: the axis belongs to two triangles of each.
+    let angles = [0.1_f64, 0.6, 0.9, 1.4, 2.0, 3.0, 3.3, 3.9, 4.5, 6.1];
+    let mut vertices = vec![[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+    vertices.extend(angles.map(|angle| [angle.cos(), angle.sin(), 0.25]));
+    let wedge = |p: u32| [[0, p + 1, p], [1, p, p + 1], [0, p, 1], [0, 1, p + 1]];
+    let wedges: Vec<[u32; 3]> = [2, 4, 6, 8, 10].into_iter().flat_map(wedge).collect();
+    // Not in their order around the axis: first one side of all, then the other.
+    let right: Vec<[u32; 3]> = (0..20).map(|i| wedges[4 * (i * 2 % 5) + i / 5]).collect();
+    let given = Domain::new(&vertices, &right).unwrap();
+    for turn in [|i: usize| i.is_multiple_of(2), |i| i % 3 == 1, |i| i == 7] {
+        assert_same(&given, &Domain::new(&vertices, &shuffled(&right, turn)).unwrap(), "wedges");
+    }
+}
+
+#[test]
+fn one_sided_surfaces_are_refused_by_one_line() {
+    // The projective plane of six vertices, every two of which share an edge of two triangles.
+    let mesh =
+        [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5], [0, 5, 1], [1, 2, 4], [2, 3, 5], [3, 4, 1], [4, 5, 2], [5, 1, 3]];
+    let text = message(&octahedron([0.0; 3], 1.0), &mesh);
+    assert!(
+        text.starts_with("the domain's triangles cannot be oriented alike: ") && text.contains("of triangle "),
+        "{text}"
+    );
+    assert!(!text.contains('\n'), "{text}");
+    // A Möbius strip is open, which is what is said of it.
+    let strip: Vec<[u32; 3]> = (0..5).map(|i| [i, (i + 1) % 5, (i + 2) % 5]).collect();
+    assert!(message(&octahedron([0.0; 3], 1.0), &strip).contains("open"));
 }

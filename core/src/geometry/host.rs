@@ -10,15 +10,18 @@ use rayon::prelude::*;
 const CHUNK: usize = 256;
 const WAVE: usize = 32 * CHUNK;
 
-/// The geometry of all cells, as the request that they are computed for has it; those that have been found to be empty have none. (Where bisectors
+/// The geometry of all cells, where the request that they are computed for has it; those that have been found to be empty have none. (Where bisectors
 /// meet in one point, a cell of no volume is empty by one order of cuts and not by another.)
 ///
 /// # Errors
 /// `Input` where sites are out of range of the container.
-pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStatus]) -> Result<Geometry> {
+pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStatus]) -> Result<Option<Geometry>> {
+    if !request.geometry() {
+        return Ok(None);
+    }
     let prepared = diagram.prepare()?;
     let (order, frame) = (prepared.sites.order(), &prepared.container.frame);
-    let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame, request.solids);
+    let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame, request.solids());
     let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
     for wave in all.chunks(WAVE) {
         let compute = |(search, shaper): &mut (Search<'_>, Shaper), chunk: &[u32]| {
@@ -28,7 +31,7 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStat
                 let [x, y, z, _] = prepared.sites.site(site);
                 let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
                 let mut sums = CellSums::default();
-                let mut status = search.complete(&mut store, site, request.epsilon).status;
+                let mut status = search.complete(&mut store, site, request.epsilon()).status;
                 if status == cell::COMPLETE {
                     status = cell::integrate_cell(&mut store, cell::VOLUME_ONLY, 0, &mut sums);
                 }
@@ -43,11 +46,11 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStat
             request.advance(0)?;
             Ok(shapes)
         };
-        let rooms = || (Search::new(&prepared), Shaper::new(request.solids));
+        let rooms = || (Search::new(&prepared), Shaper::new(request.solids()));
         let made: Vec<Result<Shapes>> = wave.par_chunks(CHUNK).map_init(rooms, compute).collect();
         for shapes in made {
             geometry.add(&shapes?);
         }
     }
-    geometry.finish()
+    geometry.finish().map(Some)
 }

@@ -33,6 +33,7 @@ pub enum Beyond {
 
 /// A polygon, planar to rounding. It is convex, or a triangle of what is not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Face<'a> {
     /// Its corners, as indices of [`Geometry::points`], counterclockwise from outside its cell.
     pub corners: &'a [u32],

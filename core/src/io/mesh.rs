@@ -3,8 +3,8 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::{MESH_ENDINGS, ending, obj, off, open, ply, stl};
-use crate::{Domain, Error, Result};
+use super::{Form, MESH_ENDINGS, legacy_vtk, obj, off, open, ply, stl, vtp};
+use crate::{Domain, Error, Result, memory};
 
 /// A triangle mesh as a file holds it: not checked for anything but finite coordinates and indices that exist.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,17 +16,18 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Reads a mesh by the file's ending: `.obj` (Wavefront), `.off` (text), `.ply` (text or binary) or `.stl` (text or binary, three
-/// vertices a triangle: [`Domain::new`] welds them).
+/// Reads a mesh by the file's ending: `.obj` (Wavefront), `.off` (text), `.ply` (text or binary), `.stl` (text or binary, three
+/// vertices a triangle: [`Domain::new`] welds them), `.vtk` or `.vtp` (VTK's PolyData; the latter takes the feature `packed`); also with
+/// `.gz` after it, packed by gzip (feature `packed`).
 ///
 /// # Errors
 /// `Io` where the file cannot be read; `Input`, with file and line (of binary files: vertex or face), where it is not what
 /// its ending says.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh> {
     let path = path.as_ref();
-    let format = ending(path, MESH_ENDINGS)?;
+    let form = Form::of(path, MESH_ENDINGS)?;
     let (reader, _) = open(path)?;
-    parse(reader, format).map_err(|e| e.in_file(path))
+    parse(form.unpacked(reader), form.ending).map_err(|e| e.in_file(path))
 }
 
 /// Reads a mesh from the bytes of a file called `name`, as [`read_mesh`] does.
@@ -35,7 +36,8 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh> {
 /// `Input`, as [`read_mesh`].
 pub fn parse_mesh(bytes: &[u8], name: impl AsRef<Path>) -> Result<Mesh> {
     let name = name.as_ref();
-    parse(bytes, ending(name, MESH_ENDINGS)?).map_err(|e| e.in_file(name))
+    let form = Form::of(name, MESH_ENDINGS)?;
+    parse(form.unpacked(bytes), form.ending).map_err(|e| e.in_file(name))
 }
 
 fn parse(reader: impl BufRead, format: &str) -> Result<Mesh> {
@@ -43,6 +45,8 @@ fn parse(reader: impl BufRead, format: &str) -> Result<Mesh> {
         ".off" => off::parse_off(reader),
         ".ply" => ply::parse_mesh(reader),
         ".stl" => stl::parse_stl(reader),
+        ".vtk" => legacy_vtk::parse(reader),
+        ".vtp" => vtp::parse(reader),
         _ => obj::parse_obj(reader),
     }?;
     if mesh.triangles.is_empty() {
@@ -56,6 +60,23 @@ pub(super) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
     corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
 }
 
+/// Adds a polygon whose corners are numbers of vertices, as VTK's files hold them.
+///
+/// # Errors
+/// `Input` where they are none, or too few.
+pub(super) fn add_polygon(mesh: &mut Mesh, corners: &[f64]) -> Result<()> {
+    if corners.len() < 3 {
+        return Err(Error::input(format!("{} corners; at least 3 are needed", corners.len())));
+    }
+    let count = mesh.vertices.len();
+    let is_vertex = |x: f64| x >= 0.0 && x < count as f64 && x <= f64::from(u32::MAX) && x.fract() == 0.0;
+    if let Some(x) = corners.iter().find(|&&x| !is_vertex(x)) {
+        return Err(Error::input(format!("vertex {x} of {count} (from 0) does not exist")));
+    }
+    let corners: Vec<u32> = corners.iter().map(|&x| x as u32).collect();
+    fan(&corners).try_for_each(|triangle| memory::push(&mut mesh.triangles, triangle, "triangles"))
+}
+
 impl Domain {
     /// Reads a domain from a closed triangle mesh by the file's ending, as [`read_mesh`] does, and validates it as
     /// [`Domain::new`] does.
@@ -66,6 +87,16 @@ impl Domain {
         let path = path.as_ref();
         let mesh = read_mesh(path)?;
         Self::new(&mesh.vertices, &mesh.triangles).map_err(|e| e.in_file(path))
+    }
+
+    /// Reads a domain as [`Domain::load`] does, and orients it as [`Domain::oriented`] does.
+    ///
+    /// # Errors
+    /// As [`Domain::load`].
+    pub fn load_oriented(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let mesh = read_mesh(path)?;
+        Self::oriented(&mesh.vertices, &mesh.triangles).map_err(|e| e.in_file(path))
     }
 
     /// Reads a domain from the text of an `.obj` file in memory.

@@ -4,14 +4,18 @@
 //! Whatever bytes they are given, [`parse_sites`], [`parse_weights`] and [`parse_mesh`] end with a value or one line of
 //! error, with memory of the order of the bytes: each binary form is held against its length, each text form read line by line.
 //!
-//! NumPy's `.npy` takes the feature `npy`; without it such a name is refused, by a line that says so.
+//! NumPy's `.npy` takes the feature `npy`, and what is packed by gzip (`.obj.gz`) or in VTK's XML (`.vtp`, read) the feature `packed`; without them such a name
+//! is refused, by a line that says so. What is packed may unpack to a thousand times its bytes.
 
 mod atomic;
 mod atoms;
+mod columns;
+mod form;
 mod geometry;
 mod glb;
 #[cfg(feature = "npy")]
 mod image;
+mod legacy_vtk;
 mod lines;
 mod mesh;
 #[cfg_attr(not(feature = "npy"), path = "npy_absent.rs")]
@@ -25,6 +29,8 @@ mod results;
 mod sites;
 mod stl;
 mod vtk;
+#[cfg_attr(not(feature = "packed"), path = "vtp_absent.rs")]
+mod vtp;
 mod weights;
 
 use std::fs::File;
@@ -34,21 +40,24 @@ use std::path::{Path, PathBuf};
 use crate::{Error, ErrorKind, Result};
 
 pub use atomic::{abandon_writing, destination, write_whole};
+pub use columns::Columns;
+use form::Form;
 pub use geometry::write_geometry;
 pub use mesh::{Mesh, parse_mesh, read_mesh};
 pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, read_cells, read_facets};
 pub use results::{FacetValues, facet_count, facet_rows, write_cells, write_facets};
-pub use sites::{SitesFile, parse_sites, read_sites, write_sites};
+pub use sites::{SitesFile, parse_sites, parse_sites_by_columns, read_sites, read_sites_by_columns, write_sites};
 pub use weights::{parse_weights, read_weights, write_weights};
 
 /// Endings that [`write_sites`] knows.
 pub const SITES_ENDINGS: &[&str] = &[".xyz", ".txt", ".csv", ".npy", ".ply"];
 /// Endings that [`read_sites`] knows.
-pub const SITES_INPUT_ENDINGS: &[&str] = &[".xyz", ".txt", ".csv", ".npy", ".ply", ".dump", ".lammpstrj"];
+pub const SITES_INPUT_ENDINGS: &[&str] =
+    &[".xyz", ".txt", ".csv", ".npy", ".ply", ".dump", ".lammpstrj", ".vtk", ".vtp"];
 /// Endings that [`read_weights`] and [`write_weights`] know.
 pub const WEIGHTS_ENDINGS: &[&str] = &[".txt", ".csv", ".npy"];
 /// Endings that [`Domain::load`](crate::Domain::load) knows.
-pub const MESH_ENDINGS: &[&str] = &[".obj", ".off", ".ply", ".stl"];
+pub const MESH_ENDINGS: &[&str] = &[".obj", ".off", ".ply", ".stl", ".vtk", ".vtp"];
 /// Endings that [`write_cells`] knows.
 pub const CELLS_ENDINGS: &[&str] = &[".csv", ".npy"];
 /// Endings that [`write_geometry`] knows.
@@ -117,9 +126,12 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
     Ok((BufReader::with_capacity(1 << 18, file), found.len()))
 }
 
-/// What the operating system said in the midst of a file.
+/// What the operating system said in the midst of a file, or who unpacks it: that is wrong input.
 fn cannot_read(error: std::io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("cannot read: {error}")).because(error)
+    use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+    let is_of_file = matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof);
+    let kind = if is_of_file { ErrorKind::Input } else { ErrorKind::Io };
+    Error::new(kind, format!("cannot read: {error}")).because(error)
 }
 
 /// The folder that `path` names a file in.
@@ -158,9 +170,12 @@ mod tests {
     fn endings_are_told_apart_without_regard_to_case() {
         assert_eq!(ending(Path::new("a.b/Bunny.OBJ"), MESH_ENDINGS).unwrap(), ".obj");
         let unknown = ending(Path::new("bunny.3ds"), MESH_ENDINGS).unwrap_err();
-        assert_eq!(unknown.to_string(), "bunny.3ds: unknown ending '.3ds'; known here: .obj, .off, .ply, .stl");
+        assert_eq!(
+            unknown.to_string(),
+            "bunny.3ds: unknown ending '.3ds'; known here: .obj, .off, .ply, .stl, .vtk, .vtp"
+        );
         let none = ending(Path::new("bunny"), MESH_ENDINGS).unwrap_err();
-        assert_eq!(none.to_string(), "bunny: no ending; known here: .obj, .off, .ply, .stl");
+        assert_eq!(none.to_string(), "bunny: no ending; known here: .obj, .off, .ply, .stl, .vtk, .vtp");
     }
 
     #[test]
@@ -201,7 +216,15 @@ mod tests {
         let text_stl = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
         let dump = b"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 2\n0 3\n\
             ITEM: ATOMS id xs ys zs\n7 0.5 0.25 1\n";
-        let files: [(&str, &[u8]); 10] = [
+        let vtk = b"# vtk DataFile Version 3.0\n\nBINARY\nDATASET POLYDATA\nPOINTS 1 float\n\0\0\0\0\0\0\0\0\0\0\0\0\n\
+            POLYGONS 1 4\n\0\0\0\x03\0\0\0\0\0\0\0\0\0\0\0\0\n";
+        let text_vtk =
+            b"# vtk DataFile Version 5.1\n\nASCII\nDATASET POLYDATA\nFIELD f 1\na 1 1 string\nb\nPOINTS 1 int\n1 2 3\n\
+            METADATA\n\nPOLYGONS 2 3\nOFFSETS long\n0 3\nCONNECTIVITY long\n0 0 0\nPOINT_DATA 1\n";
+        let files: [(&str, &[u8]); 13] = [
+            ("m.vtk", vtk),
+            ("m.vtk", text_vtk),
+            ("s.csv", b"id;x;y;z;r\n1;2;3;4;5\n"),
             ("s.dump", dump),
             ("s.xyz", b"2\nwater\nFe 1 2 3\nO 4 5 6\n"),
             ("s.xyz", b"1\nProperties=id:I:1:pos:R:3 a=1\n7 1 2 3\n"),

@@ -5,7 +5,10 @@ use std::path::Path;
 
 use super::lines::{Lines, finite, is_name, shown};
 use super::npy::{self, Array};
-use super::{SITES_ENDINGS, SITES_INPUT_ENDINGS, atomic, atoms, ending, is_standard, open, output_ending, ply};
+use super::{
+    Columns, Form, SITES_ENDINGS, SITES_INPUT_ENDINGS, atomic, atoms, is_standard, legacy_vtk, open, output_ending,
+    ply, vtp,
+};
 use crate::{Error, Result, memory};
 
 /// What a file of sites holds. Every number is finite.
@@ -19,26 +22,41 @@ pub struct SitesFile {
 
 /// Reads sites by the file's ending; `-` is standard input, as text.
 ///
-/// * `.xyz`, `.txt`, `.csv`: a site a line, 3 or 4 numbers parted by blanks or by commas, the fourth the weight (length²). The first
-///   line may be the number of sites, or the names of the columns. Blank lines and `#` comments are skipped.
+/// * `.xyz`, `.txt`, `.csv`: a site a line, 3 or 4 numbers parted by blanks, commas or semicolons, the fourth the weight (length²). The first
+///   line may be the number of sites, or the names of the columns: with x, y and z among them, these are what [`Columns`] says, in any order. Blank lines and `#`
+///   comments are skipped.
 /// * The same as chemists have them: the number of atoms, a line of comment, then rows `Fe x y z`; of an extended `.xyz` the columns that
 ///   `Properties=` names.
 /// * `.dump`, `.lammpstrj`, or one of the above: a snapshot that LAMMPS dumped as text, with columns `x y z`, `xu yu zu` or `xs ys zs`, in the order
 ///   of its rows.
 /// * `.npy`: shape (N, 3) or (N, 4), 32- or 64-bit floats, C or Fortran order.
 /// * `.ply`: the vertices, text or binary: properties `x`, `y`, `z`, and the weight if there is a property `w` or `weight`.
+/// * `.vtk`, `.vtp`: the points of VTK's PolyData, as [`read_mesh`](super::read_mesh) reads them.
+///
+/// All but `.npy` also with `.gz` after the ending (feature `packed`).
 ///
 /// # Errors
 /// `Io` where the file cannot be read; `Input`, with file and line (or row), where a number is missing, is none, or is
 /// not finite, where rows differ in length, where the count is wrong, and where there is no site.
 pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
-    let path = path.as_ref();
+    read(path.as_ref(), None)
+}
+
+/// Reads sites from text, as [`read_sites`] does, whose columns are as the caller says; a first line of names is passed over.
+///
+/// # Errors
+/// As [`read_sites`], and `Input` where the file is no text.
+pub fn read_sites_by_columns(path: impl AsRef<Path>, columns: &Columns) -> Result<SitesFile> {
+    read(path.as_ref(), Some(columns))
+}
+
+fn read(path: &Path, columns: Option<&Columns>) -> Result<SitesFile> {
     if is_standard(path) {
-        return parse(io::stdin().lock(), 0, ".txt").map_err(|e| e.at("standard input"));
+        return parse(io::stdin().lock(), 0, ".txt", columns).map_err(|e| e.at("standard input"));
     }
-    let format = ending(path, SITES_INPUT_ENDINGS)?;
+    let form = Form::of(path, SITES_INPUT_ENDINGS)?;
     let (reader, length) = open(path)?;
-    parse(reader, length, format).map_err(|e| e.in_file(path))
+    parse(form.unpacked(reader), length, form.ending, columns).map_err(|e| e.in_file(path))
 }
 
 /// Reads sites from the bytes of a file called `name`, as [`read_sites`] does.
@@ -46,8 +64,20 @@ pub fn read_sites(path: impl AsRef<Path>) -> Result<SitesFile> {
 /// # Errors
 /// `Input`, as [`read_sites`].
 pub fn parse_sites(bytes: &[u8], name: impl AsRef<Path>) -> Result<SitesFile> {
-    let name = name.as_ref();
-    parse(bytes, bytes.len() as u64, ending(name, SITES_INPUT_ENDINGS)?).map_err(|e| e.in_file(name))
+    parse_bytes(bytes, name.as_ref(), None)
+}
+
+/// Reads sites from the bytes of a text called `name`, as [`read_sites_by_columns`] does.
+///
+/// # Errors
+/// `Input`, as [`read_sites_by_columns`].
+pub fn parse_sites_by_columns(bytes: &[u8], name: impl AsRef<Path>, columns: &Columns) -> Result<SitesFile> {
+    parse_bytes(bytes, name.as_ref(), Some(columns))
+}
+
+fn parse_bytes(bytes: &[u8], name: &Path, columns: Option<&Columns>) -> Result<SitesFile> {
+    let form = Form::of(name, SITES_INPUT_ENDINGS)?;
+    parse(form.unpacked(bytes), bytes.len() as u64, form.ending, columns).map_err(|e| e.in_file(name))
 }
 
 /// Writes sites by the file's ending, as [`read_sites`] reads them back, to the last bit; without weights where `weights`
@@ -88,11 +118,16 @@ fn write_row(w: &mut dyn Write, row: &[f64], between: &str) -> io::Result<()> {
 }
 
 /// Reads `format` from what is `length` bytes long.
-fn parse(reader: impl BufRead, length: u64, format: &str) -> Result<SitesFile> {
+fn parse(reader: impl BufRead, length: u64, format: &str, columns: Option<&Columns>) -> Result<SitesFile> {
     let sites = match format {
+        ".npy" | ".ply" | ".vtk" | ".vtp" if columns.is_some() => {
+            Err(Error::input("columns have names in text alone (.xyz, .txt, .csv)"))
+        }
         ".npy" => parse_npy(reader, length),
         ".ply" => ply::parse_sites(reader),
-        _ => parse_text(reader),
+        ".vtk" => legacy_vtk::parse(reader).map(|mesh| SitesFile { positions: mesh.vertices, weights: Vec::new() }),
+        ".vtp" => vtp::parse(reader).map(|mesh| SitesFile { positions: mesh.vertices, weights: Vec::new() }),
+        _ => parse_text(reader, columns),
     }?;
     if sites.positions.is_empty() {
         return Err(Error::input("no sites in it; at least one is needed"));
@@ -116,11 +151,14 @@ fn parse_npy(reader: impl BufRead, length: u64) -> Result<SitesFile> {
     Ok(sites)
 }
 
-/// Reads the text format; errors name the line.
-fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
+/// Reads the text format, its columns as they are given or as its first line says; errors name the line.
+fn parse_text(reader: impl BufRead, given: Option<&Columns>) -> Result<SitesFile> {
     let mut lines = Lines::new(reader);
     let first = lines.next_line()?.filter(|line| atoms::is_dump(line)).map(str::to_owned);
     if let Some(first) = first {
+        if given.is_some() {
+            return Err(Error::input("a dump of LAMMPS names its columns; read it as it is"));
+        }
         return atoms::parse_dump(&mut lines, &first);
     }
     if !lines.is_at_end() {
@@ -132,12 +170,16 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
     let mut count: Option<(usize, u64)> = None;
     // (number of the first site's line, its columns).
     let mut shape: Option<(usize, usize)> = None;
+    let mut columns = given.cloned();
     let mut named = false;
-    while let Some(row) = lines.next_line()?.map(parse_row) {
+    while let Some(row) = lines.next_line()?.map(|line| parse_row(line, columns.as_ref())) {
         let number = lines.number();
         match row {
             Row::Count(n) if shape.is_none() && count.is_none() => {
                 count = Some((number, n));
+                if given.is_some() {
+                    continue;
+                }
                 // Of chemists the next line is a comment, and the first row begins with a name.
                 let mut next = Vec::new();
                 while next.len() < 2 && lines.read_raw()? {
@@ -152,9 +194,10 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
                 }
                 lines.read_again(number, next);
             }
-            Row::Names(wrong) if shape.is_none() && !named => {
+            Row::Names(found) if shape.is_none() && !named => {
                 named = true;
-                wrong.map_or(Ok(()), |what| Err(lines.wrong(what)))?;
+                let found = found.map_err(|what| lines.wrong(what))?;
+                columns = columns.or(found);
             }
             Row::Names(_) => return Err(lines.wrong("names where numbers are needed")),
             Row::Numbers(row, columns @ (3 | 4)) => {
@@ -171,7 +214,9 @@ fn parse_text(reader: impl BufRead) -> Result<SitesFile> {
                 return Err(lines.wrong("1 column; x y z, or x y z weight, are needed"));
             }
             Row::Numbers(_, columns) => {
-                return Err(lines.wrong(format_args!("{columns} columns; x y z, or x y z weight, are needed")));
+                return Err(lines.wrong(format_args!(
+                    "{columns} columns; x y z, or x y z weight, are needed, or a first line of their names, as 'id x y z r'"
+                )));
             }
             Row::Wrong(what) => return Err(lines.wrong(what)),
         }
@@ -190,49 +235,60 @@ enum Row {
     Numbers([f64; 4], usize),
     /// A whole number alone.
     Count(u64),
-    /// The names of the columns, and what is wrong with them.
-    Names(Option<String>),
+    /// The names of the columns: what they are where these say it, or what is wrong with them.
+    Names(std::result::Result<Option<Columns>, String>),
     Wrong(String),
 }
 
-fn parse_row(line: &str) -> Row {
-    // With commas, an empty field is a missing number, not a wider gap.
-    if line.contains(',') {
-        parse_words(line, || line.split(',').map(str::trim))
-    } else {
-        parse_words(line, || line.split_ascii_whitespace())
+fn parse_row(line: &str, columns: Option<&Columns>) -> Row {
+    // With semicolons or commas, an empty field is a missing number, not a wider gap.
+    match [';', ','].into_iter().find(|&between| line.contains(between)) {
+        Some(between) => parse_words(line, columns, || line.split(between).map(str::trim)),
+        None => parse_words(line, columns, || line.split_ascii_whitespace()),
     }
 }
 
-fn parse_words<'a, I: Iterator<Item = &'a str>>(line: &str, words: impl Fn() -> I) -> Row {
+fn parse_words<'a, I: Iterator<Item = &'a str>>(line: &str, columns: Option<&Columns>, words: impl Fn() -> I) -> Row {
+    if let Some(columns) = columns {
+        // Only what the caller names comes before names and a count.
+        return match columns.read(words()) {
+            Ok(row) => Row::Numbers(row, columns.numbers()),
+            Err(_) if columns.count() == words().count() && words().all(|word| word.is_empty() || is_name(word)) => {
+                Row::Names(Ok(None))
+            }
+            Err(what) => line.parse().map_or(Row::Wrong(what), Row::Count),
+        };
+    }
     let mut row = [0.0; 4];
-    let mut columns = 0;
+    let mut found = 0;
     for word in words() {
         let x = match finite(word) {
             Ok(x) => x,
-            Err(_) if word.is_empty() => return Row::Wrong("a number is missing between commas".into()),
-            Err(_) if matches!(words().count(), 3 | 4) && words().all(is_name) => return parse_names(words()),
+            Err(_) if words().all(|word| word.is_empty() || is_name(word)) && words().any(is_name) => {
+                let names: Vec<&str> = words().collect();
+                match (Columns::of_first_line(&names), names.len()) {
+                    (Ok(None), 0..=2 | 5..) => return Row::Wrong(format!("'{}' is not a number", shown(names[0]))),
+                    (found, _) => return Row::Names(found),
+                }
+            }
+            Err(_) if word.is_empty() => {
+                return Row::Wrong(format!(
+                    "a number is missing between {}",
+                    if line.contains(';') { "semicolons" } else { "commas" }
+                ));
+            }
             Err(what) => return Row::Wrong(what),
         };
-        if let Some(place) = row.get_mut(columns) {
+        if let Some(place) = row.get_mut(found) {
             *place = x;
         }
-        columns += 1;
+        found += 1;
     }
     match line.parse::<u64>() {
-        Ok(n) if columns == 1 => Row::Count(n),
-        Err(_) if columns == 1 => Row::Wrong(format!("only '{}'; x y z, or x y z weight, are needed", shown(line))),
-        _ => Row::Numbers(row, columns),
+        Ok(n) if found == 1 => Row::Count(n),
+        Err(_) if found == 1 => Row::Wrong(format!("only '{}'; x y z, or x y z weight, are needed", shown(line))),
+        _ => Row::Numbers(row, found),
     }
-}
-
-/// Any names will do, but those of coordinates must not stand in another order than they are read in.
-fn parse_names<'a>(names: impl Iterator<Item = &'a str>) -> Row {
-    let moved = names.enumerate().find(|(k, name)| {
-        let name = name.trim_matches('"').to_lowercase();
-        ["x", "y", "z"].iter().position(|axis| *axis == name).is_some_and(|axis| axis != *k)
-    });
-    Row::Names(moved.map(|(k, name)| format!("column {} is '{}'; the order is x, y, z, weight", k + 1, shown(name))))
 }
 
 #[cfg(test)]
@@ -242,7 +298,7 @@ mod tests {
     use crate::ErrorKind;
 
     fn wrong(text: &str) -> String {
-        parse_text(text.as_bytes()).unwrap_err().to_string()
+        parse_text(text.as_bytes(), None).unwrap_err().to_string()
     }
 
     #[test]
@@ -251,15 +307,16 @@ mod tests {
         for text in [
             "1 -2 3e-5\n4 5 6\n",
             "1,-2,3e-5\n4, 5 ,6",
+            "1;-2;3e-5\n4; 5 ;6",
             "2\n1\t-2  3e-5\r\n\r\n4 5 6\r\n",
             "# sites\n\n  2  # of them\n1 -2 3e-5 # first\n4 5 6",
             "x,y,z\n1,-2,3e-5\n4,5,6\n",
             "\u{feff}\"X\", \"Y\", \"Z\"\r\n1,-2,3e-5\r\n4,5,6\r\n",
             "a b c\n1 -2 3e-5\n4 5 6\n",
         ] {
-            assert_eq!(parse_text(text.as_bytes()).unwrap(), three, "{text:?}");
+            assert_eq!(parse_text(text.as_bytes(), None).unwrap(), three, "{text:?}");
         }
-        let four = parse_text(&b"1 2 3 0.5\n4 5 6 -0.25\n"[..]).unwrap();
+        let four = parse_text(&b"1 2 3 0.5\n4 5 6 -0.25\n"[..], None).unwrap();
         assert_eq!(four.weights, [0.5, -0.25]);
     }
 
@@ -270,11 +327,16 @@ mod tests {
         assert_eq!(wrong("1 2 inf"), "line 1: 'inf' is not finite");
         assert_eq!(wrong("1 2 1e999"), "line 1: '1e999' is not finite");
         assert_eq!(wrong("1 2 3\n1 2 3 4\n"), "line 2: 4 columns, but line 1 has 3");
-        assert_eq!(wrong("1 2\n"), "line 1: 2 columns; x y z, or x y z weight, are needed");
-        assert_eq!(wrong("1 2 3 4 5\n"), "line 1: 5 columns; x y z, or x y z weight, are needed");
+        assert_eq!(
+            wrong("1 2\n"),
+            "line 1: 2 columns; x y z, or x y z weight, are needed, or a first line of their names, as 'id x y z r'"
+        );
+        assert_eq!(
+            wrong("1 2 3 4 5\n"),
+            "line 1: 5 columns; x y z, or x y z weight, are needed, or a first line of their names, as 'id x y z r'"
+        );
         assert_eq!(wrong("1,,3\n"), "line 1: a number is missing between commas");
         assert_eq!(wrong("0.5\n1 2 3"), "line 1: only '0.5'; x y z, or x y z weight, are needed");
-        assert_eq!(wrong("w,x,y,z\n1,2,3,4\n"), "line 1: column 2 is 'x'; the order is x, y, z, weight");
         assert_eq!(wrong("x y z\nx y z\n"), "line 2: names where numbers are needed");
         assert_eq!(wrong("1 2 3\nx y z\n"), "line 2: names where numbers are needed");
         assert_eq!(wrong("nan inf nan\n1 2 3\n"), "line 1: 'nan' is not finite");
@@ -293,7 +355,10 @@ mod tests {
         std::fs::write(&path, "# nothing\n0\n").unwrap();
         assert!(read_sites(&path).unwrap_err().to_string().starts_with(&format!("{}: no sites in it", path.display())));
         std::fs::write(&path, "1 2 3\n4 5\n").unwrap();
-        let expected = format!("{}: line 2: 2 columns; x y z, or x y z weight, are needed", path.display());
+        let expected = format!(
+            "{}: line 2: 2 columns; x y z, or x y z weight, are needed, or a first line of their names, as 'id x y z r'",
+            path.display()
+        );
         assert_eq!(read_sites(&path).unwrap_err().to_string(), expected);
         assert!(read_sites(&folder).unwrap_err().to_string().contains("no ending"));
     }

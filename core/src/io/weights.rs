@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::lines::{Lines, finite, is_name};
 use super::npy::{self, Array};
-use super::{WEIGHTS_ENDINGS, atomic, ending, open, output_ending};
+use super::{Form, WEIGHTS_ENDINGS, atomic, open, output_ending};
 use crate::{Error, Result, memory};
 
 /// Reads weights (length²), one for each site and in the order of the sites, by the file's ending.
@@ -13,14 +13,16 @@ use crate::{Error, Result, memory};
 /// * `.txt`, `.csv`: one number a line. Blank lines and `#` comments are skipped, and a name in the first line.
 /// * `.npy`: shape (N) or (N, 1), 32- or 64-bit floats.
 ///
+/// Text also with `.gz` after the ending (feature `packed`).
+///
 /// # Errors
 /// `Io` where the file cannot be read; `Input`, with file and line (or row), where something is no finite number, and where
 /// there is none.
 pub fn read_weights(path: impl AsRef<Path>) -> Result<Vec<f64>> {
     let path = path.as_ref();
-    let format = ending(path, WEIGHTS_ENDINGS)?;
+    let form = Form::of(path, WEIGHTS_ENDINGS)?;
     let (reader, length) = open(path)?;
-    parse(reader, length, format).map_err(|e| e.in_file(path))
+    parse(form.unpacked(reader), length, form.ending).map_err(|e| e.in_file(path))
 }
 
 /// Reads weights from the bytes of a file called `name`, as [`read_weights`] does.
@@ -29,7 +31,8 @@ pub fn read_weights(path: impl AsRef<Path>) -> Result<Vec<f64>> {
 /// `Input`, as [`read_weights`].
 pub fn parse_weights(bytes: &[u8], name: impl AsRef<Path>) -> Result<Vec<f64>> {
     let name = name.as_ref();
-    parse(bytes, bytes.len() as u64, ending(name, WEIGHTS_ENDINGS)?).map_err(|e| e.in_file(name))
+    let form = Form::of(name, WEIGHTS_ENDINGS)?;
+    parse(form.unpacked(bytes), bytes.len() as u64, form.ending).map_err(|e| e.in_file(name))
 }
 
 /// Writes weights (length²), by the file's ending, so that [`read_weights`] reads the same numbers. `-` is standard output, as text.

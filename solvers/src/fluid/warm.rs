@@ -43,16 +43,11 @@ mod tests {
 
     #[test]
     fn a_bisector_is_put_between_the_barycenters() {
-        let facets = Facets::new(FacetArrays {
-            offsets: vec![0, 1, 2],
-            neighbor: vec![1, 0],
-            area: vec![1.0; 2],
-            barycenter: vec![[0.0; 3]; 2],
-            distance: vec![0.01; 2],
-            second_moment: None,
-            boundary: vec![Boundary::default(); 2],
-        });
-        let facets = facets.unwrap();
+        let mut facets = FacetArrays::default();
+        (facets.offsets, facets.neighbor) = (vec![0, 1, 2], vec![1, 0]);
+        (facets.area, facets.barycenter, facets.distance) = (vec![1.0; 2], vec![[0.0; 3]; 2], vec![0.01; 2]);
+        facets.boundary = vec![Boundary::default(); 2];
+        let facets = Facets::new(facets).unwrap();
         let positions = [[0.0; 3], [0.01, 0.0, 0.0]];
         // Where along x the bisector is.
         let at = |w: &[f64]| (w[0] - w[1] + 0.01 * 0.01) / (2.0 * 0.01);

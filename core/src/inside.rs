@@ -1,14 +1,16 @@
-//! Which points are inside a domain: exact crossings of a vertical ray.
+//! Which points are inside a closed mesh: exact crossings of a vertical ray.
 
-use laguerre::Domain;
 use robust::{Coord, Coord3D, orient2d, orient3d};
+
+use crate::diagram::bounding_box;
 
 /// Triangles that a column of the grid holds on average, about: so that building costs no more than asking.
 const TRIANGLES_A_COLUMN: usize = 4;
 
-/// The domain's triangles, sorted into columns along z.
-pub(crate) struct InsideTest<'a> {
-    domain: &'a Domain,
+/// A mesh's triangles, sorted into columns along z.
+pub struct InsideTest<'a> {
+    vertices: &'a [[f64; 3]],
+    mesh: &'a [[u32; 3]],
     lo: [f64; 3],
     hi: [f64; 3],
     /// Columns along each of x and y.
@@ -19,11 +21,12 @@ pub(crate) struct InsideTest<'a> {
 }
 
 impl<'a> InsideTest<'a> {
-    pub(crate) fn new(domain: &'a Domain) -> Self {
-        let (lo, hi) = domain.bounding_box();
-        let count = domain.triangles().len();
+    /// For the triangles `mesh`, indices into `vertices`, of which there is one at least.
+    pub fn new(vertices: &'a [[f64; 3]], mesh: &'a [[u32; 3]]) -> Self {
+        let (lo, hi) = bounding_box(vertices);
+        let count = mesh.len();
         let columns = ((count / TRIANGLES_A_COLUMN) as f64).sqrt().ceil().clamp(1.0, 2048.0) as usize;
-        let mut test = Self { domain, lo, hi, columns, offsets: Vec::new(), triangles: Vec::new() };
+        let mut test = Self { vertices, mesh, lo, hi, columns, offsets: Vec::new(), triangles: Vec::new() };
         // A counting sort: how many in each column, where each begins, which.
         let mut offsets = vec![0; columns * columns + 1];
         for t in 0..count as u32 {
@@ -44,37 +47,55 @@ impl<'a> InsideTest<'a> {
         test
     }
 
-    /// Whether the domain's winding number about `p` is positive. The surface counts as inside, but for its vertical
-    /// parts, which the shift below puts on one side or the other.
-    ///
-    /// The ray from `p` in +z is moved by (ε, ε²) in x and y, ε infinitesimal, so that it meets no edge and no vertex: the
-    /// answer is exact for every `p`.
-    pub(crate) fn contains(&self, p: [f64; 3]) -> bool {
-        if (0..3).any(|k| p[k] < self.lo[k] || p[k] > self.hi[k]) {
-            return false;
-        }
-        let column = self.column(1, p[1]) * self.columns + self.column(0, p[0]);
+    /// Whether the mesh's winding number about `p` is positive. The surface counts as inside, but for its vertical
+    /// parts, which the shift of [`InsideTest::crossings`] puts on one side or the other.
+    pub fn contains(&self, p: [f64; 3]) -> bool {
         let mut winding = 0;
-        for &t in &self.triangles[self.offsets[column]..self.offsets[column + 1]] {
-            let [a, b, c] = self.corners(t);
-            let side = edge_side(a, b, p);
-            if side == 0 || side != edge_side(b, c, p) || side != edge_side(c, a, p) {
-                continue;
-            }
-            // Seen from above, the triangle is counterclockwise for side > 0; p is below its plane where orient3d > 0.
-            let height = f64::from(side) * orient3d(coord3(a), coord3(b), coord3(c), coord3(p));
-            if height == 0.0 {
-                return true;
-            }
-            if height > 0.0 {
-                winding += side;
+        for crossing in self.crossings(p) {
+            match crossing.height {
+                0 => return true,
+                height if height > 0 => winding += crossing.side,
+                _ => {}
             }
         }
         winding > 0
     }
 
+    /// Where the vertical line through `p` meets triangles. The line is moved by (ε, ε²) in x and y, ε infinitesimal, so that it meets no
+    /// edge and no vertex: exact for every `p`.
+    pub fn crossings(&self, p: [f64; 3]) -> impl Iterator<Item = Crossing> + '_ {
+        self.near(p).iter().filter_map(move |&t| {
+            let [a, b, c] = self.corners(t);
+            let side = edge_side(a, b, p);
+            if side == 0 || side != edge_side(b, c, p) || side != edge_side(c, a, p) {
+                return None;
+            }
+            // Seen from above, the triangle is counterclockwise for side > 0; p is below its plane where orient3d > 0.
+            let height = f64::from(side) * plane_side(a, b, c, p);
+            Some(Crossing { triangle: t, side, height: i32::from(height > 0.0) - i32::from(height < 0.0) })
+        })
+    }
+
+    /// The triangles that `p` may lie on: those with it in their plane and their box.
+    pub fn touching(&self, p: [f64; 3]) -> impl Iterator<Item = u32> + '_ {
+        self.near(p).iter().copied().filter(move |&t| {
+            let [a, b, c] = self.corners(t);
+            let spans = |k: usize| a[k].min(b[k]).min(c[k]) <= p[k] && p[k] <= a[k].max(b[k]).max(c[k]);
+            (0..3).all(spans) && plane_side(a, b, c, p) == 0.0
+        })
+    }
+
+    /// The triangles of the column of `p`, which hold all that the vertical line through it meets.
+    fn near(&self, p: [f64; 3]) -> &[u32] {
+        if (0..3).any(|k| p[k] < self.lo[k] || p[k] > self.hi[k]) {
+            return &[];
+        }
+        let column = self.column(1, p[1]) * self.columns + self.column(0, p[0]);
+        &self.triangles[self.offsets[column]..self.offsets[column + 1]]
+    }
+
     fn corners(&self, t: u32) -> [[f64; 3]; 3] {
-        self.domain.triangles()[t as usize].map(|i| self.domain.vertices()[i as usize])
+        self.mesh[t as usize].map(|i| self.vertices[i as usize])
     }
 
     /// The column of coordinate `x` along `axis`; monotone in `x`, so that a triangle's columns hold all its points.
@@ -97,6 +118,17 @@ impl<'a> InsideTest<'a> {
     }
 }
 
+/// A triangle that a vertical line meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing {
+    /// Its index.
+    pub triangle: u32,
+    /// 1 where it is counterclockwise seen from above, −1 where it is clockwise.
+    pub side: i32,
+    /// 1 where it is above the point, −1 below, 0 where the point is on it.
+    pub height: i32,
+}
+
 /// On which side of the edge from `a` to `b`, seen from above, the moved `p` is: 1 left, −1 right; 0 for a vertical edge.
 fn edge_side(a: [f64; 3], b: [f64; 3], p: [f64; 3]) -> i32 {
     let coord = |p: [f64; 3]| Coord { x: p[0], y: p[1] };
@@ -106,13 +138,16 @@ fn edge_side(a: [f64; 3], b: [f64; 3], p: [f64; 3]) -> i32 {
     deciding.map_or(0, |x| if x > 0.0 { 1 } else { -1 })
 }
 
-fn coord3(p: [f64; 3]) -> Coord3D<f64> {
-    Coord3D { x: p[0], y: p[1], z: p[2] }
+/// Positive where `p` is on the side of the plane from which the triangle is seen clockwise, 0 where it is on the plane.
+pub(crate) fn plane_side(a: [f64; 3], b: [f64; 3], c: [f64; 3], p: [f64; 3]) -> f64 {
+    let [a, b, c, p] = [a, b, c, p].map(|[x, y, z]| Coord3D { x, y, z });
+    orient3d(a, b, c, p)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Domain;
 
     /// The cube [0, 1]³, its faces cut along diagonals.
     fn cube() -> Domain {
@@ -126,7 +161,7 @@ mod tests {
     #[test]
     fn rays_through_edges_and_vertices_are_decided() {
         let domain = cube();
-        let test = InsideTest::new(&domain);
+        let test = InsideTest::new(domain.vertices(), domain.triangles());
         // Every point of this lattice stands under edges, diagonals or vertices of the cube, or on them.
         for (x, y, z) in (0..9 * 9 * 9).map(|i| (i % 9, i / 9 % 9, i / 81)) {
             let p = [x, y, z].map(|k| f64::from(k - 2) / 4.0);
@@ -140,8 +175,8 @@ mod tests {
 
     #[test]
     fn as_many_points_are_inside_as_the_volume_says() {
-        let domain = laguerre::shapes::swan().domain();
-        let test = InsideTest::new(&domain);
+        let domain = crate::shapes::swan().domain();
+        let test = InsideTest::new(domain.vertices(), domain.triangles());
         let (lo, hi) = domain.bounding_box();
         // A lattice whose spacing has no relation to the mesh: the share of points inside is that of the volume, but for the
         // surface's share of voxels, of random sign.

@@ -13,6 +13,7 @@ Of points at one place, or nearer than the container's frame can tell apart, one
 from ._backend import Backend, Device, devices
 from ._cells import Boundary, Cells, Diagram, Facets, Status, cells
 from ._container import Box, Domain
+from ._fluid import Flow, fluid, scene
 from ._laguerre import __version__
 from ._solvers import Relaxation, Transport, lloyd, transport
 
@@ -25,12 +26,15 @@ __all__ = [
     "Diagram",
     "Domain",
     "Facets",
+    "Flow",
     "Relaxation",
     "Status",
     "Transport",
     "__version__",
     "cells",
     "devices",
+    "fluid",
     "lloyd",
+    "scene",
     "transport",
 ]

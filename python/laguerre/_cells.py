@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from ._backend import Backend, opened
 from ._container import Box, Container, Domain, inner, taken
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     import pyvista
     import scipy.sparse
@@ -111,6 +111,11 @@ class Cells:
         self.status: NDArray[np.uint8] = found["status"]
         """(N,), of :class:`Status`."""
 
+    @property
+    def domain(self) -> Domain | Box | None:
+        """What they are cut by."""
+        return self._given.container
+
     def _asked(self, name: str, option: str) -> Any:
         if name not in self._found:
             raise ValueError(f"these cells were evaluated without: ask laguerre.cells for {option}")
@@ -138,6 +143,43 @@ class Cells:
         """Where facets were asked for: each cell's piece of the boundary."""
         area = self._asked("boundary_area", "facets=True")
         return Boundary(area, self._found["boundary_centroid"], self._found["boundary_vector_area"])
+
+    def integrate(self, function: Callable[[NDArray[np.float64]], Any], degree: int = 3) -> NDArray[np.float64]:
+        """The integral of a function over each cell, (N,), or (N, C) of one that has C values (its unit times length cubed).
+
+        ``function`` is given points, (K, 3), thousands at once, and returns (K,) or (K, C) numbers; what it raises is raised. ``degree``, 31 at most, is
+        that of the polynomials that are integrated exactly but for rounding (``polynomial=`` of :func:`cells` needs no calls): each cell has some fifty
+        tetrahedra of ``(degree // 2 + 1)**3`` points. Of cells that a domain cuts, pieces that reach beyond it are added and subtracted: the function is
+        asked for in the whole box around the domain, up to half of its extent on every side, and should be smooth at its surface.
+
+        The cells are computed once more, and once for each value, on the CPU. The result does not depend on the number of threads; it needs memory for a
+        batch of points a thread, some megabytes. One more call, with one point, tells how many values there are.
+        """
+        given = self._given
+        if not callable(function):
+            raise ValueError(f"function: a function of points is needed, this is {function!r}")
+        if not isinstance(degree, (int, np.integer)) or degree < 0:
+            raise ValueError(f"degree {degree!r}: a whole number from 0 to 31 is needed")
+        if given.backend.name != "cpu":
+            given = replace(given, backend=opened("cpu", None, "f64", None))
+        middle = np.zeros((1, 3))
+        if isinstance(given.container, Domain):
+            middle[0] = np.mean(given.container.bounds, axis=0)
+        elif given.container is not None:
+            middle[0] = (given.container.lo + given.container.hi) / 2
+        first = _values(function, middle)
+
+        def values(points: NDArray[np.float64]) -> NDArray[np.float64]:
+            found = _values(function, points)
+            if found.shape[1:] != first.shape[1:]:
+                raise ValueError(f"function: for {len(points)} points it returned shape {found.shape}, for 1 point {first.shape}")
+            return np.ascontiguousarray(found.reshape(len(points), -1))
+
+        columns = first.size
+        found = _laguerre.integrate(
+            given.backend, given.points, given.weights, inner(given.container), values, int(degree), columns, self._epsilon
+        )
+        return frozen(found["integral"].reshape(-1, *first.shape[1:]))
 
     def __len__(self) -> int:
         return len(self.volume)
@@ -224,6 +266,16 @@ class Cells:
         blocks = (values.reshape(-1, *shape), columns.astype(np.int64), offsets.view(np.int64))
         n = len(self)
         return scipy.sparse.csr_array(scipy.sparse.bsr_array(blocks, shape=(n * shape[0], n * shape[1])))
+
+
+def _values(function: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a function returns for points, as doubles."""
+    found = np.asarray(function(points))
+    if found.dtype.kind not in "fiub":
+        raise ValueError(f"function: real numbers are needed, it returned {found.dtype}")
+    if found.ndim not in (1, 2) or len(found) != len(points):
+        raise ValueError(f"function: for points of shape {points.shape} it has to return ({len(points)},) or ({len(points)}, C), not {found.shape}")
+    return found.astype(float, copy=False)
 
 
 def _matrices(packed: NDArray[np.float64] | None, option: str) -> NDArray[np.float64]:

@@ -58,6 +58,16 @@ def evaluate(
     polynomial: Any,
     epsilon: float | None,
 ) -> dict[str, Any]: ...
+def integrate(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    function: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    degree: int,
+    columns: int,
+    epsilon: float | None,
+) -> dict[str, Any]: ...
 def jacobian(
     backend: Backend,
     points: NDArray[np.float64],
@@ -88,3 +98,19 @@ def transport(
     tolerance: float,
     callback: Callable[[dict[str, float]], Any] | None,
 ) -> dict[str, Any]: ...
+def fluid(
+    backend: Backend,
+    points: NDArray[np.float64],
+    container: Any,
+    velocities: NDArray[np.float64],
+    densities: NDArray[np.float64],
+    epsilon: float | None,
+    viscosity: float,
+    gravity: list[float],
+    shake: tuple[list[float], float, float] | None,
+    time_step: float | None,
+    before: Any,
+    steps: int,
+    callback: Callable[[dict[str, Any]], Any] | None,
+) -> dict[str, Any]: ...
+def scene(name: str, count: int, centers: NDArray[np.float64] | None, container: Any, gravity: float | None) -> dict[str, Any]: ...

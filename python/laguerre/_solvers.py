@@ -79,7 +79,7 @@ def lloyd(
     ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far) after each iteration, the start included; a true answer ends it
     with what there is. ``options`` are those of :class:`Diagram`.
     """
-    _check(iterations, callback)
+    check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     found = _laguerre.lloyd(
         given.backend, given.points, given.weights, inner(given.container), method, iterations, tolerance, callback
@@ -108,7 +108,7 @@ def transport(
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone) after each step, the start included; a true answer
     ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
-    _check(iterations, callback)
+    check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
     rho = None if density is None else (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
@@ -121,8 +121,9 @@ def transport(
     return Transport(cells=Cells(given, cells), **found)
 
 
-def _check(iterations: int, callback: Any) -> None:
-    if iterations < 0:
-        raise ValueError(f"{iterations} iterations: a number from 0 is needed")
+def check(count: int, callback: Any, what: str = "iterations") -> None:
+    """Refuses what no solver can take."""
+    if count < 0:
+        raise ValueError(f"{count} {what}: a number from 0 is needed")
     if callback is not None and not callable(callback):
         raise ValueError(f"callback: a function is needed, this is {callback!r}")

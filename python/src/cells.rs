@@ -96,12 +96,15 @@ impl Backend {
     }
 }
 
-/// The OpenCL devices that are there: name, platform, whether it is a GPU, and why it cannot be used, if so.
+/// Name, platform, whether it is a GPU, and why it cannot be used, if so.
+type Device = (String, String, bool, Option<String>);
+
+/// The OpenCL devices that are there.
 #[pyfunction]
-pub(crate) fn devices() -> PyResult<Vec<(String, String, bool, Option<String>)>> {
+pub(crate) fn devices() -> Vec<Device> {
     // Where there is no OpenCL there are none.
     let found = laguerre::devices().unwrap_or_default();
-    Ok(found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect())
+    found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect()
 }
 
 /// Terms of a polynomial: exponents and coefficient.
@@ -231,7 +234,7 @@ fn array<'py, T: Element, D: Dimension>(
     name: &str,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let missing = || PyValueError::new_err(format!("the cells have no '{name}': ask for facet_second_moments"));
-    Ok(cells.get_item(name)?.ok_or_else(missing)?.extract()?)
+    cells.get_item(name)?.ok_or_else(missing)?.extract()
 }
 
 fn column<T: Element + Copy>(cells: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {

@@ -1,8 +1,11 @@
 //! What the Python package `laguerre` is made of: arrays in, arrays out. How it looks to its users is in `laguerre/`.
 
+mod callback;
 mod cells;
 mod container;
+mod fluid;
 mod geometry;
+mod integral;
 mod run;
 mod solvers;
 
@@ -18,7 +21,11 @@ mod _laguerre {
     #[pymodule_export]
     use super::container::Domain;
     #[pymodule_export]
+    use super::fluid::{fluid, scene};
+    #[pymodule_export]
     use super::geometry::Geometry;
+    #[pymodule_export]
+    use super::integral::integrate;
     #[pymodule_export]
     use super::solvers::{lloyd, transport};
 }

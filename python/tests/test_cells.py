@@ -90,6 +90,44 @@ def test_polynomials_and_second_moments_agree(thousand):
     assert of_xx == pytest.approx(expected, abs=1e-16)
 
 
+def test_functions_are_integrated_in_batches(thousand):
+    sizes = []
+
+    def cubic(x):
+        sizes.append(len(x))
+        return np.stack([x[:, 0] ** 2 * x[:, 1] - x[:, 2], np.ones(len(x))], axis=1)
+
+    for domain in (CUBE, lg.Domain(*TETRAHEDRON)):
+        exact = lg.cells(thousand.points, thousand.weights, domain=domain, polynomial={(2, 1, 0): 1.0, (0, 0, 1): -1.0})
+        found = exact.integrate(cubic, 3)
+        assert found.shape == (1000, 2)
+        assert found[:, 0] == pytest.approx(exact.integral, abs=1e-15, rel=1e-12)
+        assert found[:, 1] == pytest.approx(exact.volume, abs=1e-15, rel=1e-12)
+        # One column alone, on any number of threads: the same bits.
+        for threads in (1, 2):
+            again = lg.cells(thousand.points, thousand.weights, domain=domain, threads=threads)
+            assert np.array_equal(again.integrate(lambda x: cubic(x)[:, 0]), found[:, 0])
+    assert max(sizes) > 10_000 and len(sizes) < 6 * 1000 / 50
+    # What is no polynomial converges.
+    smooth = [lg.cells(thousand.points, domain=CUBE).integrate(lambda x: np.exp(x.sum(axis=1)), degree).sum() for degree in (1, 7)]
+    assert abs(smooth[0] / np.expm1(1.0) ** 3 - 1) < 1e-3 and smooth[1] == pytest.approx(np.expm1(1.0) ** 3, rel=1e-11)
+
+
+def test_what_a_function_raises_is_raised():
+    cells, calls = lg.cells(white(5000), domain=CUBE, threads=2), []
+
+    def fails(x):
+        calls.append(len(x))
+        if len(calls) > 2:
+            raise LookupError("enough")
+        return x[:, 0]
+
+    with pytest.raises(LookupError, match="enough"):
+        cells.integrate(fails)
+    # Another thread may have been calling it meanwhile.
+    assert len(calls) <= 4
+
+
 def test_radii_are_roots_of_weights():
     radii = 0.05 * np.random.default_rng(8).random(200)
     by_radii = lg.cells(white(200), radii=radii, domain=CUBE)
@@ -193,6 +231,13 @@ def test_meshes_of_others_are_domains():
         (lambda: lg.Domain(TETRAHEDRON[0], TETRAHEDRON[1] * 1.0), "integers"),
         (lambda: lg.Domain("cube"), "PyVista or trimesh"),
         (lambda: lg.cells(white(3), domain=CUBE).facets, "facets=True"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(3), "a function of points"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 32), "degree 32 is beyond 31"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 1.5), "degree 1.5: a whole number"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: 1.0), r"it has to return \(1,\) or \(1, C\)"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, :2] if len(x) > 1 else x), "for 1 point"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0] * 1j), "real numbers are needed"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: np.full(len(x), np.nan)), "is not finite"),
         (lambda: lg.cells(white(3), domain=CUBE).second_moment, "second_moments=True"),
         (lambda: lg.cells(white(3), domain=CUBE).to_pyvista(), "geometry=True"),
         (lambda: lg.cells(white(3), domain=CUBE, backend="gpu"), "'auto', 'cpu' or 'ocl'"),

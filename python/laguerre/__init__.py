@@ -15,6 +15,7 @@ from ._cells import Boundary, Cells, Diagram, Facets, Status, cells
 from ._container import Box, Domain
 from ._fluid import Flow, fluid, scene
 from ._laguerre import __version__
+from ._page import page
 from ._solvers import Relaxation, Transport, lloyd, transport
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "devices",
     "fluid",
     "lloyd",
+    "page",
     "scene",
     "transport",
 ]

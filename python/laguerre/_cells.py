@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import os
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -38,9 +41,9 @@ class Given:
     container: Domain | Box | None
     backend: Backend
 
-    def evaluate(self, facets: bool, seconds: bool, facet_seconds: bool, geometry: bool, terms: Any, epsilon: Any) -> dict[str, Any]:
+    def evaluate(self, facets: bool, seconds: bool, facet_seconds: bool, geometry: bool, terms: Any, epsilon: Any, solids: bool = False) -> dict[str, Any]:
         found = _laguerre.evaluate(
-            self.backend, self.points, self.weights, inner(self.container), facets, seconds, facet_seconds, geometry, terms, epsilon
+            self.backend, self.points, self.weights, inner(self.container), facets, seconds, facet_seconds, geometry, solids, terms, epsilon
         )
         return freeze(found)
 
@@ -230,6 +233,37 @@ class Cells:
         points = self._jacobian("mass", "points").T @ by_volume + self.centroid_jacobian_points().T @ by_centroid
         weights = self._jacobian("mass", "weights").T @ by_volume + self.centroid_jacobian_weights().T @ by_centroid
         return points.reshape(-1, 3), weights
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the cells as the file's ending says, in the program's forms, whole or not at all.
+
+        ``.csv`` has a row for each, ``.npz`` the arrays; ``.vtu`` (solids, for ParaView), ``.vtp``, ``.ply`` and ``.glb`` have the cells as the domain cuts
+        them, ``.html`` a page for a browser that shows them, all in the one file. Without ``geometry=True``, and for ``.vtu``, these are computed once more.
+        """
+        given, found, ending = self._given, self._found, os.path.splitext(os.fspath(path))[1].lower()
+        if ending == ".npz":
+            return self._save_npz(os.fspath(path))
+        if ending == ".vtu" or (ending in (".vtp", ".ply", ".glb", ".html", ".htm") and "geometry" not in found):
+            found = {**found, "geometry": given.evaluate(False, False, False, True, None, self._epsilon, ending == ".vtu")["geometry"]}
+        _laguerre.save(given.backend, given.points, given.weights, inner(given.container), found, path)
+
+    def _save_npz(self, path: str) -> None:
+        found = {"volume": self.volume, "barycenter": self.centroid, "status": self.status}
+        if "offsets" in self._found:
+            found["facets"] = np.diff(self.facets.offsets) + (self.boundary.area > 0)
+        found.update({name: getattr(self, name) for name in ("integral", "second_moment") if name in self._found})
+        folder = os.path.dirname(path) or "."
+        if not os.path.isdir(folder):
+            raise FileNotFoundError(errno.ENOENT, f"{path}: there is no folder '{folder}'; make it first")
+        # Whole or not at all.
+        part = f"{path}.{os.getpid()}.part"
+        try:
+            with open(part, "wb") as file:
+                np.savez(file, **found)
+            os.replace(part, path)
+        finally:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(part)
 
     def to_pyvista(self) -> pyvista.PolyData:
         """Where geometry was asked for: the faces of all cells, with ``volume``, ``site`` and ``beyond`` (the point on the other side, -1 for the

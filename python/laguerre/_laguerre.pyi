@@ -55,6 +55,7 @@ def evaluate(
     second_moments: bool,
     facet_second_moments: bool,
     geometry: bool,
+    solids: bool,
     polynomial: Any,
     epsilon: float | None,
 ) -> dict[str, Any]: ...
@@ -85,7 +86,7 @@ def lloyd(
     method: str,
     iterations: int,
     tolerance: float,
-    callback: Callable[[dict[str, float]], Any] | None,
+    callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
 def transport(
     backend: Backend,
@@ -96,7 +97,7 @@ def transport(
     density: Any,
     iterations: int,
     tolerance: float,
-    callback: Callable[[dict[str, float]], Any] | None,
+    callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
 def fluid(
     backend: Backend,
@@ -114,3 +115,19 @@ def fluid(
     callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
 def scene(name: str, count: int, centers: NDArray[np.float64] | None, container: Any, gravity: float | None) -> dict[str, Any]: ...
+def save(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    cells: dict[str, Any],
+    path: str | os.PathLike[str],
+) -> None: ...
+def page(
+    backend: Backend,
+    container: Any,
+    states: list[tuple[str, NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None]],
+    has_speeds: bool,
+    title: str,
+    path: str | os.PathLike[str],
+) -> None: ...

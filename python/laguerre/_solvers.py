@@ -71,13 +71,13 @@ def lloyd(
     method: str = "lbfgs",
     iterations: int = 100,
     tolerance: float = 1e-3,
-    callback: Callable[[dict[str, float]], Any] | None = None,
+    callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Relaxation:
     """Moves points down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``).
 
-    ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far) after each iteration, the start included; a true answer ends it
-    with what there is. ``options`` are those of :class:`Diagram`.
+    ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far), and ``points`` and ``weights``, after each iteration, the start
+    included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
@@ -99,14 +99,14 @@ def transport(
     density: tuple[float, ArrayLike] | None = None,
     iterations: int = 100,
     tolerance: float = 1e-9,
-    callback: Callable[[dict[str, float]], Any] | None = None,
+    callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
     ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``; without, it is 1. The masses sum to the domain's.
-    ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone) after each step, the start included; a true answer
-    ends it with what there is. ``options`` are those of :class:`Diagram`.
+    ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
+    start included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given

@@ -3,8 +3,12 @@
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
+use laguerre_page::Remembering;
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+use crate::container::table;
 
 /// A callback, and what it raised.
 pub(crate) struct Callback {
@@ -17,9 +21,17 @@ impl Callback {
         Self { function, raised: Mutex::new(None) }
     }
 
-    /// Calls it with numbers by their names.
-    pub(crate) fn call(&self, numbers: &[(&str, f64)]) -> ControlFlow<()> {
-        self.call_with(|_, told| numbers.iter().try_for_each(|(name, number)| told.set_item(name, number)))
+    /// Calls it with numbers by their names, and the points and weights of the diagram that they are of.
+    pub(crate) fn call(&self, numbers: &[(&str, f64)], backend: &Remembering<'_>) -> ControlFlow<()> {
+        self.call_with(|py, told| {
+            numbers.iter().try_for_each(|(name, number)| told.set_item(name, number))?;
+            if let Some(moment) = backend.moment(String::new(), 0) {
+                told.set_item("points", table(py, moment.positions)?)?;
+                let weights = (!moment.weights.is_empty()).then(|| PyArray1::from_vec(py, moment.weights));
+                told.set_item("weights", weights)?;
+            }
+            Ok(())
+        })
     }
 
     /// Calls it with what `tell` puts into a dictionary; what it raises, or a true answer, ends the solver.

@@ -112,7 +112,7 @@ type Terms = Vec<([u32; 3], f64)>;
 
 /// The cells of a diagram, as a dictionary of arrays.
 #[pyfunction]
-#[pyo3(signature = (backend, points, weights, container, facets, second_moments, facet_second_moments, geometry, polynomial, epsilon))]
+#[pyo3(signature = (backend, points, weights, container, facets, second_moments, facet_second_moments, geometry, solids, polynomial, epsilon))]
 #[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
 pub(crate) fn evaluate<'py>(
     py: Python<'py>,
@@ -124,6 +124,7 @@ pub(crate) fn evaluate<'py>(
     second_moments: bool,
     facet_second_moments: bool,
     geometry: bool,
+    solids: bool,
     polynomial: Option<(Terms, [f64; 3])>,
     epsilon: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -132,7 +133,8 @@ pub(crate) fn evaluate<'py>(
     request.facets = facets || facet_second_moments;
     request.second_moments = second_moments;
     request.facet_second_moments = facet_second_moments;
-    request.geometry = geometry;
+    request.geometry = geometry || solids;
+    request.solids = solids;
     request.epsilon = epsilon;
     if let Some((terms, origin)) = polynomial {
         request = request.with_integral(Integrand::polynomial(origin, &terms).map_err(raised)?);
@@ -194,7 +196,7 @@ pub(crate) fn jacobian<'py>(
 ) -> PyResult<Sparse<'py>> {
     let threads = backend.get()?.info().threads;
     let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
-    let output = output(cells)?;
+    let output = output(cells, false)?;
     let derivatives = Derivatives::new(&diagram, &output, &Density::Uniform).map_err(raised)?;
     let derivatives = &derivatives;
     match (of, by) {
@@ -207,23 +209,43 @@ pub(crate) fn jacobian<'py>(
     }
 }
 
-/// A dictionary of arrays as the output that it came from, but for what derivatives do not ask for.
-fn output(cells: &Bound<'_, PyDict>) -> PyResult<Output> {
-    let facets = FacetArrays {
-        offsets: column(cells, "offsets")?,
-        neighbor: column(cells, "neighbor")?,
-        area: column(cells, "area")?,
-        barycenter: rows(cells, "facet_centroid")?,
-        distance: column(cells, "distance")?,
-        second_moment: Some(rows(cells, "facet_second_moment")?),
-        boundary: vec![Boundary::default(); column::<f64>(cells, "volume")?.len()],
+/// A dictionary of arrays as the output that it came from, with its geometry if need be.
+pub(crate) fn output(cells: &Bound<'_, PyDict>, with_geometry: bool) -> PyResult<Output> {
+    let has = |name| cells.contains(name);
+    let facets = || -> PyResult<Facets> {
+        let areas = column(cells, "boundary_area")?;
+        let (centroids, vectors) = (rows(cells, "boundary_centroid")?, rows(cells, "boundary_vector_area")?);
+        let pieces = areas.into_iter().zip(centroids).zip(vectors);
+        let boundary =
+            pieces.map(|((area, barycenter), vector_area)| Boundary { area, barycenter, vector_area, flux: 0.0 });
+        Facets::new(FacetArrays {
+            offsets: column(cells, "offsets")?,
+            neighbor: column(cells, "neighbor")?,
+            area: column(cells, "area")?,
+            barycenter: rows(cells, "facet_centroid")?,
+            distance: column(cells, "distance")?,
+            second_moment: has("facet_second_moment")?.then(|| rows(cells, "facet_second_moment")).transpose()?,
+            boundary: boundary.collect(),
+        })
+        .map_err(raised)
     };
-    let status: Vec<u8> = column(cells, "status")?;
+    let status = |number| match number {
+        0 => CellStatus::Complete,
+        1 => CellStatus::Empty,
+        _ => CellStatus::Uncertified,
+    };
+    let geometry = || -> PyResult<Option<_>> {
+        let Some(geometry) = cells.get_item("geometry")? else { return Ok(None) };
+        Ok(Some(geometry.cast::<Geometry>()?.get().0.clone()))
+    };
     let arrays = OutputArrays {
-        status: status.into_iter().map(|n| if n == 1 { CellStatus::Empty } else { CellStatus::Complete }).collect(),
+        status: column::<u8>(cells, "status")?.into_iter().map(status).collect(),
         volume: column(cells, "volume")?,
         barycenter: rows(cells, "centroid")?,
-        facets: Some(Facets::new(facets).map_err(raised)?),
+        second_moment: has("second_moment")?.then(|| rows(cells, "second_moment")).transpose()?,
+        integral: has("integral")?.then(|| column(cells, "integral")).transpose()?,
+        facets: has("offsets")?.then(facets).transpose()?,
+        geometry: if with_geometry { geometry()? } else { None },
         ..OutputArrays::default()
     };
     Output::new(arrays).map_err(raised)
@@ -233,7 +255,7 @@ fn array<'py, T: Element, D: Dimension>(
     cells: &Bound<'py, PyDict>,
     name: &str,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
-    let missing = || PyValueError::new_err(format!("the cells have no '{name}': ask for facet_second_moments"));
+    let missing = || PyValueError::new_err(format!("the cells have no '{name}'"));
     cells.get_item(name)?.ok_or_else(missing)?.extract()
 }
 

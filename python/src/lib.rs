@@ -7,6 +7,7 @@ mod fluid;
 mod geometry;
 mod integral;
 mod run;
+mod save;
 mod solvers;
 
 use pyo3::prelude::*;
@@ -26,6 +27,8 @@ mod _laguerre {
     use super::geometry::Geometry;
     #[pymodule_export]
     use super::integral::integrate;
+    #[pymodule_export]
+    use super::save::{page, save};
     #[pymodule_export]
     use super::solvers::{lloyd, transport};
 }

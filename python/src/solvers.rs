@@ -4,6 +4,7 @@ use laguerre::Result;
 use laguerre::solvers::density::Density;
 use laguerre::solvers::lloyd::{self as relaxation, Method};
 use laguerre::solvers::transport::{self as solution, End};
+use laguerre_page::Remembering;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -39,8 +40,11 @@ pub(crate) fn lloyd<'py>(
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| {
         let backend = Stoppable { backend, stop };
+        let backend = Remembering::new(&backend, diagram.positions().len());
         let relaxed = relaxation::relax(&backend, &mut diagram, &options, &mut |done| {
-            told.call(&[("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)])
+            let numbers =
+                [("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)];
+            told.call(&numbers, &backend)
         })?;
         Ok((relaxed, diagram))
     });
@@ -82,8 +86,10 @@ pub(crate) fn transport<'py>(
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| -> Result<_> {
         let backend = Stoppable { backend, stop };
+        let backend = Remembering::new(&backend, diagram.positions().len());
         solution::solve(&backend, &mut diagram, &masses, &options, &mut |done| {
-            told.call(&[("step", done.number as f64), ("residual", done.residual), ("fraction", done.step)])
+            let numbers = [("step", done.number as f64), ("residual", done.residual), ("fraction", done.step)];
+            told.call(&numbers, &backend)
         })
     });
     let solved = callback.or_raise(done)?;

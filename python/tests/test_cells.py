@@ -245,6 +245,9 @@ def test_meshes_of_others_are_domains():
         (lambda: lg.cells(white(3), domain=CUBE, threads=0), "at least one"),
         (lambda: lg.lloyd(white(3), domain=CUBE, method="newton"), "'lbfgs' or 'lloyd'"),
         (lambda: lg.lloyd(white(3), domain=CUBE, iterations=-1), "a number from 0"),
+        (lambda: lg.page("none.html", []), "none is given"),
+        (lambda: lg.page("cells.csv", [{"points": white(3)}]), r"\.html"),
+        (lambda: lg.page("cells.html", [{"points": white(3)}, {"points": white(2)}]), r"points: an array of shape \(3, 3\)"),
         (lambda: lg.lloyd(white(3), domain=CUBE, callback=3), "a function is needed"),
         (lambda: lg.transport(white(3), domain=CUBE, masses=[[1.0]] * 3), r"masses: an array of shape \(3,\)"),
         (lambda: lg.transport(white(3), domain=CUBE, masses=[1.0] * 3), "multiply each by"),
@@ -254,6 +257,37 @@ def test_meshes_of_others_are_domains():
 def test_what_is_wrong_is_said(call, said):
     with pytest.raises(ValueError, match=said):
         call()
+
+
+def test_cells_are_saved_in_the_programs_forms(thousand, tmp_path):
+    thousand.save(tmp_path / "cells.csv")
+    rows = np.loadtxt(tmp_path / "cells.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(rows[:, 1], thousand.volume) and np.array_equal(rows[:, 2:5], thousand.centroid, equal_nan=True)
+    thousand.save(tmp_path / "cells.npz")
+    with np.load(tmp_path / "cells.npz") as arrays:
+        assert np.array_equal(arrays["volume"], thousand.volume) and np.array_equal(arrays["second_moment"], thousand.second_moment)
+        assert np.array_equal(arrays["facets"], rows[:, 5])
+    with pytest.raises(ValueError, match=r"cells\.xyz.*\.vtu"):
+        thousand.save(tmp_path / "cells.xyz")
+    for name in ("none/cells.csv", "none/cells.npz"):
+        with pytest.raises(OSError, match="there is no folder"):
+            thousand.save(tmp_path / name)
+    assert {path.name for path in tmp_path.iterdir()} == {"cells.csv", "cells.npz"}
+
+
+def test_geometry_is_saved_whether_it_was_asked_for_or_not(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    domain = lg.Domain(*TETRAHEDRON)
+    asked, not_asked = (lg.cells(white(50), domain=domain, geometry=geometry) for geometry in (True, False))
+    for ending in (".vtu", ".vtp", ".ply", ".glb", ".html"):
+        for cells in (asked, not_asked):
+            cells.save(tmp_path / f"{cells is asked}{ending}")
+        assert (tmp_path / f"True{ending}").read_bytes() == (tmp_path / f"False{ending}").read_bytes()
+    assert pyvista.read(tmp_path / "True.vtp").n_cells == asked.to_pyvista().n_cells
+    solids = pyvista.read(tmp_path / "True.vtu")
+    assert np.array_equal(np.unique(solids.cell_data["volume"]), np.unique(asked.volume[asked.status == 0]))
+    page = (tmp_path / "True.html").read_text()
+    assert "<title>50 cells</title>" in page.replace("\n", "") and 'id="block-0"' in page
 
 
 def test_files_that_are_not_there_are_errors_of_the_system():

@@ -9,8 +9,8 @@ use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::search::Search;
 use laguerre_core::{
-    Backend, BackendInfo, Capabilities, CellStatus, Error, ErrorKind, Observer, Output, PowerDiagram, Report, Request,
-    Result, Watched,
+    Backend, BackendInfo, Capabilities, CellStatus, Error, ErrorKind, Integrand, Observer, Output, PowerDiagram,
+    Report, Request, Result, Watched,
 };
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -41,6 +41,8 @@ struct ChunkResult {
     /// Number of facets of each cell.
     facet_counts: Vec<u32>,
     shapes: Shapes,
+    /// Of a function of several columns: of each but the first the integral over each cell.
+    columns: Vec<Vec<f64>>,
     failed: Vec<u32>,
     exact_cells: usize,
     visited: u32,
@@ -52,6 +54,21 @@ struct Worker<'a> {
     store: CpuStore<'a>,
     search: Search<'a>,
     shaper: Shaper,
+}
+
+impl<'a> Worker<'a> {
+    fn new(
+        room: Capacities,
+        prepared: &'a Prepared,
+        integrand: Option<&'a FramedIntegrand>,
+        request: &Request,
+    ) -> Self {
+        Self {
+            store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
+            search: Search::new(prepared),
+            shaper: Shaper::new(request.solids()),
+        }
+    }
 }
 
 impl Cpu {
@@ -110,6 +127,9 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
                     assembler.add(cell, result.facets.row(begin, end));
                     begin = end;
                 }
+                for (column, integrals) in result.columns.iter().enumerate() {
+                    assembler.add_column(column + 1, &result.cells, integrals);
+                }
                 shapes.push(result.shapes);
                 outcome.failed.extend(result.failed);
                 outcome.neighbors = outcome.neighbors.max(result.visited);
@@ -132,22 +152,45 @@ fn run_chunks(
     integrand: Option<&FramedIntegrand>,
     request: &Watched<'_>,
 ) -> Result<Vec<ChunkResult>> {
-    let new_worker = || Worker {
-        store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
-        search: Search::new(prepared),
-        shaper: Shaper::new(request.solids()),
-    };
+    if let Some(batch) = request.integral().and_then(Integrand::batch) {
+        return cells.par_chunks(batch.min(CHUNK)).map(|batch| run_batch(room, batch, prepared, request)).collect();
+    }
     cells
         .par_chunks(CHUNK)
-        .map_init(new_worker, |worker, chunk| {
-            let mut result = ChunkResult::default();
-            for &site in chunk {
-                run_cell(worker, site, prepared, request, &mut result)?;
-            }
-            request.advance(result.cells.len())?;
-            Ok(result)
-        })
+        .map_init(
+            || Worker::new(room, prepared, integrand, request),
+            |worker, chunk| {
+                let result = run_chunk(worker, chunk, prepared, request)?;
+                request.advance(result.cells.len())?;
+                Ok(result)
+            },
+        )
         .collect()
+}
+
+/// The cells of a batch, whose function is called once for all of them: as often as it has columns, and once more to learn its places.
+fn run_batch(room: Capacities, cells: &[u32], prepared: &Prepared, request: &Watched<'_>) -> Result<ChunkResult> {
+    let taped = request.integral().and_then(|f| f.taped(&prepared.container.frame));
+    let Some((integrand, tape)) = &taped else { return Ok(ChunkResult::default()) };
+    let run = || run_chunk(&mut Worker::new(room, prepared, Some(integrand), request), cells, prepared, request);
+    run()?;
+    tape.call()?;
+    tape.turn_to(0);
+    let mut result = run()?;
+    for column in 1..request.integral().map_or(1, Integrand::columns) {
+        tape.turn_to(column);
+        result.columns.push(run()?.cells.iter().map(|cell| cell.sums.integral).collect());
+    }
+    request.advance(result.cells.len())?;
+    Ok(result)
+}
+
+fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], prepared: &Prepared, request: &Request) -> Result<ChunkResult> {
+    let mut result = ChunkResult::default();
+    for &site in cells {
+        run_cell(worker, site, prepared, request, &mut result)?;
+    }
+    Ok(result)
 }
 
 fn run_cell(

@@ -129,15 +129,6 @@ enum SceneName {
     SnowGlobe,
 }
 
-/// All scenes with their names, which checkpoints have too.
-const SCENES: [(Scene, SceneName, &str); 5] = [
-    (Scene::RayleighTaylor, SceneName::RayleighTaylor, "rayleigh-taylor"),
-    (Scene::DamBreak, SceneName::DamBreak, "dam-break"),
-    (Scene::TaylorGreen, SceneName::TaylorGreen, "taylor-green"),
-    (Scene::Beltrami, SceneName::Beltrami, "beltrami"),
-    (Scene::SnowGlobe, SceneName::SnowGlobe, "snow-globe"),
-];
-
 /// Rounds in which particles in a mesh settle in cells of equal volume before they move.
 const SETTLING: usize = 3;
 /// How even the volumes are before that, as in `sample blue`.
@@ -251,11 +242,11 @@ fn check(args: &FluidArgs) -> Result<()> {
         return Err(Error::input(format!(
             "{}: {} is a flow in the unit cube; leave --domain out",
             path.display(),
-            scene_name(scene_of(name))
+            scene_of(name).name()
         )));
     }
     if let (Some(name), Some(_)) = (vortex, args.gravity) {
-        note(&format!("{} has one density: gravity moves nothing there", scene_name(scene_of(name))));
+        note(&format!("{} has one density: gravity moves nothing there", scene_of(name).name()));
     }
     Ok(())
 }
@@ -319,11 +310,13 @@ fn extents(container: &Container) -> ([f64; 3], [f64; 3], f64) {
 }
 
 fn scene_of(name: SceneName) -> Scene {
-    SCENES.iter().find(|(_, known, _)| *known == name).map_or(Scene::RayleighTaylor, |(scene, ..)| *scene)
-}
-
-fn scene_name(scene: Scene) -> &'static str {
-    SCENES.iter().find(|(known, ..)| *known == scene).map_or("", |(.., name)| name)
+    match name {
+        SceneName::RayleighTaylor => Scene::RayleighTaylor,
+        SceneName::DamBreak => Scene::DamBreak,
+        SceneName::TaylorGreen => Scene::TaylorGreen,
+        SceneName::Beltrami => Scene::Beltrami,
+        SceneName::SnowGlobe => Scene::SnowGlobe,
+    }
 }
 
 /// The inverse of the largest number.

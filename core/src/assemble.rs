@@ -120,7 +120,7 @@ impl<'a> Assembler<'a> {
             volume: vec![0.0; n],
             barycenter: vec![[f64::NAN; 3]; n],
             second_moment: request.second_moments().then(|| vec![[0.0; 6]; n]),
-            integral: request.integral().is_some().then(|| vec![0.0; n]),
+            integral: request.integral().map(|f| vec![0.0; n * f.columns()]),
             ..OutputArrays::default()
         };
         let boundary = request.facets().then(|| vec![Boundary::default(); n]);
@@ -156,7 +156,8 @@ impl<'a> Assembler<'a> {
             second[i] = finished.second_moment;
         }
         if let Some(integral) = &mut self.output.integral {
-            integral[i] = finished.integral;
+            let columns = integral.len() / self.positions.len();
+            integral[i * columns] = finished.integral;
         }
         if let Some(boundary) = &mut self.boundary {
             boundary[i] = finished.boundary;
@@ -165,6 +166,15 @@ impl<'a> Assembler<'a> {
             *row = (self.facets.records.len() as u64, facets.records.len() as u32);
             self.facets.records.extend_from_slice(facets.records);
             self.facets.seconds.extend_from_slice(facets.seconds);
+        }
+    }
+
+    /// Adds one more column of the integrals over cells that were added, in the frame's unit.
+    pub fn add_column(&mut self, column: usize, cells: &[CellRecord], integrals: &[f64]) {
+        let Some(all) = &mut self.output.integral else { return };
+        let columns = all.len() / self.positions.len();
+        for (cell, integral) in cells.iter().zip(integrals).filter(|(cell, _)| cell.status != CellStatus::Empty) {
+            all[cell.site as usize * columns + column] = integral * (self.density * self.frame.unit().powi(3));
         }
     }
 
@@ -219,7 +229,7 @@ impl<'a> Assembler<'a> {
         report: Report,
         geometry: Option<Geometry>,
     ) -> Result<Output> {
-        check_integrals(self.output.integral.as_deref().unwrap_or_default())?;
+        check_integrals(self.output.integral.as_deref().unwrap_or_default(), self.positions.len())?;
         if let Some(boundary) = self.boundary.take() {
             let row_of = |i: usize| match self.rows[i] {
                 (_, 0) => row(i),
@@ -234,8 +244,8 @@ impl<'a> Assembler<'a> {
     }
 }
 
-fn check_integrals(integrals: &[f64]) -> Result<()> {
-    match integrals.iter().position(|x| !x.is_finite()) {
+fn check_integrals(integrals: &[f64], sites: usize) -> Result<()> {
+    match integrals.iter().position(|x| !x.is_finite()).map(|k| k / (integrals.len() / sites)) {
         None => Ok(()),
         Some(i) => Err(Error::input(format!(
             "integrand: its integral over the cell of site {i} is not finite: it must be so in all of the box, and of the box of the \

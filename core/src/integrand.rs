@@ -1,11 +1,15 @@
 //! Given functions that are integrated over every cell.
 
-use crate::cell::{Node, v3};
+mod tape;
+
+use crate::cell::{Node, V3, v3};
 use crate::frame::Frame;
 use crate::{Error, Result};
 use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
+
+pub use tape::{Batch, Tape};
 
 /// Largest degree of a quadrature rule: 4096 nodes in a tetrahedron.
 pub const LARGEST_DEGREE: u32 = 31;
@@ -32,6 +36,7 @@ pub struct Integrand {
 enum Kind {
     Polynomial { origin: [f64; 3], terms: Vec<([u32; 3], f64)> },
     Function(Function),
+    Batches { columns: usize, function: Batch },
 }
 
 impl Integrand {
@@ -64,6 +69,33 @@ impl Integrand {
         Ok(Self { degree, kind: Kind::Function(Arc::new(function)) })
     }
 
+    /// The same of a function that is called with many places at once, and has `columns` values at each: those at the first place, then
+    /// those at the second and so on. So are the integrals: [`Output::integral`](crate::Output::integral) has the columns of the first site, then
+    /// those of the second. Where an error is its answer, that is the evaluation's. Each cell is computed once to learn its places, and once for each
+    /// column; which places are one batch depends on the sites alone, not on threads.
+    ///
+    /// # Errors
+    /// `Input` where the degree is beyond [`LARGEST_DEGREE`], or there is no column.
+    pub fn batches(
+        degree: u32,
+        columns: usize,
+        function: impl Fn(&[[f64; 3]]) -> Result<Vec<f64>> + Send + Sync + 'static,
+    ) -> Result<Self> {
+        check_degree(degree)?;
+        if columns == 0 {
+            return Err(Error::input("integrand: a function without values: one column at least is needed"));
+        }
+        Ok(Self { degree, kind: Kind::Batches { columns, function: Arc::new(function) } })
+    }
+
+    /// How many values it has at a place.
+    pub fn columns(&self) -> usize {
+        match self.kind {
+            Kind::Batches { columns, .. } => columns,
+            _ => 1,
+        }
+    }
+
     /// Up to which total degree the rule is exact.
     pub fn degree(&self) -> u32 {
         self.degree
@@ -71,13 +103,29 @@ impl Integrand {
 
     /// Whether it is a function of the caller's, which only the CPU can call.
     pub fn is_function(&self) -> bool {
-        matches!(self.kind, Kind::Function(_))
+        !matches!(self.kind, Kind::Polynomial { .. })
     }
 
-    /// The function at `x` (the caller's coordinates).
+    /// How many cells are to be a batch, where its function is called with many places at once.
+    #[doc(hidden)]
+    pub fn batch(&self) -> Option<usize> {
+        matches!(self.kind, Kind::Batches { .. }).then(|| tape::cells_at_once(self.degree))
+    }
+
+    /// The function, in the internal frame, of one such batch.
+    #[doc(hidden)]
+    pub fn taped(&self, frame: &Frame) -> Option<(FramedIntegrand, Tape)> {
+        match &self.kind {
+            Kind::Batches { columns, function } => Some(Tape::new(function, *columns, self.degree, frame)),
+            _ => None,
+        }
+    }
+
+    /// The function at `x` (the caller's coordinates), its first column; not a number where an error is the answer.
     pub fn value(&self, x: [f64; 3]) -> f64 {
         match &self.kind {
             Kind::Function(function) => function(x),
+            Kind::Batches { columns, function } => first(function, *columns, x),
             Kind::Polynomial { origin, terms } => {
                 let y: [f64; 3] = std::array::from_fn(|k| x[k] - origin[k]);
                 let term = |(powers, c): &([u32; 3], f64)| (0..3).fold(*c, |t, k| t * y[k].powi(powers[k] as i32));
@@ -92,17 +140,19 @@ impl Integrand {
     /// `Input` where a coefficient is beyond all numbers in the frame's unit.
     #[doc(hidden)]
     pub fn framed(&self, frame: &Frame) -> Result<FramedIntegrand> {
-        let mut framed = FramedIntegrand {
-            nodes: rule(self.degree),
-            degree: self.degree,
-            origin: [0.0; 3],
-            coefficients: Vec::new(),
-            function: None,
-        };
+        let frame = *frame;
+        let mut framed = FramedIntegrand::of_polynomial(self.degree);
         match &self.kind {
             Kind::Function(function) => {
-                let (function, frame) = (Arc::clone(function), *frame);
-                framed.function = Some(Box::new(move |x| function(frame.leave([x.x, x.y, x.z]))));
+                let function = Arc::clone(function);
+                let framed = Box::new(move |x: V3| function(frame.leave([x.x, x.y, x.z])));
+                return Ok(FramedIntegrand::of_function(self.degree, framed));
+            }
+            // Place by place: for who does not take batches.
+            Kind::Batches { columns, function } => {
+                let (function, columns) = (Arc::clone(function), *columns);
+                let framed = Box::new(move |x: V3| first(&function, columns, frame.leave([x.x, x.y, x.z])));
+                return Ok(FramedIntegrand::of_function(self.degree, framed));
             }
             Kind::Polynomial { origin, terms } => {
                 framed.origin = frame.enter(*origin);
@@ -127,9 +177,16 @@ impl fmt::Debug for Integrand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {
             Kind::Function(_) => write!(f, "Integrand::function({}, …)", self.degree),
+            Kind::Batches { columns, .. } => write!(f, "Integrand::batches({}, {columns}, …)", self.degree),
             Kind::Polynomial { origin, terms } => write!(f, "Integrand::polynomial({origin:?}, {terms:?})"),
         }
     }
+}
+
+/// The first column of a function of many places, at one.
+fn first(function: &Batch, columns: usize, x: [f64; 3]) -> f64 {
+    let values = function(&[x]).and_then(|values| tape::check_values(&values, 1, columns).map(|()| values[0]));
+    values.unwrap_or(f64::NAN)
 }
 
 fn check_degree(degree: u32) -> Result<()> {
@@ -140,7 +197,7 @@ fn check_degree(degree: u32) -> Result<()> {
 }
 
 /// A function of a place in the frame.
-type FramedFunction = Box<dyn Fn(crate::cell::V3) -> f64 + Send + Sync>;
+type FramedFunction = Box<dyn Fn(V3) -> f64 + Send + Sync>;
 
 /// An [`Integrand`] in the internal frame, and its quadrature rule: what stores and devices have of it.
 pub struct FramedIntegrand {
@@ -152,6 +209,15 @@ pub struct FramedIntegrand {
 }
 
 impl FramedIntegrand {
+    /// A polynomial without terms.
+    fn of_polynomial(degree: u32) -> Self {
+        Self { nodes: rule(degree), degree, origin: [0.0; 3], coefficients: Vec::new(), function: None }
+    }
+
+    fn of_function(degree: u32, function: FramedFunction) -> Self {
+        Self { function: Some(function), ..Self::of_polynomial(degree) }
+    }
+
     /// The rule on a tetrahedron; weights sum to 1.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes

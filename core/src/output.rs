@@ -108,7 +108,7 @@ pub struct OutputArrays {
     /// Where requested: ∫ (x − b)(x − b)ᵀ dx about the cell's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁵).
     pub second_moment: Option<Vec<[f64; 6]>>,
     /// Where requested: the integral of the given function over each restricted cell (its unit times length³), 0 where the cell is
-    /// empty; [`Integrand`](crate::Integrand) says how near it is.
+    /// empty; [`Integrand`](crate::Integrand) says how near it is. Of a function of several columns those of the first site, then of the second.
     pub integral: Option<Vec<f64>>,
     /// Where requested: the facets between cells, and each cell's piece of the boundary.
     pub facets: Option<Facets>,
@@ -134,7 +134,7 @@ impl Output {
             Some(status.len()),
             Some(barycenter.len()),
             second_moment.as_ref().map(Vec::len),
-            integral.as_ref().map(Vec::len),
+            integral.as_ref().map(|all| if n > 0 && all.len() % n == 0 { n } else { all.len() }),
             facets.as_ref().map(Facets::sites),
             geometry.as_ref().map(Geometry::sites),
         ];
@@ -187,7 +187,7 @@ impl Output {
     }
 
     /// Where requested: the integral of the given function over each restricted cell (its unit times length³), 0 where the cell is
-    /// empty; [`Integrand`](crate::Integrand) says how near it is.
+    /// empty; [`Integrand`](crate::Integrand) says how near it is. Of a function of several columns those of the first site, then of the second.
     pub fn integral(&self) -> Option<&[f64]> {
         self.0.integral.as_deref()
     }

@@ -13,7 +13,9 @@ Of points at one place, or nearer than the container's frame can tell apart, one
 from ._backend import Backend, Device, devices
 from ._cells import Boundary, Cells, Diagram, Facets, Status, cells
 from ._container import Box, Domain
+from ._fluid import Flow, fluid, scene
 from ._laguerre import __version__
+from ._page import page
 from ._solvers import Relaxation, Transport, lloyd, transport
 
 __all__ = [
@@ -25,12 +27,16 @@ __all__ = [
     "Diagram",
     "Domain",
     "Facets",
+    "Flow",
     "Relaxation",
     "Status",
     "Transport",
     "__version__",
     "cells",
     "devices",
+    "fluid",
     "lloyd",
+    "page",
+    "scene",
     "transport",
 ]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import contextlib
+import errno
+import os
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +17,7 @@ from ._backend import Backend, opened
 from ._container import Box, Container, Domain, inner, taken
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     import pyvista
     import scipy.sparse
@@ -38,9 +41,9 @@ class Given:
     container: Domain | Box | None
     backend: Backend
 
-    def evaluate(self, facets: bool, seconds: bool, facet_seconds: bool, geometry: bool, terms: Any, epsilon: Any) -> dict[str, Any]:
+    def evaluate(self, facets: bool, seconds: bool, facet_seconds: bool, geometry: bool, terms: Any, epsilon: Any, solids: bool = False) -> dict[str, Any]:
         found = _laguerre.evaluate(
-            self.backend, self.points, self.weights, inner(self.container), facets, seconds, facet_seconds, geometry, terms, epsilon
+            self.backend, self.points, self.weights, inner(self.container), facets, seconds, facet_seconds, geometry, solids, terms, epsilon
         )
         return freeze(found)
 
@@ -111,6 +114,11 @@ class Cells:
         self.status: NDArray[np.uint8] = found["status"]
         """(N,), of :class:`Status`."""
 
+    @property
+    def domain(self) -> Domain | Box | None:
+        """What they are cut by."""
+        return self._given.container
+
     def _asked(self, name: str, option: str) -> Any:
         if name not in self._found:
             raise ValueError(f"these cells were evaluated without: ask laguerre.cells for {option}")
@@ -138,6 +146,43 @@ class Cells:
         """Where facets were asked for: each cell's piece of the boundary."""
         area = self._asked("boundary_area", "facets=True")
         return Boundary(area, self._found["boundary_centroid"], self._found["boundary_vector_area"])
+
+    def integrate(self, function: Callable[[NDArray[np.float64]], Any], degree: int = 3) -> NDArray[np.float64]:
+        """The integral of a function over each cell, (N,), or (N, C) of one that has C values (its unit times length cubed).
+
+        ``function`` is given points, (K, 3), thousands at once, and returns (K,) or (K, C) numbers; what it raises is raised. ``degree``, 31 at most, is
+        that of the polynomials that are integrated exactly but for rounding (``polynomial=`` of :func:`cells` needs no calls): each cell has some fifty
+        tetrahedra of ``(degree // 2 + 1)**3`` points. Of cells that a domain cuts, pieces that reach beyond it are added and subtracted: the function is
+        asked for in the whole box around the domain, up to half of its extent on every side, and should be smooth at its surface.
+
+        The cells are computed once more, and once for each value, on the CPU. The result does not depend on the number of threads; it needs memory for a
+        batch of points a thread, some megabytes. One more call, with one point, tells how many values there are.
+        """
+        given = self._given
+        if not callable(function):
+            raise ValueError(f"function: a function of points is needed, this is {function!r}")
+        if not isinstance(degree, (int, np.integer)) or degree < 0:
+            raise ValueError(f"degree {degree!r}: a whole number from 0 to 31 is needed")
+        if given.backend.name != "cpu":
+            given = replace(given, backend=opened("cpu", None, "f64", None))
+        middle = np.zeros((1, 3))
+        if isinstance(given.container, Domain):
+            middle[0] = np.mean(given.container.bounds, axis=0)
+        elif given.container is not None:
+            middle[0] = (given.container.lo + given.container.hi) / 2
+        first = _values(function, middle)
+
+        def values(points: NDArray[np.float64]) -> NDArray[np.float64]:
+            found = _values(function, points)
+            if found.shape[1:] != first.shape[1:]:
+                raise ValueError(f"function: for {len(points)} points it returned shape {found.shape}, for 1 point {first.shape}")
+            return np.ascontiguousarray(found.reshape(len(points), -1))
+
+        columns = first.size
+        found = _laguerre.integrate(
+            given.backend, given.points, given.weights, inner(given.container), values, int(degree), columns, self._epsilon
+        )
+        return frozen(found["integral"].reshape(-1, *first.shape[1:]))
 
     def __len__(self) -> int:
         return len(self.volume)
@@ -189,6 +234,37 @@ class Cells:
         weights = self._jacobian("mass", "weights").T @ by_volume + self.centroid_jacobian_weights().T @ by_centroid
         return points.reshape(-1, 3), weights
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the cells as the file's ending says, in the program's forms, whole or not at all.
+
+        ``.csv`` has a row for each, ``.npz`` the arrays; ``.vtu`` (solids, for ParaView), ``.vtp``, ``.ply`` and ``.glb`` have the cells as the domain cuts
+        them, ``.html`` a page for a browser that shows them, all in the one file. Without ``geometry=True``, and for ``.vtu``, these are computed once more.
+        """
+        given, found, ending = self._given, self._found, os.path.splitext(os.fspath(path))[1].lower()
+        if ending == ".npz":
+            return self._save_npz(os.fspath(path))
+        if ending == ".vtu" or (ending in (".vtp", ".ply", ".glb", ".html", ".htm") and "geometry" not in found):
+            found = {**found, "geometry": given.evaluate(False, False, False, True, None, self._epsilon, ending == ".vtu")["geometry"]}
+        _laguerre.save(given.backend, given.points, given.weights, inner(given.container), found, path)
+
+    def _save_npz(self, path: str) -> None:
+        found = {"volume": self.volume, "barycenter": self.centroid, "status": self.status}
+        if "offsets" in self._found:
+            found["facets"] = np.diff(self.facets.offsets) + (self.boundary.area > 0)
+        found.update({name: getattr(self, name) for name in ("integral", "second_moment") if name in self._found})
+        folder = os.path.dirname(path) or "."
+        if not os.path.isdir(folder):
+            raise FileNotFoundError(errno.ENOENT, f"{path}: there is no folder '{folder}'; make it first")
+        # Whole or not at all.
+        part = f"{path}.{os.getpid()}.part"
+        try:
+            with open(part, "wb") as file:
+                np.savez(file, **found)
+            os.replace(part, path)
+        finally:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(part)
+
     def to_pyvista(self) -> pyvista.PolyData:
         """Where geometry was asked for: the faces of all cells, with ``volume``, ``site`` and ``beyond`` (the point on the other side, -1 for the
         boundary) of each."""
@@ -224,6 +300,16 @@ class Cells:
         blocks = (values.reshape(-1, *shape), columns.astype(np.int64), offsets.view(np.int64))
         n = len(self)
         return scipy.sparse.csr_array(scipy.sparse.bsr_array(blocks, shape=(n * shape[0], n * shape[1])))
+
+
+def _values(function: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a function returns for points, as doubles."""
+    found = np.asarray(function(points))
+    if found.dtype.kind not in "fiub":
+        raise ValueError(f"function: real numbers are needed, it returned {found.dtype}")
+    if found.ndim not in (1, 2) or len(found) != len(points):
+        raise ValueError(f"function: for points of shape {points.shape} it has to return ({len(points)},) or ({len(points)}, C), not {found.shape}")
+    return found.astype(float, copy=False)
 
 
 def _matrices(packed: NDArray[np.float64] | None, option: str) -> NDArray[np.float64]:

@@ -55,7 +55,18 @@ def evaluate(
     second_moments: bool,
     facet_second_moments: bool,
     geometry: bool,
+    solids: bool,
     polynomial: Any,
+    epsilon: float | None,
+) -> dict[str, Any]: ...
+def integrate(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    function: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    degree: int,
+    columns: int,
     epsilon: float | None,
 ) -> dict[str, Any]: ...
 def jacobian(
@@ -75,7 +86,7 @@ def lloyd(
     method: str,
     iterations: int,
     tolerance: float,
-    callback: Callable[[dict[str, float]], Any] | None,
+    callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
 def transport(
     backend: Backend,
@@ -86,5 +97,37 @@ def transport(
     density: Any,
     iterations: int,
     tolerance: float,
-    callback: Callable[[dict[str, float]], Any] | None,
+    callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
+def fluid(
+    backend: Backend,
+    points: NDArray[np.float64],
+    container: Any,
+    velocities: NDArray[np.float64],
+    densities: NDArray[np.float64],
+    epsilon: float | None,
+    viscosity: float,
+    gravity: list[float],
+    shake: tuple[list[float], float, float] | None,
+    time_step: float | None,
+    before: Any,
+    steps: int,
+    callback: Callable[[dict[str, Any]], Any] | None,
+) -> dict[str, Any]: ...
+def scene(name: str, count: int, centers: NDArray[np.float64] | None, container: Any, gravity: float | None) -> dict[str, Any]: ...
+def save(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    cells: dict[str, Any],
+    path: str | os.PathLike[str],
+) -> None: ...
+def page(
+    backend: Backend,
+    container: Any,
+    states: list[tuple[str, NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None]],
+    has_speeds: bool,
+    title: str,
+    path: str | os.PathLike[str],
+) -> None: ...

@@ -71,15 +71,15 @@ def lloyd(
     method: str = "lbfgs",
     iterations: int = 100,
     tolerance: float = 1e-3,
-    callback: Callable[[dict[str, float]], Any] | None = None,
+    callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Relaxation:
     """Moves points down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``).
 
-    ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far) after each iteration, the start included; a true answer ends it
-    with what there is. ``options`` are those of :class:`Diagram`.
+    ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far), and ``points`` and ``weights``, after each iteration, the start
+    included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
-    _check(iterations, callback)
+    check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     found = _laguerre.lloyd(
         given.backend, given.points, given.weights, inner(given.container), method, iterations, tolerance, callback
@@ -99,16 +99,16 @@ def transport(
     density: tuple[float, ArrayLike] | None = None,
     iterations: int = 100,
     tolerance: float = 1e-9,
-    callback: Callable[[dict[str, float]], Any] | None = None,
+    callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
     ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``; without, it is 1. The masses sum to the domain's.
-    ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone) after each step, the start included; a true answer
-    ends it with what there is. ``options`` are those of :class:`Diagram`.
+    ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
+    start included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
-    _check(iterations, callback)
+    check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
     rho = None if density is None else (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
@@ -121,8 +121,9 @@ def transport(
     return Transport(cells=Cells(given, cells), **found)
 
 
-def _check(iterations: int, callback: Any) -> None:
-    if iterations < 0:
-        raise ValueError(f"{iterations} iterations: a number from 0 is needed")
+def check(count: int, callback: Any, what: str = "iterations") -> None:
+    """Refuses what no solver can take."""
+    if count < 0:
+        raise ValueError(f"{count} {what}: a number from 0 is needed")
     if callback is not None and not callable(callback):
         raise ValueError(f"callback: a function is needed, this is {callback!r}")

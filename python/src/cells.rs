@@ -96,12 +96,15 @@ impl Backend {
     }
 }
 
-/// The OpenCL devices that are there: name, platform, whether it is a GPU, and why it cannot be used, if so.
+/// Name, platform, whether it is a GPU, and why it cannot be used, if so.
+type Device = (String, String, bool, Option<String>);
+
+/// The OpenCL devices that are there.
 #[pyfunction]
-pub(crate) fn devices() -> PyResult<Vec<(String, String, bool, Option<String>)>> {
+pub(crate) fn devices() -> Vec<Device> {
     // Where there is no OpenCL there are none.
     let found = laguerre::devices().unwrap_or_default();
-    Ok(found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect())
+    found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect()
 }
 
 /// Terms of a polynomial: exponents and coefficient.
@@ -109,7 +112,7 @@ type Terms = Vec<([u32; 3], f64)>;
 
 /// The cells of a diagram, as a dictionary of arrays.
 #[pyfunction]
-#[pyo3(signature = (backend, points, weights, container, facets, second_moments, facet_second_moments, geometry, polynomial, epsilon))]
+#[pyo3(signature = (backend, points, weights, container, facets, second_moments, facet_second_moments, geometry, solids, polynomial, epsilon))]
 #[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
 pub(crate) fn evaluate<'py>(
     py: Python<'py>,
@@ -121,6 +124,7 @@ pub(crate) fn evaluate<'py>(
     second_moments: bool,
     facet_second_moments: bool,
     geometry: bool,
+    solids: bool,
     polynomial: Option<(Terms, [f64; 3])>,
     epsilon: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -131,6 +135,7 @@ pub(crate) fn evaluate<'py>(
         (second_moments, Request::with_second_moments),
         (facet_second_moments, Request::with_facet_second_moments),
         (geometry, Request::with_geometry),
+        (solids, Request::with_solids),
     ] {
         request = if is_wanted { with(request) } else { request };
     }
@@ -197,7 +202,7 @@ pub(crate) fn jacobian<'py>(
 ) -> PyResult<Sparse<'py>> {
     let threads = backend.get()?.info().threads;
     let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
-    let output = output(cells)?;
+    let output = output(cells, false)?;
     let derivatives = Derivatives::new(&diagram, &output, &Density::Uniform).map_err(raised)?;
     let derivatives = &derivatives;
     match (of, by) {
@@ -210,22 +215,45 @@ pub(crate) fn jacobian<'py>(
     }
 }
 
-/// A dictionary of arrays as the output that it came from, but for what derivatives do not ask for.
-fn output(cells: &Bound<'_, PyDict>) -> PyResult<Output> {
-    let mut facets = FacetArrays::default();
-    facets.offsets = column(cells, "offsets")?;
-    facets.neighbor = column(cells, "neighbor")?;
-    facets.area = column(cells, "area")?;
-    facets.barycenter = rows(cells, "facet_centroid")?;
-    facets.distance = column(cells, "distance")?;
-    facets.second_moment = Some(rows(cells, "facet_second_moment")?);
-    facets.boundary = vec![Boundary::default(); column::<f64>(cells, "volume")?.len()];
-    let status: Vec<u8> = column(cells, "status")?;
+/// A dictionary of arrays as the output that it came from, with its geometry if need be.
+pub(crate) fn output(cells: &Bound<'_, PyDict>, with_geometry: bool) -> PyResult<Output> {
+    let has = |name| cells.contains(name);
+    let facets = || -> PyResult<Facets> {
+        let areas = column(cells, "boundary_area")?;
+        let (centroids, vectors) = (rows(cells, "boundary_centroid")?, rows(cells, "boundary_vector_area")?);
+        let pieces = areas.into_iter().zip(centroids).zip(vectors);
+        let piece = |((area, barycenter), vector_area)| {
+            let mut piece = Boundary::default();
+            (piece.area, piece.barycenter, piece.vector_area) = (area, barycenter, vector_area);
+            piece
+        };
+        let mut facets = FacetArrays::default();
+        facets.offsets = column(cells, "offsets")?;
+        facets.neighbor = column(cells, "neighbor")?;
+        facets.area = column(cells, "area")?;
+        facets.barycenter = rows(cells, "facet_centroid")?;
+        facets.distance = column(cells, "distance")?;
+        facets.second_moment = has("facet_second_moment")?.then(|| rows(cells, "facet_second_moment")).transpose()?;
+        facets.boundary = pieces.map(piece).collect();
+        Facets::new(facets).map_err(raised)
+    };
+    let status = |number| match number {
+        0 => CellStatus::Complete,
+        1 => CellStatus::Empty,
+        _ => CellStatus::Uncertified,
+    };
+    let geometry = || -> PyResult<Option<_>> {
+        let Some(geometry) = cells.get_item("geometry")? else { return Ok(None) };
+        Ok(Some(geometry.cast::<Geometry>()?.get().0.clone()))
+    };
     let mut arrays = OutputArrays::default();
-    arrays.status = status.into_iter().map(|n| if n == 1 { CellStatus::Empty } else { CellStatus::Complete }).collect();
+    arrays.status = column::<u8>(cells, "status")?.into_iter().map(status).collect();
     arrays.volume = column(cells, "volume")?;
     arrays.barycenter = rows(cells, "centroid")?;
-    arrays.facets = Some(Facets::new(facets).map_err(raised)?);
+    arrays.second_moment = has("second_moment")?.then(|| rows(cells, "second_moment")).transpose()?;
+    arrays.integral = has("integral")?.then(|| column(cells, "integral")).transpose()?;
+    arrays.facets = has("offsets")?.then(facets).transpose()?;
+    arrays.geometry = if with_geometry { geometry()? } else { None };
     Output::new(arrays).map_err(raised)
 }
 
@@ -233,8 +261,8 @@ fn array<'py, T: Element, D: Dimension>(
     cells: &Bound<'py, PyDict>,
     name: &str,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
-    let missing = || PyValueError::new_err(format!("the cells have no '{name}': ask for facet_second_moments"));
-    Ok(cells.get_item(name)?.ok_or_else(missing)?.extract()?)
+    let missing = || PyValueError::new_err(format!("the cells have no '{name}'"));
+    cells.get_item(name)?.ok_or_else(missing)?.extract()
 }
 
 fn column<T: Element + Copy>(cells: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {

@@ -90,7 +90,7 @@ pub(crate) fn diagram(
 }
 
 /// The rows of an array of three columns.
-fn rows<'a, T>(numbers: &'a [T], what: &str) -> Result<&'a [[T; 3]]> {
+pub(crate) fn rows<'a, T>(numbers: &'a [T], what: &str) -> Result<&'a [[T; 3]]> {
     match numbers.as_chunks() {
         (rows, []) => Ok(rows),
         _ => Err(Error::input(format!("{what}: an array of shape (N, 3) is needed"))),

@@ -1,9 +1,13 @@
 //! What the Python package `laguerre` is made of: arrays in, arrays out. How it looks to its users is in `laguerre/`.
 
+mod callback;
 mod cells;
 mod container;
+mod fluid;
 mod geometry;
+mod integral;
 mod run;
+mod save;
 mod solvers;
 
 use pyo3::prelude::*;
@@ -18,7 +22,13 @@ mod _laguerre {
     #[pymodule_export]
     use super::container::Domain;
     #[pymodule_export]
+    use super::fluid::{fluid, scene};
+    #[pymodule_export]
     use super::geometry::Geometry;
+    #[pymodule_export]
+    use super::integral::integrate;
+    #[pymodule_export]
+    use super::save::{page, save};
     #[pymodule_export]
     use super::solvers::{lloyd, transport};
 }

@@ -1,60 +1,19 @@
 //! Lloyd's relaxation and optimal transport, with a callback at each iteration.
 
-use std::ops::ControlFlow;
-
 use laguerre::Result;
 use laguerre::solvers::density::Density;
 use laguerre::solvers::lloyd::{self as relaxation, Method};
 use laguerre::solvers::transport::{self as solution, End};
+use laguerre_page::Remembering;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Mutex;
 
+use crate::callback::Callback;
 use crate::cells::{Backend, arrays};
 use crate::container::{Container, diagram, table};
 use crate::run::{Stoppable, detached_in_pool};
-
-/// A callback of the user's, and what it raised.
-struct Callback {
-    function: Option<Py<PyAny>>,
-    raised: Mutex<Option<PyErr>>,
-}
-
-impl Callback {
-    fn new(function: Option<Py<PyAny>>) -> Self {
-        Self { function, raised: Mutex::new(None) }
-    }
-
-    /// Calls it; what it raises, or a true answer, ends the solver.
-    fn call(&self, numbers: &[(&str, f64)]) -> ControlFlow<()> {
-        let Some(function) = &self.function else { return ControlFlow::Continue(()) };
-        let stops = Python::attach(|py| -> PyResult<bool> {
-            let told = PyDict::new(py);
-            for (name, number) in numbers {
-                told.set_item(name, number)?;
-            }
-            function.bind(py).call1((told,))?.is_truthy()
-        });
-        match stops {
-            Ok(false) => ControlFlow::Continue(()),
-            Ok(true) => ControlFlow::Break(()),
-            Err(error) => {
-                *self.raised.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(error);
-                ControlFlow::Break(())
-            }
-        }
-    }
-
-    /// What a solver came to, or what the callback raised.
-    fn or_raise<T>(self, done: PyResult<T>) -> PyResult<T> {
-        match self.raised.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-            Some(error) => Err(error),
-            None => done,
-        }
-    }
-}
 
 /// Sites that are the centroids of their cells: a dictionary of points, history and cells.
 #[pyfunction]
@@ -81,8 +40,11 @@ pub(crate) fn lloyd<'py>(
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| {
         let backend = Stoppable { backend, stop };
+        let backend = Remembering::new(&backend, diagram.positions().len());
         let relaxed = relaxation::relax(&backend, &mut diagram, &options, &mut |done| {
-            told.call(&[("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)])
+            let numbers =
+                [("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)];
+            told.call(&numbers, &backend)
         })?;
         Ok((relaxed, diagram))
     });
@@ -124,8 +86,10 @@ pub(crate) fn transport<'py>(
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| -> Result<_> {
         let backend = Stoppable { backend, stop };
+        let backend = Remembering::new(&backend, diagram.positions().len());
         solution::solve(&backend, &mut diagram, &masses, &options, &mut |done| {
-            told.call(&[("step", done.number as f64), ("residual", done.residual), ("fraction", done.step)])
+            let numbers = [("step", done.number as f64), ("residual", done.residual), ("fraction", done.step)];
+            told.call(&numbers, &backend)
         })
     });
     let solved = callback.or_raise(done)?;

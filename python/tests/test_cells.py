@@ -90,6 +90,44 @@ def test_polynomials_and_second_moments_agree(thousand):
     assert of_xx == pytest.approx(expected, abs=1e-16)
 
 
+def test_functions_are_integrated_in_batches(thousand):
+    sizes = []
+
+    def cubic(x):
+        sizes.append(len(x))
+        return np.stack([x[:, 0] ** 2 * x[:, 1] - x[:, 2], np.ones(len(x))], axis=1)
+
+    for domain in (CUBE, lg.Domain(*TETRAHEDRON)):
+        exact = lg.cells(thousand.points, thousand.weights, domain=domain, polynomial={(2, 1, 0): 1.0, (0, 0, 1): -1.0})
+        found = exact.integrate(cubic, 3)
+        assert found.shape == (1000, 2)
+        assert found[:, 0] == pytest.approx(exact.integral, abs=1e-15, rel=1e-12)
+        assert found[:, 1] == pytest.approx(exact.volume, abs=1e-15, rel=1e-12)
+        # One column alone, on any number of threads: the same bits.
+        for threads in (1, 2):
+            again = lg.cells(thousand.points, thousand.weights, domain=domain, threads=threads)
+            assert np.array_equal(again.integrate(lambda x: cubic(x)[:, 0]), found[:, 0])
+    assert max(sizes) > 10_000 and len(sizes) < 6 * 1000 / 50
+    # What is no polynomial converges.
+    smooth = [lg.cells(thousand.points, domain=CUBE).integrate(lambda x: np.exp(x.sum(axis=1)), degree).sum() for degree in (1, 7)]
+    assert abs(smooth[0] / np.expm1(1.0) ** 3 - 1) < 1e-3 and smooth[1] == pytest.approx(np.expm1(1.0) ** 3, rel=1e-11)
+
+
+def test_what_a_function_raises_is_raised():
+    cells, calls = lg.cells(white(5000), domain=CUBE, threads=2), []
+
+    def fails(x):
+        calls.append(len(x))
+        if len(calls) > 2:
+            raise LookupError("enough")
+        return x[:, 0]
+
+    with pytest.raises(LookupError, match="enough"):
+        cells.integrate(fails)
+    # Another thread may have been calling it meanwhile.
+    assert len(calls) <= 4
+
+
 def test_radii_are_roots_of_weights():
     radii = 0.05 * np.random.default_rng(8).random(200)
     by_radii = lg.cells(white(200), radii=radii, domain=CUBE)
@@ -193,6 +231,13 @@ def test_meshes_of_others_are_domains():
         (lambda: lg.Domain(TETRAHEDRON[0], TETRAHEDRON[1] * 1.0), "integers"),
         (lambda: lg.Domain("cube"), "PyVista or trimesh"),
         (lambda: lg.cells(white(3), domain=CUBE).facets, "facets=True"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(3), "a function of points"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 32), "degree 32 is beyond 31"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 1.5), "degree 1.5: a whole number"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: 1.0), r"it has to return \(1,\) or \(1, C\)"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, :2] if len(x) > 1 else x), "for 1 point"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0] * 1j), "real numbers are needed"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: np.full(len(x), np.nan)), "is not finite"),
         (lambda: lg.cells(white(3), domain=CUBE).second_moment, "second_moments=True"),
         (lambda: lg.cells(white(3), domain=CUBE).to_pyvista(), "geometry=True"),
         (lambda: lg.cells(white(3), domain=CUBE, backend="gpu"), "'auto', 'cpu' or 'ocl'"),
@@ -200,6 +245,9 @@ def test_meshes_of_others_are_domains():
         (lambda: lg.cells(white(3), domain=CUBE, threads=0), "at least one"),
         (lambda: lg.lloyd(white(3), domain=CUBE, method="newton"), "'lbfgs' or 'lloyd'"),
         (lambda: lg.lloyd(white(3), domain=CUBE, iterations=-1), "a number from 0"),
+        (lambda: lg.page("none.html", []), "none is given"),
+        (lambda: lg.page("cells.csv", [{"points": white(3)}]), r"\.html"),
+        (lambda: lg.page("cells.html", [{"points": white(3)}, {"points": white(2)}]), r"points: an array of shape \(3, 3\)"),
         (lambda: lg.lloyd(white(3), domain=CUBE, callback=3), "a function is needed"),
         (lambda: lg.transport(white(3), domain=CUBE, masses=[[1.0]] * 3), r"masses: an array of shape \(3,\)"),
         (lambda: lg.transport(white(3), domain=CUBE, masses=[1.0] * 3), "multiply each by"),
@@ -209,6 +257,37 @@ def test_meshes_of_others_are_domains():
 def test_what_is_wrong_is_said(call, said):
     with pytest.raises(ValueError, match=said):
         call()
+
+
+def test_cells_are_saved_in_the_programs_forms(thousand, tmp_path):
+    thousand.save(tmp_path / "cells.csv")
+    rows = np.loadtxt(tmp_path / "cells.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(rows[:, 1], thousand.volume) and np.array_equal(rows[:, 2:5], thousand.centroid, equal_nan=True)
+    thousand.save(tmp_path / "cells.npz")
+    with np.load(tmp_path / "cells.npz") as arrays:
+        assert np.array_equal(arrays["volume"], thousand.volume) and np.array_equal(arrays["second_moment"], thousand.second_moment)
+        assert np.array_equal(arrays["facets"], rows[:, 5])
+    with pytest.raises(ValueError, match=r"cells\.xyz.*\.vtu"):
+        thousand.save(tmp_path / "cells.xyz")
+    for name in ("none/cells.csv", "none/cells.npz"):
+        with pytest.raises(OSError, match="there is no folder"):
+            thousand.save(tmp_path / name)
+    assert {path.name for path in tmp_path.iterdir()} == {"cells.csv", "cells.npz"}
+
+
+def test_geometry_is_saved_whether_it_was_asked_for_or_not(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    domain = lg.Domain(*TETRAHEDRON)
+    asked, not_asked = (lg.cells(white(50), domain=domain, geometry=geometry) for geometry in (True, False))
+    for ending in (".vtu", ".vtp", ".ply", ".glb", ".html"):
+        for cells in (asked, not_asked):
+            cells.save(tmp_path / f"{cells is asked}{ending}")
+        assert (tmp_path / f"True{ending}").read_bytes() == (tmp_path / f"False{ending}").read_bytes()
+    assert pyvista.read(tmp_path / "True.vtp").n_cells == asked.to_pyvista().n_cells
+    solids = pyvista.read(tmp_path / "True.vtu")
+    assert np.array_equal(np.unique(solids.cell_data["volume"]), np.unique(asked.volume[asked.status == 0]))
+    page = (tmp_path / "True.html").read_text()
+    assert "<title>50 cells</title>" in page.replace("\n", "") and 'id="block-0"' in page
 
 
 def test_files_that_are_not_there_are_errors_of_the_system():

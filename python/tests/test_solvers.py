@@ -25,6 +25,20 @@ def test_lloyd_lowers_the_energy():
     assert np.array_equal(relaxed.cells.volume, lg.cells(relaxed.points, domain=CUBE).volume)
 
 
+def test_a_run_is_a_page(tmp_path):
+    relaxing, moving = [], []
+    relaxed = lg.lloyd(white(30), domain=CUBE, iterations=3, tolerance=0, callback=relaxing.append)
+    assert np.array_equal(relaxing[0]["points"], white(30)) and np.array_equal(relaxing[-1]["points"], relaxed.points)
+    solved = lg.transport(white(30), domain=CUBE, callback=moving.append)
+    assert np.array_equal(moving[-1]["weights"], solved.weights) and np.array_equal(moving[0]["points"], white(30))
+    flowing = []
+    lg.fluid(**lg.scene("beltrami", 27), steps=2, callback=flowing.append)
+    for name, states in (("lloyd", relaxing), ("transport", moving), ("fluid", flowing)):
+        lg.page(tmp_path / f"{name}.html", states, domain=CUBE)
+        page = (tmp_path / f"{name}.html").read_text()
+        assert page.count('id="block-') == len(states) and ("speed" in page) >= (name == "fluid")
+
+
 def test_without_a_domain_the_box_stays():
     points = white(100)
     relaxed = lg.lloyd(points, iterations=10, tolerance=0)

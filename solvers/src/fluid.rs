@@ -282,6 +282,11 @@ impl Fluid {
         &self.cells.barycenters
     }
 
+    /// The largest relative error of a volume of these cells.
+    pub fn residual(&self) -> f64 {
+        self.cells.residual
+    }
+
     /// The size of a cell, `V^⅓`.
     pub fn cell_size(&self) -> f64 {
         self.volume.cbrt()

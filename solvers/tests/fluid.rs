@@ -4,7 +4,7 @@ use laguerre_core::diagram::Container;
 use laguerre_core::shapes::icosphere;
 use laguerre_core::{Backend, PowerDiagram, Request};
 use laguerre_cpu::Cpu;
-use laguerre_solvers::fluid::{Fluid, Scene, Settings, Start, VOLUME_TOLERANCE, lattice, settle};
+use laguerre_solvers::fluid::{Fluid, Scene, Settings, Start, State, VOLUME_TOLERANCE, lattice, settle};
 use laguerre_solvers::transport;
 use std::ops::ControlFlow::Continue;
 
@@ -156,6 +156,19 @@ fn any_gravity_has_settings() {
             assert!(settings.gravity.period.is_finite());
             assert!([0.0, 0.7].iter().all(|&t| settings.gravity.at(t).iter().all(|x| x.is_finite())), "{settings:?}");
         }
+    }
+}
+
+#[test]
+fn particles_of_any_kind_have_the_epsilon_of_the_scene_that_they_are() {
+    for scene in SCENES_IN_BOXES {
+        let fluid = fluid(scene, 1000, |_| {});
+        let State { positions, velocities, densities, .. } = fluid.state().clone();
+        let container = Container::Box([0.0; 3], scene.extent().unwrap());
+        let found = Start { positions, velocities, densities }.epsilon(&container, &fluid.settings().gravity);
+        // The fastest place of a vortex is seldom a particle's.
+        assert!((found / fluid.settings().epsilon - 1.0).abs() < 0.1, "{scene:?} {found} {:?}", fluid.settings());
+        assert_eq!(Scene::named(scene.name()), Some(scene));
     }
 }
 

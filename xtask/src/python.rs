@@ -5,11 +5,19 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::guide::Page;
-use crate::run::{root, succeed, target};
+use crate::run::{cargo, root, succeed, target};
 
 /// From PyPI: what builds the wheel, and what its tests and examples import.
-const PACKAGES: [&str; 6] =
-    ["maturin==1.16.0", "pytest==9.2.0", "numpy==2.4.6", "scipy==1.17.1", "pyvista==0.49.1", "jax==0.10.2"];
+const PACKAGES: [&str; 7] = [
+    "maturin==1.16.0",
+    "pytest==9.2.0",
+    "numpy==2.4.6",
+    "scipy==1.17.1",
+    "pyvista==0.49.1",
+    // PyVista's films.
+    "imageio==2.38.1",
+    "jax==0.10.2",
+];
 
 /// A wheel for users, in `target/wheels`.
 pub(crate) fn wheel() -> Result<(), String> {
@@ -22,6 +30,11 @@ pub(crate) fn wheel() -> Result<(), String> {
 
 /// Builds the wheel as tests are built, installs it, and runs its tests and examples.
 pub(crate) fn test() -> Result<(), String> {
+    let home = target().join("python-module");
+    let lints = ["clippy", "--locked", "--manifest-path", "python/Cargo.toml", "--", "-D", "warnings"];
+    cargo(&lints, &[("CARGO_TARGET_DIR", &home.to_string_lossy())])?;
+    // With it the module is compared, as the guide and the program's own tests have it, so that nothing is built twice.
+    cargo(&["test", "--locked", "--workspace", "--all-features", "--no-run", "--test", "program"], &[])?;
     let python = tools()?;
     let folder = target().join("python-wheels");
     // One wheel: the one that is built now.
@@ -34,7 +47,8 @@ pub(crate) fn test() -> Result<(), String> {
     let sources = root().join("python");
     // Beside the sources `import laguerre` would find those.
     let mut pytest = module(&python, &["pytest", "-q", "-p", "no:cacheprovider"]);
-    print!("{}", succeed(pytest.current_dir(sources.join("tests")))?);
+    let program = target().join("debug/laguerre").with_extension(std::env::consts::EXE_EXTENSION);
+    print!("{}", succeed(pytest.current_dir(sources.join("tests")).env("LAGUERRE_PROGRAM", program))?);
     examples(&python)
 }
 
@@ -65,7 +79,7 @@ fn examples(python: &Path) -> Result<(), String> {
 }
 
 fn tools() -> Result<PathBuf, String> {
-    environment("python", "import maturin, pytest, scipy, pyvista, jax", &PACKAGES)
+    environment("python", "import maturin, pytest, scipy, pyvista, imageio, jax", &PACKAGES)
 }
 
 fn build(python: &Path, folder: &Path, profile: &str) -> Result<(), String> {

@@ -84,7 +84,9 @@ pub(crate) fn succeed(command: &mut Command) -> Result<String, String> {
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
-    Err(format!("{name}: {}", String::from_utf8_lossy(&output.stderr).trim_end()))
+    // What is wrong may be said on either: pytest says it on the first.
+    let [out, err] = [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said).trim_end().to_owned());
+    Err(format!("{name}: {}", if err.is_empty() { out } else { err }))
 }
 
 /// The counts of a line `test result: ok. 4 passed; 1 failed; 0 ignored; …`, if it is one.

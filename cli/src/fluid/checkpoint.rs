@@ -11,8 +11,6 @@ use laguerre::solvers::fluid::{Fluid, Gravity, Scene, Settings, State};
 use laguerre::{Backend, Domain, Error, ErrorKind, Result, io};
 use serde::{Deserialize, Serialize};
 
-use super::{SCENES, scene_name};
-
 /// The ending of a checkpoint's name.
 pub(super) const ENDING: &str = ".fluid";
 
@@ -56,7 +54,7 @@ pub(super) fn write(path: &Path, scene: Scene, container: &Container, fluid: &Fl
     };
     let header = Header {
         laguerre_fluid: VERSION,
-        scene: scene_name(scene).into(),
+        scene: scene.name().into(),
         steps: state.steps,
         particles: state.positions.len(),
         vertices: vertices.len(),
@@ -116,7 +114,7 @@ impl Checkpoint {
                 header.laguerre_fluid
             )));
         }
-        let (scene, ..) = *SCENES.iter().find(|(.., name)| *name == header.scene).ok_or_else(no)?;
+        let scene = Scene::named(&header.scene).ok_or_else(no)?;
         let Header { particles: n, vertices, triangles, .. } = header;
         let corners = if vertices == 0 { 6 } else { vertices.saturating_mul(3) };
         let floats = n.saturating_mul(9).saturating_add(corners).saturating_add(SCALARS);

@@ -6,7 +6,6 @@ use laguerre::solvers::fluid::{Fluid, Scene, State};
 use laguerre::{Backend, Result};
 
 use super::report::Report;
-use super::scene_name;
 use crate::page::{self, Moment, Page, Timeline};
 use crate::report::grouped;
 
@@ -60,11 +59,7 @@ impl Pages {
         let Some(path) = self.path else { return Ok(()) };
         let (moments, shown) = self.timeline.finish("frames");
         let page = Page {
-            title: format!(
-                "{}, a fluid of {} cells",
-                scene_name(self.scene),
-                grouped(fluid.state().positions.len() as u64)
-            ),
+            title: format!("{}, a fluid of {} cells", self.scene.name(), grouped(fluid.state().positions.len() as u64)),
             facts: report.facts(),
             shown,
             plot: Some(report.plot()),

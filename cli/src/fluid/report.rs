@@ -4,7 +4,6 @@ use laguerre::BackendInfo;
 use laguerre::solvers::fluid::{Fluid, Scene, StepReport};
 use serde::Serialize;
 
-use super::scene_name;
 use crate::page::{self, Plot};
 use crate::report::grouped;
 
@@ -97,7 +96,7 @@ pub(super) struct Report {
 impl Report {
     pub(super) fn new(scene: Scene, fluid: &Fluid, info: BackendInfo) -> Self {
         Self {
-            scene: scene_name(scene),
+            scene: scene.name(),
             particles: fluid.state().positions.len(),
             steps: 0,
             time: 0.0,

@@ -218,7 +218,7 @@ fn the_page_is_one_file_that_asks_for_nothing() {
     let page = read(folder, "c.html");
     assert!(page.contains("default-src 'none'") && page.contains("Permission is hereby granted, free of charge"));
     // three.js can load files, if it is asked to.
-    let own = page.replace(include_str!("../../src/page/three.min.js"), "");
+    let own = page.replace(include_str!("../../../page/src/three.min.js"), "");
     assert!(own.len() + 500_000 < page.len());
     for asks in ["src=", "@import", "url(", "import(", "fetch(", "XMLHttpRequest", "href=\"http"] {
         assert!(!own.contains(asks), "{asks}");

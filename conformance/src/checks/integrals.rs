@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use glam::{DMat3, DVec3};
 use laguerre_core::oracle::Naive;
 use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, CellStatus, ErrorKind, Integrand, Output, Request};
+use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Integrand, Output, Request};
 
 use crate::bounds::{Bounds, Planes, ROUNDINGS, U};
 use crate::domains::Room;
@@ -104,10 +104,23 @@ pub fn functions(backend: &dyn Backend, case: &Case) -> Verdict {
     if backend.info().backend != "cpu" {
         return is_refused(backend, &scene, &request(function));
     }
+    // Called with many places at once it is the same to the last bit, column by column.
+    let (inner, batches) = (f.clone(), Arc::new(Mutex::new(0)));
+    let count = Arc::clone(&batches);
+    let of_many = move |places: &[[f64; 3]]| {
+        *count.lock().unwrap_or_else(std::sync::PoisonError::into_inner) += 1;
+        Ok(places.iter().map(|&x| inner.value(DVec3::from(x))).flat_map(|value| [value, -2.0 * value]).collect())
+    };
+    let of_many = Integrand::batches(3, 2, of_many).map_err(|error| error.to_string())?;
     let of_polynomial = scene.evaluate(backend, &request(f.integrand()?))?;
     let of_function = scene.evaluate(backend, &request(function))?;
     let bounds = Bounds::new(&scene, &of_polynomial, Planes::Same);
     same(&bounds, &f, integrals(&of_polynomial)?, integrals(&of_function)?)?;
+    let of_many = scene.evaluate(backend, &request(of_many))?;
+    let doubled: Vec<f64> = integrals(&of_function)?.iter().flat_map(|&value| [value, -2.0 * value]).collect();
+    ensure!(of_many.integral() == Some(&doubled[..]), "in batches it is another");
+    let batches = *batches.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    ensure!(batches <= scene.len(), "{batches} calls for {} sites", scene.len());
     let (lo, hi) = grid_box(&scene.room);
     let margin = DVec3::splat((0..scene.len()).map(|i| bounds.displacement(i)).fold(0.0, f64::max));
     let (low, high) = *seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -145,7 +158,21 @@ pub fn not_finite(backend: &dyn Backend) -> Verdict {
     match backend.evaluate(&scene.diagram()?, &Request::moments().with_integral(f)) {
         Err(error) if error.kind() == ErrorKind::Input && error.to_string().contains("integrand") => Ok(()),
         other => Err(format!("instead of an error: {other:?}")),
+    }?;
+    // What a function of many places says is wrong is the evaluation's error, where it can be called.
+    if backend.info().backend != "cpu" {
+        return Ok(());
     }
+    let fails = |columns, answer: fn(usize) -> laguerre_core::Result<Vec<f64>>, said: &str| {
+        let f = Integrand::batches(2, columns, move |places| answer(places.len())).map_err(|e| e.to_string())?;
+        match backend.evaluate(&scene.diagram()?, &Request::moments().with_integral(f)) {
+            Err(error) if error.to_string().contains(said) => Ok(()),
+            other => Err(format!("instead of an error, {said}: {other:?}")),
+        }
+    };
+    fails(1, |_| Err(Error::input("no more")), "no more")?;
+    fails(2, |n| Ok(vec![1.0; n]), "2 for each are needed")?;
+    fails(2, |n| Ok([1.0, f64::NAN].repeat(n)), "site 0 is not finite")
 }
 
 fn is_refused(backend: &dyn Backend, scene: &Scene, request: &Request) -> Verdict {

@@ -48,6 +48,8 @@ pub(super) struct Cells {
     pub(super) facets: Facets,
     /// The cost of transport, `Σ_i ∫_cell i ‖x − p_i‖² dx`.
     pub(super) cost: f64,
+    /// Largest relative error of a volume.
+    pub(super) residual: f64,
 }
 
 impl Cells {
@@ -58,23 +60,24 @@ impl Cells {
     /// `Input` where the weights do not give cells of `volume`.
     pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram, volume: f64) -> Result<Self> {
         let output = backend.evaluate(diagram, &Request::moments().with_facets().with_second_moments())?;
-        let is_other = |v: &f64| (v / volume - 1.0).abs() > VOLUME_TOLERANCE + OTHER_BACKEND;
-        if let Some(i) = output.volume().iter().position(is_other) {
+        let error = |v: &f64| (v / volume - 1.0).abs();
+        if let Some(i) = output.volume().iter().position(|v| error(v) > VOLUME_TOLERANCE + OTHER_BACKEND) {
             return Err(Error::input(format!(
                 "the weights are not those of these positions: particle {i} has volume {:e}, not {volume:e}; begin anew",
                 output.volume()[i]
             )));
         }
         let cost = Density::Uniform.cost(diagram.positions(), &output);
-        Self::of(output, cost)
+        let residual = output.volume().iter().map(error).fold(0.0, f64::max);
+        Self::of(output, cost, residual)
     }
 
-    fn of(output: Output, cost: Option<f64>) -> Result<Self> {
+    fn of(output: Output, cost: Option<f64>, residual: f64) -> Result<Self> {
         let OutputArrays { barycenter: barycenters, facets, .. } = output.into_arrays();
         let (Some(facets), Some(cost)) = (facets, cost) else {
             return Err(Error::new(ErrorKind::Device, "the backend gave no facets or second moments though asked to"));
         };
-        Ok(Self { barycenters, facets, cost })
+        Ok(Self { barycenters, facets, cost, residual })
     }
 }
 
@@ -98,7 +101,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
             report.residual, report.iterations
         )));
     }
-    Ok((Cells::of(solved.output, solved.cost)?, report))
+    Ok((Cells::of(solved.output, solved.cost, report.residual)?, report))
 }
 
 /// Weights for equal volumes; half of the way there is of no use here.

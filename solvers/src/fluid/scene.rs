@@ -2,7 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use laguerre_core::diagram::Container;
+
 use super::{Gravity, Settings};
+use crate::density::Density;
+use crate::vectors::inner;
 
 /// A fluid to begin with. Up is +y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +60,26 @@ const STRETCH_OF_TWO: f64 = 0.08;
 const FASTEST_WAVE: f64 = 6.0;
 
 impl Scene {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::RayleighTaylor, Self::DamBreak, Self::TaylorGreen, Self::Beltrami, Self::SnowGlobe];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::RayleighTaylor => "rayleigh-taylor",
+            Self::DamBreak => "dam-break",
+            Self::TaylorGreen => "taylor-green",
+            Self::Beltrami => "beltrami",
+            Self::SnowGlobe => "snow-globe",
+        }
+    }
+
+    /// The scene of a name, if there is one.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|scene| scene.name() == name)
+    }
+
     /// The box of the scene, from the origin; none for a globe, which has a mesh.
     pub fn extent(self) -> Option<[f64; 3]> {
         match self {
@@ -132,24 +156,19 @@ impl Scene {
     /// particles; but snow does sink flake by flake.
     pub fn settings(self, densities: &[f64], lo: [f64; 3], hi: [f64; 3], h: f64, gravity: Option<f64>) -> Settings {
         let strength = gravity.unwrap_or(if self.has_two_densities() { hi[1] - lo[1] } else { 0.0 });
-        let mean = densities.iter().sum::<f64>() / densities.len() as f64;
-        let excess = densities.iter().map(|d| (d - mean).abs()).fold(0.0, f64::max);
         let mut all = Gravity { steady: [0.0, -strength, 0.0], ..Gravity::default() };
-        // In the vortices, the acceleration u·∇u is π/2 at most.
-        let mut acceleration = (excess * strength.abs()).max(if self.has_two_densities() { 0.0 } else { PI / 2.0 });
         if self == Self::SnowGlobe {
             let fall = if strength == 0.0 { 1.0 } else { ((hi[1] - lo[1]) / strength.abs()).sqrt() };
             all = Gravity { shake: [SHAKE * strength, 0.0, 0.0], period: fall, swings: SWINGS, ..all };
-            acceleration *= SHAKE.hypot(1.0);
         }
-        // At rest for want of gravity: any will do.
-        let stretched = if acceleration > 0.0 { acceleration } else { h };
-        let stretch = if self.has_two_densities() { STRETCH_OF_TWO } else { STRETCH };
+        // Vortices, in the unit cube, are as fast as 1.
+        let speed = if self.has_two_densities() { 0.0 } else { 1.0 };
+        let epsilon = suited(densities, speed, longest(lo, hi), h, &all);
         // With viscosity ν, waves of length 4π(ν²/(g·A))^⅓ grow fastest, A = (ρ − ρ')/(ρ + ρ') (Chandrasekhar 1961, §94).
         let (least, most) = densities.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &d| (a.min(d), b.max(d)));
         let driving = if self == Self::SnowGlobe { 0.0 } else { strength.abs() } * (most - least) / (most + least);
         let viscosity = (FASTEST_WAVE * h / (4.0 * PI)).powf(1.5) * driving.sqrt();
-        Settings { epsilon: (stretch * h / stretched).sqrt(), viscosity, gravity: all, time_step: None }
+        Settings { epsilon, viscosity, gravity: all, time_step: None }
     }
 
     /// Whether the fluid at a point of the unit cube, that the box is mapped to, is heavy.
@@ -163,6 +182,38 @@ impl Scene {
             _ => false,
         }
     }
+}
+
+impl Start {
+    /// An `ε` that suits such particles in a container, as [`Scene::settings`] has it: by which gravity on the largest excess of density, and the
+    /// acceleration `πv²/2L` of the fastest particle's speed `v` in a container as long as `L`, stretch springs by a quarter of a cell, or by
+    /// less where two densities meet.
+    pub fn epsilon(&self, container: &Container, gravity: &Gravity) -> f64 {
+        let (lo, hi) = match container {
+            Container::Domain(domain) => domain.bounding_box(),
+            Container::Box(lo, hi) => (*lo, *hi),
+        };
+        let fastest = self.velocities.iter().map(|&v| inner(v, v)).fold(0.0, f64::max).sqrt();
+        let h = (Density::Uniform.total(container) / self.positions.len() as f64).cbrt();
+        suited(&self.densities, fastest, longest(lo, hi), h, gravity)
+    }
+}
+
+fn longest(lo: [f64; 3], hi: [f64; 3]) -> f64 {
+    (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max)
+}
+
+/// The `ε` by which springs are stretched as the constants above say, for cells of size `h` in a container of some length.
+fn suited(densities: &[f64], speed: f64, length: f64, h: f64, gravity: &Gravity) -> f64 {
+    let mean = densities.iter().sum::<f64>() / densities.len() as f64;
+    let excess = densities.iter().map(|d| (d - mean).abs()).fold(0.0, f64::max);
+    let [steady, shake] = [gravity.steady, gravity.shake].map(|g| inner(g, g).sqrt());
+    // Of the vortices the acceleration u·∇u is π/2 at most.
+    let acceleration = (excess * steady.hypot(shake)).max(PI / 2.0 * speed * speed / length);
+    // At rest for want of gravity: any will do.
+    let stretched = if acceleration > 0.0 { acceleration } else { h };
+    let stretch = if excess > 0.0 { STRETCH_OF_TWO } else { STRETCH };
+    (stretch * h / stretched).sqrt()
 }
 
 /// About `count` sites in a box from the origin: the centres of the voxels of a grid, nearly cubic, the first axis fastest.

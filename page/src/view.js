@@ -13,10 +13,12 @@ uniform float spread;
 uniform vec3 middle;
 in uint code;
 out vec3 seen;
+out vec3 at;
 out float rim;
 flat out vec4 tint;
 flat out uint cell;
 void main() {
+  at = position;
   cell = code >> 1u;
   rim = float(code & 1u);
   ivec2 pixel = ivec2(int(cell) % ${TEXTURE_WIDTH}, int(cell) / ${TEXTURE_WIDTH});
@@ -33,15 +35,25 @@ precision highp float;
 uniform bool picks;
 uniform vec3 line;
 uniform float strength;
+// Beyond it nothing is seen.
+uniform vec4 plane;
+uniform bool fills;
 in vec3 seen;
+in vec3 at;
 in float rim;
 flat in vec4 tint;
 flat in uint cell;
 out vec4 color;
 void main() {
+  if (dot(plane.xyz, at) > plane.w || (fills && gl_FrontFacing)) discard;
   if (picks) {
     uint number = cell + 1u;
     color = vec4(float(number & 255u), float(number >> 8u & 255u), float(number >> 16u & 255u), 255.0) / 255.0;
+    return;
+  }
+  // The inside of a cell that the plane has opened: it is seen as the cut itself. Neighbours of one colour are told apart.
+  if (fills || (plane.xyz != vec3(0.0) && !gl_FrontFacing)) {
+    color = vec4(tint.rgb * (0.86 + 0.14 * float(cell * 2654435761u >> 24u) / 255.0), 1.0);
     return;
   }
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
@@ -78,15 +90,22 @@ class View {
       tints: { value: texture(new Uint8Array(4 * TEXTURE_WIDTH), THREE.UnsignedByteType) },
       spread: { value: 0 }, middle: { value: middle }, picks: { value: false },
       line: { value: new THREE.Vector3(0.08, 0.1, 0.13) }, strength: { value: 0.7 },
+      plane: { value: [0, 0, 0, 1] },
     };
-    const material = new THREE.ShaderMaterial({
-      vertexShader: VERTEX, fragmentShader: FRAGMENT, glslVersion: THREE.GLSL3, uniforms: this.uniforms, side: THREE.DoubleSide,
-    });
-    this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
-    this.mesh.frustumCulled = false;
-    // Until there are triangles.
-    this.mesh.visible = false;
-    this.scene.add(this.mesh, this.outline());
+    const mesh = (fills) => {
+      const uniforms = { ...this.uniforms, fills: { value: fills } };
+      const material = new THREE.ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, glslVersion: THREE.GLSL3, uniforms, side: THREE.DoubleSide });
+      const made = new THREE.Mesh(new THREE.BufferGeometry(), material);
+      made.frustumCulled = false;
+      // Until there are triangles.
+      made.visible = false;
+      return made;
+    };
+    this.mesh = mesh(false);
+    /** What fills a cut through cells: of their inner faces the backs. */
+    this.filling = mesh(true);
+    this.lines = this.outline();
+    this.scene.add(this.mesh, this.filling, this.lines);
     this.vertices = 0;
     /** Triangles a millisecond. */
     this.rate = 0;
@@ -168,20 +187,32 @@ class View {
     this.draw();
   }
 
-  /** Which cells are shown, and how far they are moved from the middle, as a share of where they are. */
-  setShown(shown, spread) {
+  /**
+   * Which cells are shown, and how far they are moved from the middle, as a share of where they are; or `through`, where a plane cuts them: `isCut` of
+   * each cell, and the `plane`, four numbers: beyond it the first three times the place are more than the fourth.
+   */
+  setShown(shown, spread, through = null) {
     const isApart = spread > 0;
-    const { position, code, index } = isApart ? apart(this.cells, shown) : hull(this.cells, shown);
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(position, 3));
-    geometry.setAttribute('code', new THREE.BufferAttribute(code, 1));
-    if (index) geometry.setIndex(new THREE.BufferAttribute(index, 1));
-    this.mesh.geometry.dispose();
-    this.mesh.geometry = geometry;
-    this.mesh.visible = code.length > 0;
-    this.vertices = index ? index.length : code.length;
+    const triangles = this.setTriangles(this.mesh, isApart ? apart(this.cells, shown) : hull(this.cells, shown));
+    this.setTriangles(this.filling, through ? filling(this.cells, shown, through.isCut) : null);
+    this.uniforms.plane.value = through ? through.plane : [0, 0, 0, 1];
+    this.vertices = triangles;
     this.uniforms.spread.value = spread;
     this.moved();
+  }
+
+  /** Gives a mesh its triangles; how many vertices they have. */
+  setTriangles(mesh, shape) {
+    const geometry = new THREE.BufferGeometry();
+    if (shape) {
+      geometry.setAttribute('position', new THREE.BufferAttribute(shape.position, 3));
+      geometry.setAttribute('code', new THREE.BufferAttribute(shape.code, 1));
+      if (shape.index) geometry.setIndex(new THREE.BufferAttribute(shape.index, 1));
+    }
+    mesh.geometry.dispose();
+    mesh.geometry = geometry;
+    mesh.visible = shape !== null && shape.code.length > 0;
+    return shape === null ? 0 : (shape.index ?? shape.code).length;
   }
 
   setSpread(spread) {
@@ -234,15 +265,14 @@ class View {
     const { clientWidth, clientHeight } = this.canvas;
     this.camera.setViewOffset(clientWidth, clientHeight, Math.floor(x), Math.floor(y), 1, 1);
     this.uniforms.picks.value = true;
-    const lines = this.scene.children[1];
-    lines.visible = false;
+    this.lines.visible = false;
     this.renderer.setRenderTarget(this.picked);
     this.renderer.setClearColor(0, 0);
     this.renderer.clear();
     this.renderer.render(this.scene, this.camera);
     const [a, b, c, opaque] = this.pixel();
     this.renderer.setRenderTarget(null);
-    lines.visible = true;
+    this.lines.visible = true;
     this.uniforms.picks.value = false;
     this.camera.clearViewOffset();
     return opaque ? (a | b << 8 | c << 16) - 1 : -1;

@@ -10,20 +10,22 @@ const MOST_MOMENTS: usize = 100;
 
 /// A state of a run.
 #[derive(Clone, Debug)]
-pub(crate) struct Moment {
+pub struct Moment {
     /// What it is called.
-    pub(crate) label: String,
+    pub label: String,
     /// Its row of the plot.
-    pub(crate) row: usize,
-    pub(crate) positions: Vec<[f64; 3]>,
-    pub(crate) weights: Vec<f64>,
+    pub row: usize,
+    /// Its sites.
+    pub positions: Vec<[f64; 3]>,
+    /// Their weights; none where all are equal.
+    pub weights: Vec<f64>,
     /// Numbers of each site, for the fields of the page beside volume and weight.
-    pub(crate) values: Vec<Vec<f64>>,
+    pub values: Vec<Vec<f64>>,
 }
 
 /// States of a run, evenly spread over it: every one, or where those are too many every second, every fourth and so on; and the last.
 #[derive(Debug)]
-pub(crate) struct Timeline {
+pub struct Timeline {
     most: usize,
     stride: usize,
     seen: usize,
@@ -32,13 +34,14 @@ pub(crate) struct Timeline {
 }
 
 impl Timeline {
-    pub(crate) fn new(sites: usize) -> Self {
+    /// Of diagrams of so many sites.
+    pub fn new(sites: usize) -> Self {
         let most = (MOST_CELLS / sites.max(1)).clamp(2, MOST_MOMENTS);
         Self { most, stride: 1, seen: 0, kept: Vec::new(), last: None }
     }
 
     /// One more state, if there is one.
-    pub(crate) fn add(&mut self, moment: impl FnOnce() -> Option<Moment>) {
+    pub fn add(&mut self, moment: impl FnOnce() -> Option<Moment>) {
         let Some(moment) = moment() else { return };
         let number = self.seen;
         self.seen += 1;
@@ -58,7 +61,7 @@ impl Timeline {
     }
 
     /// The states, and in words which they are of how many.
-    pub(crate) fn finish(self, what: &str) -> (Vec<Moment>, String) {
+    pub fn finish(self, what: &str) -> (Vec<Moment>, String) {
         let Self { stride, seen, kept, last, .. } = self;
         let moments: Vec<Moment> = kept.into_iter().chain(last).map(|(_, moment)| moment).collect();
         let shown = match stride {
@@ -73,19 +76,20 @@ impl Timeline {
 }
 
 /// A backend that remembers the last diagram of all sites that it was asked for: a solver ends each iteration with that.
-pub(crate) struct Remembering<'a> {
+pub struct Remembering<'a> {
     backend: &'a dyn Backend,
     sites: usize,
     last: Mutex<Option<PowerDiagram>>,
 }
 
 impl<'a> Remembering<'a> {
-    pub(crate) fn new(backend: &'a dyn Backend, sites: usize) -> Self {
+    /// Where to compute, and how many all sites are.
+    pub fn new(backend: &'a dyn Backend, sites: usize) -> Self {
         Self { backend, sites, last: Mutex::new(None) }
     }
 
     /// That diagram's state.
-    pub(crate) fn moment(&self, label: String, row: usize) -> Option<Moment> {
+    pub fn moment(&self, label: String, row: usize) -> Option<Moment> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let diagram = last.as_ref()?;
         let (positions, weights) = (diagram.positions().to_vec(), diagram.weights().to_vec());

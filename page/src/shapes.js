@@ -5,13 +5,45 @@ const MOST_WITH_EDGES = 20000;
 
 /** What borders on what is not shown: a face between a cell of which `shown` is 1 and one of which it is 0, or nothing. */
 function hull(cells, shown) {
-  const { inner, outer, start } = cells;
-  const isSeen = (f) => shown[inner[f]] !== (outer[f] < 0 ? 0 : shown[outer[f]]);
+  const { inner, outer } = cells;
+  return shapeOf(cells, (f) => shown[inner[f]] && (outer[f] < 0 || !shown[outer[f]]), (f) => outer[f] >= 0 && shown[outer[f]] && !shown[inner[f]]);
+}
+
+/** The faces between shown cells that a plane goes through, and others: seen from within the cell, where the plane opens it, they fill the cut. */
+function filling(cells, shown, isCut) {
+  const { inner, outer } = cells, isWithin = (f) => outer[f] >= 0 && shown[inner[f]] && shown[outer[f]];
+  return shapeOf(cells, (f) => isWithin(f) && isCut[inner[f]], (f) => isWithin(f) && isCut[outer[f]]);
+}
+
+/** The faces that are asked for, as sides of their one cell and of the other. */
+function shapeOf(cells, isOfInner, isOfOuter) {
+  const { start } = cells;
   let corners = 0;
-  for (let f = 0; f < cells.faces; f++) if (isSeen(f)) corners += start[f + 1] - start[f];
+  for (let f = 0; f < cells.faces; f++) corners += ((isOfInner(f) ? 1 : 0) + (isOfOuter(f) ? 1 : 0)) * (start[f + 1] - start[f]);
   const fans = new Fans(cells, corners);
-  for (let f = 0; f < cells.faces; f++) if (isSeen(f)) fans.add(f, shown[inner[f]] === 0);
+  for (let f = 0; f < cells.faces; f++) {
+    if (isOfInner(f)) fans.add(f, false);
+    if (isOfOuter(f)) fans.add(f, true);
+  }
   return fans.shape();
+}
+
+/** Where each cell begins and ends along an axis; kept, as a slider asks again and again. */
+function spans(cells, axis) {
+  cells.spans ??= [];
+  if (cells.spans[axis]) return cells.spans[axis];
+  const { points, inner, outer, start, corners } = cells;
+  const lo = new Float32Array(cells.count).fill(Infinity), hi = new Float32Array(cells.count).fill(-Infinity);
+  for (let f = 0; f < cells.faces; f++) {
+    for (let c = start[f]; c < start[f + 1]; c++) {
+      const x = points[3 * corners[c] + axis];
+      for (const cell of outer[f] < 0 ? [inner[f]] : [inner[f], outer[f]]) {
+        if (x < lo[cell]) lo[cell] = x;
+        if (x > hi[cell]) hi[cell] = x;
+      }
+    }
+  }
+  return cells.spans[axis] = { lo, hi };
 }
 
 /** All faces of the cells that are shown, those nearest to what is seen first. */

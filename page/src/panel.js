@@ -13,7 +13,7 @@ const PICKED = [240, 90, 20], LIT = [255, 206, 110], DIM = [150, 156, 164];
 let view = null, cells = null, picked = -1, state = meta.states.length - 1;
 /** Neighbours of the cell that is picked, with the areas of the facets. */
 let facets = new Map();
-let isFlipped = false, isAlone = false, isDue = false;
+let isFlipped = false, isThrough = false, isAlone = false, isDue = false;
 
 const number = (x, digits = 6) => Number(x.toPrecision(digits)).toLocaleString('en', { maximumSignificantDigits: digits, useGrouping: Math.abs(x) < 1e9 })
   .replace(/^-?0$/, '0');
@@ -115,6 +115,18 @@ function shownCells() {
   return shown;
 }
 
+/** The same where a plane cuts cells through: also which it cuts, and the plane as the view takes it. */
+function cutThrough() {
+  const axis = element('axis').selectedIndex, share = element('cut').value / 1000, sign = isFlipped ? -1 : 1;
+  const at = (isFlipped ? 1 - share : share) * view.extent[axis], { lo, hi } = spans(cells, axis);
+  const shown = new Uint8Array(cells.count), isCut = new Uint8Array(cells.count);
+  for (let c = 0; c < cells.count; c++) {
+    shown[c] = (isFlipped ? hi[c] > at : lo[c] < at) ? 1 : 0;
+    isCut[c] = lo[c] < at && at < hi[c] ? 1 : 0;
+  }
+  return { shown, isCut, plane: [0, 1, 2].map((k) => (k === axis ? sign : 0)).concat(sign * at) };
+}
+
 /** Draws which cells are shown; once a frame, however fast a slider is. */
 function reshape() {
   if (isDue) return;
@@ -131,7 +143,13 @@ function reshapeNow() {
   element('cut-label').value = share === 1 ? 'none' : `${'xyz'[axis]} ${isFlipped ? '≥' : '≤'} ${shownNumber(at, 4)}`;
   const spread = element('spread').value / 100;
   element('spread-label').value = spread ? `${element('spread').value} %` : 'none';
-  view.setShown(shownCells(), spread);
+  // What stands apart, or alone, is whole.
+  if (isThrough && share < 1 && spread === 0 && !(isAlone && picked >= 0)) {
+    const through = cutThrough();
+    view.setShown(through.shown, 0, through);
+  } else {
+    view.setShown(shownCells(), spread);
+  }
 }
 
 /** The facets of a cell: of each neighbour (-1 the outside) the area. */
@@ -242,6 +260,12 @@ function listen() {
     element('flip').setAttribute('aria-pressed', isFlipped);
     reshape();
   });
+  element('through').addEventListener('click', () => {
+    isThrough = !isThrough;
+    element('through').setAttribute('aria-pressed', isThrough);
+    element('cut-note').textContent = isThrough ? 'Cells are cut through, where they do not stand apart.' : 'Cells whose barycenter is beyond the plane are left out, whole.';
+    reshape();
+  });
   element('spread').addEventListener('input', () => {
     const spread = element('spread').value / 100;
     // New triangles only where cells begin to stand apart, or no longer do.
@@ -317,7 +341,7 @@ function sayInstead(text) {
 
 /** For scripts and tests: what a user does, and what he sees. */
 const laguerre = window.laguerre = {
-  meta, firstPicture: null, pickSite, pickAt: (x, y) => view.pick(x, y), view: () => view,
+  meta, firstPicture: null, pickSite, cutThrough, pickAt: (x, y) => view.pick(x, y), view: () => view,
   seen: () => ({ picked: picked < 0 ? null : cells.site[picked], neighbours: facets.size, cells: cells.count, vertices: view.vertices, state }),
   /** Milliseconds a frame while the view turns once. */
   spin(frames) {

@@ -12,10 +12,11 @@ use laguerre::geometry::{Beyond, Face};
 use laguerre::{Geometry, Output, PowerDiagram};
 use serde::Serialize;
 
-/// The corner and the size of what a page shows: positions are relative to it.
+/// The corners and the size of what a page shows: positions are relative to the first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) lo: [f64; 3],
+    pub(super) hi: [f64; 3],
     pub(super) size: f64,
 }
 

@@ -94,8 +94,9 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
 /// Writes an uneven input, which is one of the unit cube, or as it is in a box.
 fn uneven(args: &SampleArgs, input: &Uneven) -> Result<Outcome> {
     if args.container.file().is_some() {
+        let option = if args.container.domain.is_some() { "--domain" } else { "--image" };
         return Err(Error::input(format!(
-            "--domain, --image: the sites of {} are in the unit cube, or in a --box; leave these out",
+            "{option}: the sites of {} are in the unit cube, or in a --box; leave {option} out",
             input.name
         )));
     }

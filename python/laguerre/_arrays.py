@@ -21,15 +21,15 @@ def numbers(values: Any, what: str, shape: tuple[int | None, ...]) -> NDArray[np
     return frozen(np.array(found, dtype=float, order="C"))
 
 
-def triangles(values: Any) -> NDArray[np.uint32]:
-    """Triples of indices."""
-    found = _array(values, "triangles")
-    if found.ndim != 2 or found.shape[1] != 3:
-        raise ValueError(f"triangles: an array of shape (T, 3) is needed, this has {found.shape}")
+def indices(values: Any, what: str, corners: int) -> NDArray[np.uint32]:
+    """Rows of so many indices."""
+    found = _array(values, what)
+    if found.ndim != 2 or found.shape[1] != corners:
+        raise ValueError(f"{what}: an array of shape (T, {corners}) is needed, this has {found.shape}")
     if found.dtype.kind not in "iu":
-        raise ValueError(f"triangles: integers are needed, these are {found.dtype}")
+        raise ValueError(f"{what}: integers are needed, these are {found.dtype}")
     if found.size and (found.min() < 0 or found.max() >= 2**32):
-        raise ValueError("triangles: an index is negative or beyond 32 bits")
+        raise ValueError(f"{what}: an index is negative or beyond 32 bits")
     return np.ascontiguousarray(found, dtype=np.uint32)
 
 

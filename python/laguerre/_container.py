@@ -8,32 +8,63 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from . import _laguerre
-from ._arrays import frozen, numbers, triangles as indices
+from ._arrays import frozen, indices, numbers
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
 class Domain:
-    """A closed, consistently oriented triangle mesh; shells within shells count by their winding number.
+    """A closed triangle mesh; shells within shells count by their winding number. Or a density: :meth:`image`, :meth:`tetrahedra`.
 
-    ``vertices`` is (V, 3), ``triangles`` (T, 3) of indices from 0, counterclockwise from outside (a mesh turned inside out is turned back, which
-    ``notes`` says). A PyVista or trimesh mesh is taken in the place of both.
+    ``vertices`` is (V, 3), ``triangles`` (T, 3) of indices from 0, counterclockwise from outside. A mesh turned inside out is turned back, and one whose
+    triangles do not agree is oriented, which ``notes`` says; with ``orient=True`` every part of the surface is turned outward, or inward within another. A PyVista
+    or trimesh mesh is taken in the place of both.
     """
 
-    __slots__ = ("_inner",)
+    __slots__ = ("_inner", "_made")
 
-    def __init__(self, vertices: Any, triangles: ArrayLike | None = None) -> None:
+    def __init__(self, vertices: Any, triangles: ArrayLike | None = None, *, orient: bool = False) -> None:
         if triangles is None:
             vertices, triangles = _mesh(vertices)
-        self._inner = _laguerre.Domain(numbers(vertices, "vertices", (None, 3)), indices(triangles))
+        make = _laguerre.Domain.oriented if orient else _laguerre.Domain
+        self._inner = make(numbers(vertices, "vertices", (None, 3)), indices(triangles, "triangles", 3))
+        self._made: tuple[Any, ...] | None = None
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Domain:
-        """Reads ``.obj``, ``.off``, ``.ply`` or ``.stl``."""
+    def image(cls, values: ArrayLike, lo: ArrayLike = 0.0, hi: ArrayLike | None = None) -> Domain:
+        """A density (mass per volume) that is constant in each voxel: ``values`` is (nx, ny, nz), and fills the box from corner ``lo`` to ``hi``, each (3,) or
+        one number for all axes; without ``hi`` voxels are unit cubes.
+
+        Volumes of cells are then their masses, centroids and second moments those of mass, areas of facets the density's integrals, all exact.
+        Densities are kept to 28 bits below the largest, which ``notes`` says where it changes one; integers up to 2**28 are kept.
+        """
+        values = numbers(values, "values", (None, None, None))
+        lo = _corner(lo)
+        hi = _corner(lo + values.shape if hi is None else hi)
+        made = _laguerre.Domain.image(values.ravel(), values.shape, lo.tolist(), hi.tolist())
+        return cls._of(made, (Domain.image, (values, lo, hi)))
+
+    @classmethod
+    def tetrahedra(cls, points: ArrayLike, tetrahedra: ArrayLike, values: ArrayLike) -> Domain:
+        """A density that is constant in each tetrahedron, likewise: ``points`` is (V, 3), ``tetrahedra`` (T, 4) of indices from 0, in any order, ``values`` (T,). Where
+        some overlap, densities add up."""
+        points = numbers(points, "points", (None, 3))
+        corners = frozen(indices(tetrahedra, "tetrahedra", 4))
+        values = numbers(values, "values", (None,))
+        made = _laguerre.Domain.tetrahedra(points, corners, values)
+        return cls._of(made, (Domain.tetrahedra, (points, corners, values)))
+
+    @classmethod
+    def _of(cls, inner: Any, made: tuple[Any, ...] | None) -> Domain:
         domain = cls.__new__(cls)
-        domain._inner = _laguerre.Domain.load(path)
+        domain._inner, domain._made = inner, made
         return domain
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], *, orient: bool = False) -> Domain:
+        """Reads ``.obj``, ``.off``, ``.ply``, ``.stl`` or ``.vtk``; ``orient`` as for arrays."""
+        return cls._of(_laguerre.Domain.load(path, orient), None)
 
     @property
     def vertices(self) -> NDArray[np.float64]:
@@ -47,7 +78,7 @@ class Domain:
 
     @property
     def volume(self) -> float:
-        """The integral of the winding number (length cubed)."""
+        """The integral of the winding number (length cubed), or the mass."""
         return self._inner.volume
 
     @property
@@ -72,7 +103,7 @@ class Domain:
         return self._inner.notes
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Domain, (self.vertices, self.triangles)
+        return self._made or (Domain, (self.vertices, self.triangles))
 
     def __repr__(self) -> str:
         return f"<laguerre.Domain of {len(self.triangles)} triangles, volume {self.volume:g}>"

@@ -23,7 +23,15 @@ class Backend:
 class Domain:
     def __init__(self, vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> None: ...
     @staticmethod
-    def load(path: str | os.PathLike[str]) -> Domain: ...
+    def load(path: str | os.PathLike[str], orient: bool) -> Domain: ...
+    @staticmethod
+    def oriented(vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> Domain: ...
+    @staticmethod
+    def image(values: NDArray[np.float64], shape: tuple[int, ...], lo: list[float], hi: list[float]) -> Domain: ...
+    @staticmethod
+    def tetrahedra(
+        vertices: NDArray[np.float64], tetrahedra: NDArray[np.uint32], values: NDArray[np.float64]
+    ) -> Domain: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -99,6 +107,16 @@ def transport(
     tolerance: float,
     callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
+def pull_back(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    container: Any,
+    density: Any,
+    by_weights: NDArray[np.float64] | None,
+    by_centroids: NDArray[np.float64] | None,
+    by_cost: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def fluid(
     backend: Backend,
     points: NDArray[np.float64],

@@ -56,11 +56,31 @@ class Transport:
     """``"converged"``, ``"iterations"`` (there were no more), ``"stalled"`` (rounding is all that is left) or ``"stopped"`` (by the callback)."""
     cells: Cells
     """The cells of these weights."""
+    _density: tuple[float, Any] | None = None
 
     @property
     def converged(self) -> bool:
         """Whether the residual is within the tolerance."""
         return self.end == "converged"
+
+    def pullback(
+        self, weights: ArrayLike | None = None, centroid: ArrayLike | None = None, cost: float = 0.0
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The gradients of a function by points, (N, 3), and masses, (N,), through the solve, from those by ``weights``, (N,), centroids, (N, 3), and the ``cost``:
+        what reverse differentiation asks for. Masses change so that their sum stays: their gradient sums to 0. With a ``density`` that is linear there is none
+        by centroids. It takes one diagram and one linear system."""
+        given = self.cells._given
+        n = len(given.points)
+        return _laguerre.pull_back(
+            given.backend,
+            given.points,
+            self.weights,
+            inner(given.container),
+            self._density,
+            None if weights is None else numbers(weights, "weights", (n,)),
+            None if centroid is None else numbers(centroid, "centroid", (n, 3)),
+            float(cost),
+        )
 
 
 def lloyd(
@@ -118,7 +138,21 @@ def transport(
     cells = freeze(found.pop("cells"))
     freeze(found)
     given = Given(given.points, found["weights"], given.container, given.backend)
-    return Transport(cells=Cells(given, cells), **found)
+    return Transport(cells=Cells(given, cells), _density=rho, **found)
+
+
+def refuse_density(options: dict[str, Any]) -> None:
+    """Centroids have no derivative by points with a density that is linear."""
+    if options.get("density") is not None:
+        raise ValueError("density: differentiable transport has none but the domain's own: Domain.image, Domain.tetrahedra")
+
+
+def solved(points: Any, masses: Any, options: dict[str, Any]) -> Transport:
+    """A transport that is to be differentiated: it has converged."""
+    found = transport(points, masses=masses, **options)
+    if not found.converged:
+        raise ValueError(f"the residual is {found.residual:.1e} and not within the tolerance: give more iterations")
+    return found
 
 
 def check(count: int, callback: Any, what: str = "iterations") -> None:

@@ -1,4 +1,4 @@
-"""Volumes and centroids of restricted cells as differentiable functions, for JAX."""
+"""Volumes and centroids of restricted cells, and optimal transport, as differentiable functions, for JAX."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ._cells import Cells, Diagram
+from ._solvers import refuse_density, solved
 
 
 def cells(points: Any, weights: Any = None, **options: Any) -> tuple[jax.Array, jax.Array]:
@@ -55,3 +56,49 @@ def cells(points: Any, weights: Any = None, **options: Any) -> tuple[jax.Array, 
 
     function.defvjp(forward, backward)
     return function(points, weights)
+
+
+def transport(points: Any, masses: Any = None, **options: Any) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Weights, (N,), centroids, (N, 3), and cost of the optimal transport to points, (N, 3), with masses, (N,), all equal without; differentiable (backwards,
+    once) with respect to both, through the solve.
+
+    ``options`` are those of :func:`laguerre.transport`; the density is 1, or the domain's own. Masses change so that their sum stays: their gradient sums to 0.
+    The backward pass solves again, from the weights found.
+    """
+    refuse_density(options)
+    points = jnp.asarray(points)
+    kind = points.dtype
+    has_masses = masses is not None
+    masses = jnp.asarray(masses) if has_masses else jnp.zeros(points.shape[0], kind)
+
+    def found(p: Any, m: Any, **start: Any) -> Any:
+        return solved(np.asarray(p), np.asarray(m) if has_masses else None, {**options, **start})
+
+    def host(p: Any, m: Any) -> Any:
+        done = found(p, m)
+        return done.weights.astype(kind), done.cells.centroid.astype(kind), np.asarray(done.cost, kind)
+
+    def host_back(p: Any, m: Any, w: Any, *bars: Any) -> Any:
+        by_weights, by_centroid, by_cost = (np.asarray(bar) for bar in bars)
+        by_points, by_masses = found(p, m, weights=np.asarray(w)).pullback(by_weights, by_centroid, float(by_cost))
+        return by_points.astype(kind), by_masses.astype(kind)
+
+    @jax.custom_vjp
+    def function(p: jax.Array, m: jax.Array) -> Any:
+        n = p.shape[0]
+        shapes = tuple(jax.ShapeDtypeStruct(shape, kind) for shape in ((n,), (n, 3), ()))
+        return jax.pure_callback(host, shapes, p, m, vmap_method="sequential")
+
+    def forward(p: jax.Array, m: jax.Array) -> Any:
+        done = function(p, m)
+        return done, (p, m, done[0])
+
+    def backward(kept: Any, bars: Any) -> Any:
+        p, m, w = kept
+        n = p.shape[0]
+        shapes = (jax.ShapeDtypeStruct((n, 3), kind), jax.ShapeDtypeStruct((n,), kind))
+        by_points, by_masses = jax.pure_callback(host_back, shapes, p, m, w, *bars, vmap_method="sequential")
+        return by_points, by_masses.astype(m.dtype) if has_masses else jnp.zeros_like(m)
+
+    function.defvjp(forward, backward)
+    return function(points, masses)

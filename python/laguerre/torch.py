@@ -1,4 +1,4 @@
-"""Volumes and centroids of restricted cells as differentiable functions, for PyTorch."""
+"""Volumes and centroids of restricted cells, and optimal transport, as differentiable functions, for PyTorch."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import torch
 from torch.autograd.function import once_differentiable
 
 from ._cells import Diagram
+from ._solvers import refuse_density, solved
 
 
 class _Function(torch.autograd.Function):
@@ -39,6 +40,40 @@ def cells(
     and device. Centroids of empty cells are NaN, and without a gradient.
     """
     return _Function.apply(points, weights, options)
+
+
+class _Transport(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, points: torch.Tensor, masses: torch.Tensor | None, options: dict[str, Any]) -> Any:
+        ctx.save_for_backward(points, masses)
+        found = solved(_array(points), None if masses is None else _array(masses), options)
+        ctx.found = found
+        where = {"dtype": points.dtype, "device": points.device}
+        return (
+            torch.tensor(found.weights, **where),
+            torch.tensor(found.cells.centroid, **where),
+            torch.tensor(found.cost, **where),
+        )
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, weights: torch.Tensor, centroid: torch.Tensor, cost: torch.Tensor) -> Any:  # type: ignore[override]
+        kept_points, kept_masses = ctx.saved_tensors
+        points, masses = ctx.found.pullback(_array(weights), _array(centroid), cost.item())
+        by_masses = None if kept_masses is None else torch.as_tensor(masses).to(kept_masses)
+        return torch.as_tensor(points).to(kept_points), by_masses, None
+
+
+def transport(
+    points: torch.Tensor, masses: torch.Tensor | None = None, **options: Any
+) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    """Weights, (N,), centroids, (N, 3), and cost of the optimal transport to points, (N, 3), with masses, (N,), all equal without; differentiable, once, with
+    respect to both, through the solve.
+
+    ``options`` are those of :func:`laguerre.transport`; the density is 1, or the domain's own. Masses change so that their sum stays: their gradient sums to 0.
+    """
+    refuse_density(options)
+    return _Transport.apply(points, masses, options)
 
 
 def _array(tensor: torch.Tensor) -> Any:

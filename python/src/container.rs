@@ -26,8 +26,44 @@ impl Domain {
     }
 
     #[staticmethod]
-    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        py.detach(|| laguerre::Domain::load(path)).map(Self).map_err(raised)
+    fn load(py: Python<'_>, path: PathBuf, orient: bool) -> PyResult<Self> {
+        let load = || if orient { laguerre::Domain::load_oriented(path) } else { laguerre::Domain::load(path) };
+        py.detach(load).map(Self).map_err(raised)
+    }
+
+    #[staticmethod]
+    fn image(
+        py: Python<'_>,
+        values: PyReadonlyArray1<'_, f64>,
+        shape: [usize; 3],
+        lo: [f64; 3],
+        hi: [f64; 3],
+    ) -> PyResult<Self> {
+        let values = values.as_slice()?;
+        py.detach(|| laguerre::Domain::of_image(values, shape, lo, hi)).map(Self).map_err(raised)
+    }
+
+    #[staticmethod]
+    fn tetrahedra(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        tetrahedra: PyReadonlyArray2<'_, u32>,
+        values: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Self> {
+        let vertices = rows(vertices.as_slice()?, "vertices").map_err(raised)?;
+        let (tetrahedra, values) = (rows(tetrahedra.as_slice()?, "tetrahedra").map_err(raised)?, values.as_slice()?);
+        py.detach(|| laguerre::Domain::of_tetrahedra(vertices, tetrahedra, values)).map(Self).map_err(raised)
+    }
+
+    #[staticmethod]
+    fn oriented(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        triangles: PyReadonlyArray2<'_, u32>,
+    ) -> PyResult<Self> {
+        let vertices = rows(vertices.as_slice()?, "vertices").map_err(raised)?;
+        let triangles = rows(triangles.as_slice()?, "triangles").map_err(raised)?;
+        py.detach(|| laguerre::Domain::oriented(vertices, triangles)).map(Self).map_err(raised)
     }
 
     #[getter]
@@ -89,11 +125,11 @@ pub(crate) fn diagram(
     }
 }
 
-/// The rows of an array of three columns.
-pub(crate) fn rows<'a, T>(numbers: &'a [T], what: &str) -> Result<&'a [[T; 3]]> {
+/// The rows of an array of so many columns.
+pub(crate) fn rows<'a, T, const N: usize>(numbers: &'a [T], what: &str) -> Result<&'a [[T; N]]> {
     match numbers.as_chunks() {
         (rows, []) => Ok(rows),
-        _ => Err(Error::input(format!("{what}: an array of shape (N, 3) is needed"))),
+        _ => Err(Error::input(format!("{what}: an array of shape (N, {N}) is needed"))),
     }
 }
 

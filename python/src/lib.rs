@@ -30,5 +30,5 @@ mod _laguerre {
     #[pymodule_export]
     use super::save::{page, save};
     #[pymodule_export]
-    use super::solvers::{lloyd, transport};
+    use super::solvers::{lloyd, pull_back, transport};
 }

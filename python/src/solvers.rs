@@ -3,17 +3,17 @@
 use laguerre::Result;
 use laguerre::solvers::density::Density;
 use laguerre::solvers::lloyd::{self as relaxation, Method};
-use laguerre::solvers::transport::{self as solution, End};
+use laguerre::solvers::transport::{self as solution, Cotangent, End};
 use laguerre_page::Remembering;
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::callback::Callback;
 use crate::cells::{Backend, arrays};
-use crate::container::{Container, diagram, table};
-use crate::run::{Stoppable, detached_in_pool};
+use crate::container::{Container, diagram, rows, table};
+use crate::run::{Stoppable, detached_in_pool, raised};
 
 /// Sites that are the centroids of their cells: a dictionary of points, history and cells.
 #[pyfunction]
@@ -80,7 +80,7 @@ pub(crate) fn transport<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let masses = masses.as_ref().map(|masses| masses.as_slice().map(<[f64]>::to_vec)).transpose()?.unwrap_or_default();
-    let density = density.map_or(Density::Uniform, |(value, gradient)| Density::Linear { value, gradient });
+    let density = linear(density);
     let options = solution::Options::default().of(density).until(iterations, tolerance);
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
@@ -108,4 +108,42 @@ pub(crate) fn transport<'py>(
     found.set_item("residuals", PyArray1::from_vec(py, solved.iterations.iter().map(|i| i.residual).collect()))?;
     found.set_item("cells", arrays(py, solved.output.into_arrays())?)?;
     Ok(found)
+}
+
+/// By points, and by masses.
+type Gradient<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// The gradient of a function of a transport's weights, centroids and cost, by points and masses.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
+pub(crate) fn pull_back<'py>(
+    py: Python<'py>,
+    backend: PyRef<'py, Backend>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: PyReadonlyArray1<'py, f64>,
+    container: Option<Container<'py>>,
+    density: Option<(f64, [f64; 3])>,
+    by_weights: Option<PyReadonlyArray1<'py, f64>>,
+    by_centroids: Option<PyReadonlyArray2<'py, f64>>,
+    by_cost: f64,
+) -> PyResult<Gradient<'py>> {
+    let diagram = diagram(&points, Some(&weights), container.as_ref())?;
+    let mut cotangent = Cotangent { cost: by_cost, ..Cotangent::default() };
+    if let Some(by_weights) = &by_weights {
+        cotangent.weights = by_weights.as_slice()?.to_vec();
+    }
+    if let Some(by_centroids) = &by_centroids {
+        cotangent.barycenters = rows(by_centroids.as_slice()?, "centroid").map_err(raised)?.to_vec();
+    }
+    let density = linear(density);
+    let backend = backend.get()?;
+    let found = detached_in_pool(py, backend.info().threads, |stop| {
+        solution::pull_back(&Stoppable { backend, stop }, &diagram, &density, &cotangent)
+    })?;
+    Ok((table(py, found.positions)?, PyArray1::from_vec(py, found.masses)))
+}
+
+/// Uniform, or a value and a gradient.
+fn linear(density: Option<(f64, [f64; 3])>) -> Density {
+    density.map_or(Density::Uniform, |(value, gradient)| Density::Linear { value, gradient })
 }

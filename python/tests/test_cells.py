@@ -295,3 +295,41 @@ def test_files_that_are_not_there_are_errors_of_the_system():
         lg.Domain.load("none.off")
     with pytest.raises(TypeError):
         lg.cells(white(3), domain=CUBE, facet=True)
+
+
+def test_densities():
+    random = np.random.default_rng(8)
+    values = random.integers(0, 50, (3, 4, 2)).astype(float)
+    image = lg.Domain.image(values, 0, [3, 2, 1])
+    assert image.volume == pytest.approx(values.sum() / 4)
+    points = random.random((30, 3)) * [3, 2, 1]
+    cells = lg.cells(points, domain=image)
+    assert cells.volume.sum() == pytest.approx(image.volume)
+    assert np.array_equal(lg.cells(points, domain=pickle.loads(pickle.dumps(image))).volume, cells.volume)
+    assert np.allclose(lg.cells(points, domain=lg.Domain.image(np.asfortranarray(values), 0, [3, 2, 1])).volume, cells.volume)
+    assert lg.Domain.image(values).bounds[1].tolist() == [3, 4, 2]
+    # Two tetrahedra, of which one is in both.
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    both = lg.Domain.tetrahedra(corners, [[0, 1, 2, 3], [1, 0, 2, 3]], [1, 2])
+    assert both.volume == pytest.approx(0.5)
+    assert pickle.loads(pickle.dumps(both)).volume == both.volume
+    even = lg.transport(points, domain=image)
+    assert np.allclose(even.masses, image.volume / 30, rtol=1e-8)
+    with pytest.raises(ValueError, match="cells of a domain with a density have none"):
+        lg.cells(points, domain=image, geometry=True)
+    with pytest.raises(ValueError, match="number from 0"):
+        lg.Domain.image(-values)
+    with pytest.raises(ValueError, match=r"shape \(N, N, N\)"):
+        lg.Domain.image(values[0])
+    with pytest.raises(ValueError, match=r"shape \(T, 4\)"):
+        lg.Domain.tetrahedra(corners, [[0, 1, 2]], [1])
+
+
+def test_meshes_are_oriented():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    right = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    wrong = right.copy()
+    wrong[1] = wrong[1, ::-1]
+    assert lg.Domain(vertices, wrong).volume == lg.Domain(vertices, right).volume
+    assert "not consistently oriented" in lg.Domain(vertices, wrong).notes[0]
+    assert lg.Domain(vertices, right, orient=True).notes == []

@@ -79,3 +79,70 @@ def test_jax():
     check(*map(np.asarray, jax.grad(function, argnums=(0, 1))(points, weights)))
     several = jax.vmap(lambda p: laguerre.jax.cells(p, domain=CUBE)[0])(jax.numpy.stack([points, 1 - points]))
     assert several == pytest.approx(np.stack([lg.cells(p, domain=CUBE).volume for p in (points, 1 - np.asarray(points))]))
+
+
+def transported(points, masses, by):
+    found = lg.transport(points, domain=CUBE, masses=masses, tolerance=1e-13)
+    return (found.weights * by[0]).sum() + (found.cells.centroid * by[1]).sum() + by[2] * found.cost
+
+
+def check_transport(gradients):
+    """Likewise, of points and of masses whose sum stays, through the solve; ``gradients`` is given points, masses and the derivatives by the results."""
+    points, _, by_weights, by_centroid = inputs()
+    random = np.random.default_rng(6)
+    masses = 0.5 + random.random(N)
+    masses /= masses.sum()
+    by = (by_weights, by_centroid, 0.7)
+    by_points, by_masses = gradients(points, masses, by)
+    for _ in range(3):
+        p, m = random.standard_normal(points.shape), random.standard_normal(N) / N
+        m -= m.mean()
+        step = 1e-5
+        of_points = (transported(points + step * p, masses, by) - transported(points - step * p, masses, by)) / (2 * step)
+        of_masses = (transported(points, masses + step * m, by) - transported(points, masses - step * m, by)) / (2 * step)
+        assert (by_points * p).sum() == pytest.approx(of_points, rel=1e-5)
+        assert (by_masses * m).sum() == pytest.approx(of_masses, rel=1e-5)
+
+
+def test_through_a_transport():
+    def gradients(points, masses, by):
+        by_points, by_masses = lg.transport(points, domain=CUBE, masses=masses, tolerance=1e-13).pullback(*by)
+        assert abs(by_masses.sum()) < 1e-9
+        return by_points, by_masses
+
+    check_transport(gradients)
+    found = lg.transport(inputs()[0], domain=CUBE)
+    assert np.allclose(found.pullback(cost=1.0)[0], 2 / N * (inputs()[0] - found.cells.centroid), atol=1e-10)
+    with pytest.raises(ValueError, match="centroid"):
+        found.pullback(centroid=np.zeros((3, 3)))
+
+
+def test_torch_through_a_transport():
+    torch = pytest.importorskip("torch")
+    import laguerre.torch
+
+    def gradients(*given):
+        points, masses = (torch.tensor(x, requires_grad=True) for x in given[:2])
+        weights, centroid, cost = laguerre.torch.transport(points, masses, domain=CUBE, tolerance=1e-13)
+        by = given[2]
+        ((weights * torch.tensor(by[0])).sum() + (centroid * torch.tensor(by[1])).sum() + by[2] * cost).backward()
+        return points.grad.numpy(), masses.grad.numpy()
+
+    check_transport(gradients)
+
+
+def test_jax_through_a_transport():
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    import laguerre.jax
+
+    def gradients(points, masses, by):
+        def loss(p, m):
+            weights, centroid, cost = laguerre.jax.transport(p, m, domain=CUBE, tolerance=1e-13)
+            return (weights * by[0]).sum() + (centroid * by[1]).sum() + by[2] * cost
+
+        return tuple(np.asarray(x) for x in jax.grad(loss, argnums=(0, 1))(points, masses))
+
+    check_transport(gradients)
+    with pytest.raises(ValueError, match="Domain.image"):
+        laguerre.jax.transport(inputs()[0], domain=CUBE, density=(1.0, [0, 0, 0]))

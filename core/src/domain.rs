@@ -72,7 +72,7 @@ impl Domain {
     /// `Input` where an index or a coordinate is out of range, the surface is open or one-sided, or
     /// nothing is enclosed. Triangles and vertices are counted from 0 in the order given.
     pub fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
-        Self::validated(vertices, triangles, None, false)
+        Ok(Self::of(Inner::validated(vertices, triangles, None, false)?))
     }
 
     /// The domain bounded by `triangles` as [`Domain::new`] makes it, whatever their orientation is: those that share an edge are made to agree, and
@@ -82,7 +82,7 @@ impl Domain {
     /// # Errors
     /// As [`Domain::new`].
     pub fn oriented(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
-        Self::validated(vertices, triangles, None, true)
+        Ok(Self::of(Inner::validated(vertices, triangles, None, true)?))
     }
 
     /// The same where each triangle stands so many times, and a winding number of one is so much mass per volume; there is mass in a volume of `support`. It is closed.
@@ -94,93 +94,14 @@ impl Domain {
         support: f64,
         note: Option<String>,
     ) -> Result<Self> {
-        let mut domain = Self::validated(vertices, triangles, Some((times, density)), false)?;
-        if let Some(inner) = Arc::get_mut(&mut domain.inner) {
-            inner.mean_density = Some(inner.volume / support);
-            inner.notes.extend(note);
-        }
-        Ok(domain)
+        let mut inner = Inner::validated(vertices, triangles, Some((times, density)), false)?;
+        inner.mean_density = Some(inner.volume / support);
+        inner.notes.extend(note);
+        Ok(Self::of(inner))
     }
 
-    /// Of triangles that stand once, or as often as is said, where a winding number of one is so much mass per volume. What is said is closed.
-    fn validated(
-        vertices: &[[f64; 3]],
-        triangles: &[[u32; 3]],
-        said: Option<(&[i32], f64)>,
-        orient: bool,
-    ) -> Result<Self> {
-        check_numbers(vertices, triangles)?;
-        memory::probe(triangles.len() as u64, BYTES_OF_TRIANGLE, "triangles of the domain")?;
-        let mut mesh = topology::weld(vertices, triangles, said.map(|(times, _)| times));
-        let density = said.map_or(1.0, |(_, density)| density);
-        if mesh.triangles.is_empty() {
-            return Err(Error::input(format!(
-                "all {} triangles of the domain have two vertices at one place: nothing is enclosed; check the scale of \
-                 the mesh",
-                triangles.len()
-            )));
-        }
-        // (What is said is made by code.)
-        let edges = said.is_none().then(|| topology::Edges::of(&mesh));
-        edges.as_ref().map_or(Ok(()), |edges| topology::check_closed(&mesh, edges))?;
-        let (lo, hi) = bounding_box(&mesh.vertices);
-        let extent = (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
-        if extent < 1.0 / LARGEST_COORDINATE {
-            return Err(Error::input(format!(
-                "the domain's largest extent is {extent:e}: it must be at least 1e-60; scale the mesh up"
-            )));
-        }
-        let frame = Frame::of_box(lo, hi);
-        let inside: Vec<[f64; 3]> = mesh.vertices.iter().map(|&v| frame.enter(v)).collect();
-        let agree = edges.as_ref().is_none_or(topology::Edges::are_balanced);
-        let turned = match &edges {
-            Some(edges) if !agree || orient => orient::orient(&mut mesh, &inside, edges)?,
-            _ => 0,
-        };
-        drop(edges);
-        let moments = moments::Moments::of_mesh(&inside, &mesh.triangles, &mesh.times);
-        let unit = frame.unit();
-        let mut volume = moments.volume * unit * unit * unit * density;
-        if volume == 0.0 {
-            return Err(Error::input(format!(
-                "the domain's {} triangles enclose volume 0: give a closed surface that bounds a solid",
-                mesh.triangles.len()
-            )));
-        }
-        let mut notes = Vec::new();
-        let dropped = triangles.len() - mesh.triangles.len();
-        if dropped > 0 {
-            notes.push(format!("{dropped} triangles with two vertices at one place were dropped"));
-        }
-        if turned > 0 {
-            let why = if agree { "" } else { ", for they were not consistently oriented" };
-            notes.push(format!(
-                "{turned} of {} triangles were turned{why}: every part of the surface is outward now, or inward within another",
-                mesh.triangles.len()
-            ));
-        }
-        if volume < 0.0 {
-            volume = -volume;
-            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-            notes.push("the mesh was oriented inward: all its triangles were flipped".to_owned());
-        }
-        Ok(Self {
-            inner: Arc::new(Inner {
-                volume,
-                barycenter: frame.leave(moments.barycenter),
-                area: moments.area * unit * unit * density,
-                vertices: mesh.vertices,
-                triangles: mesh.triangles,
-                times: mesh.times,
-                density,
-                mean_density: None,
-                lo,
-                hi,
-                notes,
-                frame,
-                grids: [const { OnceLock::new() }; LEVELS],
-            }),
-        })
+    fn of(inner: Inner) -> Self {
+        Self { inner: Arc::new(inner) }
     }
 
     /// The vertices, each once, in the caller's unit and order of first appearance.
@@ -259,6 +180,87 @@ impl Domain {
             let share = (self.inner.volume / (unit * unit * unit) / extent).clamp(SMALLEST_SHARE, 1.0);
             let in_box = f64::from(1_u32 << level) / share;
             Arc::new(DomainGrid::new(&vertices, &self.inner.triangles, &self.inner.times, in_box as usize))
+        })
+    }
+}
+
+impl Inner {
+    /// Of triangles that stand once, or as often as is said, where a winding number of one is so much mass per volume. What is said is closed.
+    fn validated(
+        vertices: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        said: Option<(&[i32], f64)>,
+        orient: bool,
+    ) -> Result<Self> {
+        check_numbers(vertices, triangles)?;
+        memory::probe(triangles.len() as u64, BYTES_OF_TRIANGLE, "triangles of the domain")?;
+        let mut mesh = topology::weld(vertices, triangles, said.map(|(times, _)| times));
+        let density = said.map_or(1.0, |(_, density)| density);
+        if mesh.triangles.is_empty() {
+            return Err(Error::input(format!(
+                "all {} triangles of the domain have two vertices at one place: nothing is enclosed; check the scale of \
+                 the mesh",
+                triangles.len()
+            )));
+        }
+        // (What is said is made by code.)
+        let edges = said.is_none().then(|| topology::Edges::of(&mesh));
+        edges.as_ref().map_or(Ok(()), |edges| topology::check_closed(&mesh, edges))?;
+        let (lo, hi) = bounding_box(&mesh.vertices);
+        let extent = (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
+        if extent < 1.0 / LARGEST_COORDINATE {
+            return Err(Error::input(format!(
+                "the domain's largest extent is {extent:e}: it must be at least 1e-60; scale the mesh up"
+            )));
+        }
+        let frame = Frame::of_box(lo, hi);
+        let inside: Vec<[f64; 3]> = mesh.vertices.iter().map(|&v| frame.enter(v)).collect();
+        let agree = edges.as_ref().is_none_or(topology::Edges::are_balanced);
+        let turned = match &edges {
+            Some(edges) if !agree || orient => orient::orient(&mut mesh, &inside, edges)?,
+            _ => 0,
+        };
+        drop(edges);
+        let moments = moments::Moments::of_mesh(&inside, &mesh.triangles, &mesh.times);
+        let unit = frame.unit();
+        let mut volume = moments.volume * unit * unit * unit * density;
+        if volume == 0.0 {
+            return Err(Error::input(format!(
+                "the domain's {} triangles enclose volume 0: give a closed surface that bounds a solid",
+                mesh.triangles.len()
+            )));
+        }
+        let mut notes = Vec::new();
+        let dropped = triangles.len() - mesh.triangles.len();
+        if dropped > 0 {
+            notes.push(format!("{dropped} triangles with two vertices at one place were dropped"));
+        }
+        if turned > 0 {
+            let why = if agree { "" } else { ", for they were not consistently oriented" };
+            notes.push(format!(
+                "{turned} of {} triangles were turned{why}: every part of the surface is outward now, or inward within another",
+                mesh.triangles.len()
+            ));
+        }
+        if volume < 0.0 {
+            volume = -volume;
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            notes.push("the mesh was oriented inward: all its triangles were flipped".to_owned());
+        }
+        Ok(Self {
+            volume,
+            barycenter: frame.leave(moments.barycenter),
+            area: moments.area * unit * unit * density,
+            vertices: mesh.vertices,
+            triangles: mesh.triangles,
+            times: mesh.times,
+            density,
+            mean_density: None,
+            lo,
+            hi,
+            notes,
+            frame,
+            grids: [const { OnceLock::new() }; LEVELS],
         })
     }
 }

@@ -228,11 +228,10 @@ class Cells:
     def pullback(self, volume: ArrayLike, centroid: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The gradients of a function by points, (N, 3), and weights, (N,), from those by volumes, (N,), and centroids, (N, 3): what reverse
         differentiation asks for. Centroids of empty cells take no part."""
+        given, found = self._given, self._with_facet_moments()
         by_volume = numbers(volume, "volume", (len(self),))
-        by_centroid = np.where(self.status[:, None] == Status.EMPTY, 0.0, numbers(centroid, "centroid", (len(self), 3))).ravel()
-        points = self._jacobian("mass", "points").T @ by_volume + self.centroid_jacobian_points().T @ by_centroid
-        weights = self._jacobian("mass", "weights").T @ by_volume + self.centroid_jacobian_weights().T @ by_centroid
-        return points.reshape(-1, 3), weights
+        by_centroid = numbers(centroid, "centroid", (len(self), 3))
+        return _laguerre.pull_back_cells(given.backend, given.points, given.weights, inner(given.container), found, by_volume, by_centroid)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the cells as the file's ending says, in the program's forms, whole or not at all.
@@ -285,16 +284,19 @@ class Cells:
         parts = (values, columns.astype(kind), offsets.astype(kind))
         return scipy.sparse.csr_array(parts, shape=(len(self), len(self)))
 
+    def _with_facet_moments(self) -> dict[str, Any]:
+        """What was found, with the facets' second moments: evaluated once more at most, for all derivatives."""
+        if "facet_second_moment" not in self._found:
+            again = self._given.evaluate(True, False, True, False, None, self._epsilon)
+            self._found = {**self._found, **again, "volume": self.volume, "centroid": self.centroid}
+        return self._found
+
     def _jacobian(self, of: str, by: str) -> Any:
         import scipy.sparse
 
-        given = self._given
-        if "facet_second_moment" not in self._found:
-            # Once for all Jacobians.
-            again = given.evaluate(True, False, True, False, None, self._epsilon)
-            self._found = {**self._found, **again, "volume": self.volume, "centroid": self.centroid}
+        given, found = self._given, self._with_facet_moments()
         offsets, columns, values = _laguerre.jacobian(
-            given.backend, given.points, given.weights, inner(given.container), self._found, of, by
+            given.backend, given.points, given.weights, inner(given.container), found, of, by
         )
         shape = (3 if of == "centroid" else 1, 3 if by == "points" else 1)
         blocks = (values.reshape(-1, *shape), columns.astype(np.int64), offsets.view(np.int64))

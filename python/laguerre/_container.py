@@ -27,8 +27,7 @@ class Domain:
     def __init__(self, vertices: Any, triangles: ArrayLike | None = None, *, orient: bool = False) -> None:
         if triangles is None:
             vertices, triangles = _mesh(vertices)
-        make = _laguerre.Domain.oriented if orient else _laguerre.Domain
-        self._inner = make(numbers(vertices, "vertices", (None, 3)), indices(triangles, "triangles", 3))
+        self._inner = _laguerre.Domain(numbers(vertices, "vertices", (None, 3)), indices(triangles, "triangles", 3), orient)
         self._made: tuple[Any, ...] | None = None
 
     @classmethod

@@ -21,11 +21,9 @@ class Backend:
     def threads(self) -> int: ...
 
 class Domain:
-    def __init__(self, vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> None: ...
+    def __init__(self, vertices: NDArray[np.float64], triangles: NDArray[np.uint32], orient: bool) -> None: ...
     @staticmethod
     def load(path: str | os.PathLike[str], orient: bool) -> Domain: ...
-    @staticmethod
-    def oriented(vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> Domain: ...
     @staticmethod
     def image(values: NDArray[np.float64], shape: tuple[int, ...], lo: list[float], hi: list[float]) -> Domain: ...
     @staticmethod
@@ -107,6 +105,15 @@ def transport(
     tolerance: float,
     callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
+def pull_back_cells(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    cells: dict[str, Any],
+    by_masses: NDArray[np.float64],
+    by_centroids: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def pull_back(
     backend: Backend,
     points: NDArray[np.float64],

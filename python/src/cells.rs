@@ -7,12 +7,12 @@ use laguerre::{
     Selection,
 };
 use numpy::ndarray::Dimension;
-use numpy::{Element, Ix1, Ix2, PyArray1, PyReadonlyArray, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{Element, Ix1, Ix2, PyArray1, PyArray2, PyReadonlyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::container::{Container, diagram, table};
+use crate::container::{self, Container, diagram, table};
 use crate::geometry::Geometry;
 use crate::run::{detached, detached_in_pool, raised};
 
@@ -184,6 +184,9 @@ pub(crate) fn arrays(py: Python<'_>, output: OutputArrays) -> PyResult<Bound<'_,
     Ok(found)
 }
 
+/// By points, and a number of each.
+pub(crate) type Gradient<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// A sparse matrix of blocks: row starts, columns, values.
 type Sparse<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>);
 
@@ -213,6 +216,29 @@ pub(crate) fn jacobian<'py>(
         }
         _ => sparse(py, detached_in_pool(py, threads, |_| derivatives.barycenters_by_positions())?),
     }
+}
+
+/// The gradient of a function of masses and centroids of such cells, by points and weights.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
+pub(crate) fn pull_back_cells<'py>(
+    py: Python<'py>,
+    backend: PyRef<'py, Backend>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: Option<PyReadonlyArray1<'py, f64>>,
+    container: Option<Container<'py>>,
+    cells: &Bound<'py, PyDict>,
+    by_masses: PyReadonlyArray1<'py, f64>,
+    by_centroids: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Gradient<'py>> {
+    let threads = backend.get()?.info().threads;
+    let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
+    let output = output(cells, false)?;
+    let derivatives = Derivatives::new(&diagram, &output, &Density::Uniform).map_err(raised)?;
+    let by_masses = by_masses.as_slice()?;
+    let by_centroids = container::rows(by_centroids.as_slice()?, "centroid").map_err(raised)?;
+    let (points, weights) = detached_in_pool(py, threads, |_| derivatives.pull_back(by_masses, by_centroids))?;
+    Ok((table(py, points)?, PyArray1::from_vec(py, weights)))
 }
 
 /// A dictionary of arrays as the output that it came from, with its geometry if need be.

@@ -19,10 +19,12 @@ impl Domain {
         py: Python<'_>,
         vertices: PyReadonlyArray2<'_, f64>,
         triangles: PyReadonlyArray2<'_, u32>,
+        orient: bool,
     ) -> PyResult<Self> {
         let vertices = rows(vertices.as_slice()?, "vertices").map_err(raised)?;
         let triangles = rows(triangles.as_slice()?, "triangles").map_err(raised)?;
-        py.detach(|| laguerre::Domain::new(vertices, triangles)).map(Self).map_err(raised)
+        let make = if orient { laguerre::Domain::oriented } else { laguerre::Domain::new };
+        py.detach(|| make(vertices, triangles)).map(Self).map_err(raised)
     }
 
     #[staticmethod]
@@ -53,17 +55,6 @@ impl Domain {
         let vertices = rows(vertices.as_slice()?, "vertices").map_err(raised)?;
         let (tetrahedra, values) = (rows(tetrahedra.as_slice()?, "tetrahedra").map_err(raised)?, values.as_slice()?);
         py.detach(|| laguerre::Domain::of_tetrahedra(vertices, tetrahedra, values)).map(Self).map_err(raised)
-    }
-
-    #[staticmethod]
-    fn oriented(
-        py: Python<'_>,
-        vertices: PyReadonlyArray2<'_, f64>,
-        triangles: PyReadonlyArray2<'_, u32>,
-    ) -> PyResult<Self> {
-        let vertices = rows(vertices.as_slice()?, "vertices").map_err(raised)?;
-        let triangles = rows(triangles.as_slice()?, "triangles").map_err(raised)?;
-        py.detach(|| laguerre::Domain::oriented(vertices, triangles)).map(Self).map_err(raised)
     }
 
     #[getter]

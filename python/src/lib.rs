@@ -18,7 +18,7 @@ mod _laguerre {
     #[expect(non_upper_case_globals, reason = "Python's name")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use super::cells::{Backend, devices, evaluate, jacobian};
+    use super::cells::{Backend, devices, evaluate, jacobian, pull_back_cells};
     #[pymodule_export]
     use super::container::Domain;
     #[pymodule_export]

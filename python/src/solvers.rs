@@ -5,13 +5,13 @@ use laguerre::solvers::density::Density;
 use laguerre::solvers::lloyd::{self as relaxation, Method};
 use laguerre::solvers::transport::{self as solution, Cotangent, End};
 use laguerre_page::Remembering;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::callback::Callback;
-use crate::cells::{Backend, arrays};
+use crate::cells::{Backend, Gradient, arrays};
 use crate::container::{Container, diagram, rows, table};
 use crate::run::{Stoppable, detached_in_pool, raised};
 
@@ -109,9 +109,6 @@ pub(crate) fn transport<'py>(
     found.set_item("cells", arrays(py, solved.output.into_arrays())?)?;
     Ok(found)
 }
-
-/// By points, and by masses.
-type Gradient<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// The gradient of a function of a transport's weights, centroids and cost, by points and masses.
 #[pyfunction]

@@ -4,13 +4,13 @@
 //! constants. For a function with the derivatives `u` by weights and `v` by barycenters let `z` solve `A z = u + (∂b/∂w)ᵀ v`. By masses it changes with
 //! `z`, and by positions with `(∂b/∂p)ᵀ v − (∂m/∂p)ᵀ z`. The cost is a maximum over weights, and changes with `2 m_i (p_i − b_i)` by a position, with `w_i` by a mass.
 
-use laguerre_core::{Backend, CellStatus, Error, PowerDiagram, Result};
+use laguerre_core::{Backend, CellStatus, Error, Output, PowerDiagram, Result};
 use rayon::prelude::*;
 
 use super::conjugate_gradient;
 use super::laplacian::laplacian;
 use super::multigrid::Multigrid;
-use super::sparse::{Matrix, center, norm};
+use super::sparse::{Matrix, center, center_parts, norm, places};
 use crate::density::Density;
 use crate::derivatives::Derivatives;
 use crate::vectors::for_each;
@@ -88,16 +88,21 @@ pub fn pull_back(
 }
 
 /// `A⁺ b`, in the caller's order.
-fn solved(diagram: &PowerDiagram, output: &laguerre_core::Output, density: &Density, b: &[f64]) -> Result<Vec<f64>> {
+fn solved(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64]) -> Result<Vec<f64>> {
     let Some(facets) = output.facets() else { return Err(Error::input("derivatives: the cells are without facets")) };
     let sorted = diagram.prepare()?.sites;
     let order = sorted.order();
-    let mut place = vec![0; order.len()];
-    order.iter().enumerate().for_each(|(row, &site)| place[site as usize] = row as u32);
+    let place = places(order);
     let (matrix, _) = laplacian(facets, density, order, &place, 1.0, |_, _| 0.0);
     let mut multigrid = Multigrid::new(matrix.clone());
     let mut b: Vec<f64> = order.iter().map(|&i| b[i as usize]).collect();
-    center_parts(&mut b, &multigrid);
+    // Of each part that touches no other the mean is its own.
+    let parts = multigrid.parts();
+    let center = |x: &mut [f64]| match &parts {
+        Some((parts, count)) => center_parts(x, parts, *count),
+        None => center(x),
+    };
+    center(&mut b);
     let found = conjugate_gradient::solve(&mut multigrid, b.clone(), RELATIVE, |_| false);
     let left = left_over(&matrix, &found.solution, &b);
     if left > TOO_MUCH * norm(&b) {
@@ -107,7 +112,7 @@ fn solved(diagram: &PowerDiagram, output: &laguerre_core::Output, density: &Dens
         )));
     }
     let mut solution = found.solution;
-    center_parts(&mut solution, &multigrid);
+    center(&mut solution);
     Ok(place.par_iter().map(|&row| solution[row as usize]).collect())
 }
 
@@ -116,15 +121,4 @@ fn left_over(matrix: &Matrix, x: &[f64], b: &[f64]) -> f64 {
     let mut left = b.to_vec();
     matrix.apply(x, &mut left, |_, ax, b| b - ax);
     norm(&left)
-}
-
-/// Subtracts the mean, of each part that touches no other its own.
-fn center_parts(x: &mut [f64], multigrid: &Multigrid) {
-    let Some((parts, count)) = multigrid.parts() else { return center(x) };
-    let (mut sums, mut rows) = (vec![0.0; count], vec![0.0; count]);
-    for (x, &part) in x.iter().zip(&parts) {
-        sums[part as usize] += x;
-        rows[part as usize] += 1.0;
-    }
-    for_each(x, |row, x| *x -= sums[parts[row] as usize] / rows[parts[row] as usize]);
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::laplacian::laplacian;
 use super::multigrid::Multigrid;
-use super::sparse::center;
+use super::sparse::{center, center_parts, places};
 use super::system::{Aim, System};
 use super::{End, Iteration, Options, bridge, limited, mend, request, start};
 use crate::density::Density;
@@ -89,10 +89,6 @@ impl<'a> Problem<'a> {
         let sorted = diagram.prepare()?.sites;
         start::check_coincident(&positions, &sorted)?;
         let order = sorted.order().to_vec();
-        let mut place = vec![0; order.len()];
-        for (row, &site) in order.iter().enumerate() {
-            place[site as usize] = row as u32;
-        }
         Ok(Self {
             backend,
             diagram,
@@ -105,8 +101,8 @@ impl<'a> Problem<'a> {
             targets,
             unit,
             bound: 0.0,
+            place: places(&order),
             order,
-            place,
             multigrid: None,
             step: 1.0,
             limited_steps: 0,
@@ -220,11 +216,10 @@ impl<'a> Problem<'a> {
         if let Some((parts, count)) = multigrid.parts() {
             let exact: Vec<f64> =
                 self.order.iter().zip(&targets).map(|(&i, target)| target - state.masses[i as usize]).collect();
-            let (mut lacking, mut asked, mut rows) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+            let (mut lacking, mut asked) = (vec![0.0; count], vec![0.0; count]);
             for (row, &part) in parts.iter().enumerate() {
                 lacking[part as usize] += exact[row];
                 asked[part as usize] += targets[row];
-                rows[part as usize] += 1.0;
             }
             let share = |part: &usize| lacking[*part] / asked[*part];
             let poorest = (0..count).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
@@ -234,7 +229,7 @@ impl<'a> Problem<'a> {
             // Each part for itself: its constants are in the kernel.
             missing = exact;
             slope = 1.0;
-            missing.iter_mut().zip(&parts).for_each(|(m, &part)| *m -= lacking[part as usize] / rows[part as usize]);
+            center_parts(&mut missing, &parts, count);
         }
         let whole = sum(targets.len(), |i| targets[i] * targets[i]).sqrt();
         let relative = LOOSEST.min(PART_OF_ERROR * state.error / whole);

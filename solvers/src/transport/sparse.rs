@@ -204,6 +204,25 @@ pub(super) fn center(x: &mut [f64]) {
     }
 }
 
+/// Subtracts from the rows of each part their own mean.
+pub(super) fn center_parts(x: &mut [f64], parts: &[u32], count: usize) {
+    let (mut sums, mut rows) = (vec![0.0; count], vec![0.0; count]);
+    for (x, &part) in x.iter().zip(parts) {
+        sums[part as usize] += x;
+        rows[part as usize] += 1.0;
+    }
+    for_each(x, |row, x| *x -= sums[parts[row] as usize] / rows[parts[row] as usize]);
+}
+
+/// Where each stands in a permutation.
+pub(super) fn places(order: &[u32]) -> Vec<u32> {
+    let mut place = vec![0; order.len()];
+    for (row, &site) in order.iter().enumerate() {
+        place[site as usize] = row as u32;
+    }
+    place
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

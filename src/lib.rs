@@ -29,7 +29,7 @@ pub use laguerre_core::oracle;
 pub use laguerre_core::shapes;
 pub use laguerre_core::{
     Backend, BackendInfo, Boundary, Capabilities, CellStatus, Container, DeviceChoice, DeviceInfo, Domain, Error,
-    ErrorKind, Facet, FacetArrays, Facets, Geometry, Integrand, MergedSites, Observer, Output, OutputArrays,
+    ErrorKind, Facet, FacetArrays, Facets, Geometry, Integrand, Laplacian, MergedSites, Observer, Output, OutputArrays,
     PassReport, Place, PowerDiagram, Precision, Report, Request, Result, Substep, io, summation,
 };
 /// What the geometry of cells is made of.

@@ -141,7 +141,7 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         Ok(outcome)
     })?;
     let report = Report::of_host(exact_cells, passes);
-    assembler.finish(report, geometry.map(GeometryAssembler::finish).transpose()?)
+    assembler.finish(prepared.sites.order(), report, geometry.map(GeometryAssembler::finish).transpose()?)
 }
 
 /// Computes the cells of one pass, chunk by chunk, the results in order.
@@ -231,7 +231,7 @@ fn run_cell(
     }
     result.exact_cells += usize::from(store.exact);
     result.cells.push(CellRecord { site: order[site as usize], status, sums });
-    if request.facets() {
+    if request.needs_facets() {
         let before = result.facets.records.len();
         if status != CellStatus::Empty {
             result.facets.collect(store, flags, order);

@@ -86,6 +86,19 @@ impl<T: Copy> Room<T> {
         Ok(())
     }
 
+    /// Copies `data` to the device, from `place` on, where there is room for it.
+    pub(crate) fn write_at(&mut self, queue: &CommandQueue, place: usize, data: &[T]) -> Result<()> {
+        debug_assert!(place + data.len() <= self.length, "{} end before", self.what);
+        let what = self.what;
+        if let (Some(buffer), false) = (&mut self.buffer, data.is_empty() || place + data.len() > self.length) {
+            // SAFETY: the buffer has room for `data` there, and the call returns when it is copied.
+            unsafe { queue.enqueue_write_buffer(buffer, CL_BLOCKING, place * size_of::<T>(), data, &[]) }
+                .map(Handle::new)
+                .map_err(|e| failed(&format!("copying {what} to the device"), e))?;
+        }
+        Ok(())
+    }
+
     /// Makes room for `length` numbers and sets all of them to `value`.
     pub(crate) fn fill_with(&mut self, context: &Context, queue: &CommandQueue, value: T, length: usize) -> Result<()> {
         self.grow(context, length)?;
@@ -151,13 +164,13 @@ impl<T: Copy> Room<T> {
 
 /// A struct of memory, each with what it holds, and its name in messages.
 macro_rules! rooms {
-    ($vis:vis struct $Name:ident { $($(#[$attribute:meta])* $field:ident: $ty:ty = $what:literal,)* }) => {
+    ($vis:vis struct $Name:ident { $($(#[$attribute:meta])* $fieldvis:vis $field:ident: $ty:ty = $what:literal,)* }) => {
         $vis struct $Name {
-            $($(#[$attribute])* $field: crate::buffer::Room<$ty>,)*
+            $($(#[$attribute])* $fieldvis $field: crate::buffer::Room<$ty>,)*
         }
 
         impl $Name {
-            const fn new() -> Self {
+            $vis const fn new() -> Self {
                 Self { $($field: crate::buffer::Room::new($what),)* }
             }
         }

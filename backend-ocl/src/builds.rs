@@ -5,9 +5,12 @@ use crate::sources::Text;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS};
 use laguerre_core::passes::Capacities;
 
-/// The kernels that sort sites, and those that find how near the surface is to them.
-const GRID: Text =
-    Text { entries: &["grid.cl", "order.cl", "bound_nodes.cl", "clearance.cl"], prelude: "prelude.cl", store: None };
+/// The kernels that sort sites, those that find how near the surface is to them, and those of the Laplacian.
+const GRID: Text = Text {
+    entries: &["grid.cl", "order.cl", "bound_nodes.cl", "clearance.cl", "laplacian.cl"],
+    prelude: "prelude.cl",
+    store: None,
+};
 
 /// A cell by one work-item, and by several.
 const ALONE: Text = Text { entries: &["evaluate.cl"], prelude: "prelude.cl", store: Some("store.cl") };

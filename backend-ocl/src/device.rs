@@ -12,6 +12,7 @@ use crate::handle::Handle;
 use crate::interface::data::{Counters, Params};
 use crate::interface::kernels::MeasureClearances;
 use crate::lanes;
+use crate::laplacian::Ties;
 use crate::params::Shared;
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
@@ -42,17 +43,18 @@ pub(crate) struct Device {
     precision: Precision,
     /// Bytes of its memory.
     memory_size: u64,
-    context: Handle<Context>,
-    queue: Handle<CommandQueue>,
-    grid_kernels: GridKernels,
+    pub(crate) context: Handle<Context>,
+    pub(crate) queue: Handle<CommandQueue>,
+    pub(crate) grid_kernels: GridKernels,
     programs: Programs,
-    memory: Memory,
-    sites: Sites,
-    shared: Shared,
-    counters: Counters,
+    pub(crate) memory: Memory,
+    pub(crate) sites: Sites,
+    pub(crate) shared: Shared,
+    pub(crate) counters: Counters,
     /// Time that kernels took in this call.
     seconds: f64,
-    results: Results,
+    pub(crate) results: Results,
+    pub(crate) ties: Ties,
     /// The domain whose grid is on the device.
     domain: Option<Arc<DomainGrid>>,
     /// Cells of this call at most.
@@ -65,7 +67,7 @@ pub(crate) struct Device {
 unsafe impl Send for Device {}
 
 rooms! {
-    struct Memory {
+    pub(crate) struct Memory {
         shells: [u8; 4] = "the table of offsets",
         domain_vertices: [f64; 3] = "the domain's vertices",
         triangles: [u32; 4] = "the domain's triangles",
@@ -86,10 +88,10 @@ rooms! {
         /// Records of finished cells near the surface (`lanes_near.cl`).
         near: [u32; 4] = "cells near the surface",
         vast: u64 = "cells that need much room",
-        outcome: u32 = "how cells ended",
+        pub(crate) outcome: u32 = "how cells ended",
         sums: f64 = "cells' sums",
-        rows: [u64; 2] = "rows of facets",
-        facets: FacetRecord = "a batch's facets",
+        pub(crate) rows: [u64; 2] = "rows of facets",
+        pub(crate) facets: FacetRecord = "a batch's facets",
         facet_seconds: FacetSecond = "a batch's facets",
         integrand: f64 = "the integrand",
     }
@@ -135,6 +137,7 @@ impl Device {
             counters: Counters::default(),
             seconds: 0.0,
             results: Results::default(),
+            ties: Ties::new(),
             domain: None,
             most_cells: 0,
             first: None,

@@ -162,13 +162,22 @@ impl Ocl {
             };
             fallback::compute(&prepared, request, &for_host, &mut assembler)?;
         }
-        let row = |i| {
-            computed.iter().map(|device| device.results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default()
-        };
+        drop(computed);
+        let mut order = Vec::new();
+        if let (true, [first, ..]) = (request.laplacian(), &mut *devices) {
+            let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
+            match first.laplacian(request, sites, &of_host)? {
+                Some(made) => assembler.take_laplacian(made),
+                None => order = first.order()?,
+            }
+        }
+        let results: Vec<_> = devices.iter().map(|device| &device.results).collect();
+        let row =
+            |i| results.iter().map(|results| results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default();
         let host_cells = for_host.len();
         let report = Report::of_devices(exact_cells + host_cells, host_cells, device_seconds, passes);
         let geometry = geometry::on_host(diagram, request, assembler.status())?;
-        let output = assembler.finish_with(row, report, geometry)?;
+        let output = assembler.finish_with(row, &order, report, geometry)?;
         if request.epsilon().is_none() {
             check_volumes(diagram, &output, self.precision, &self.name)?;
         }

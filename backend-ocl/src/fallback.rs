@@ -62,7 +62,7 @@ fn compute_cell(
         _ => return Err(Error::undecided("cell", order[site as usize])),
     };
     let mut facets = FacetRecords::default();
-    if request.facets() && status != CellStatus::Empty {
+    if request.needs_facets() && status != CellStatus::Empty {
         facets.collect(&store, flags, order);
     }
     Ok((CellRecord { site: order[site as usize], status, sums }, facets))

@@ -49,7 +49,7 @@ pub(crate) struct Sites {
     kept: Room<u32>,
     flag: Room<u32>,
     /// Sums of blocks, of blocks of blocks, and so on.
-    sums: Vec<Room<u32>>,
+    pub(crate) sums: Vec<Room<u32>>,
     pub(crate) sites: Room<[f64; 4]>,
     /// The caller's index of each sorted site.
     pub(crate) order: Room<u32>,
@@ -175,7 +175,7 @@ impl Sites {
             }
             finer = most_finer;
         }
-        scan(queue, kernels, &self.kept, n + 1, &mut self.sums)?;
+        scan(context, queue, kernels, &self.kept, n + 1, &mut self.sums)?;
         let Self { placed, slots: [slots, _], kept: places, sites, order, .. } = &*self;
         kernels.gather_sites.run(queue, n, GROUP, GatherSites { placed, slots, places, count, sites, order })?;
         self.kept.read_from(queue, n, 1, &mut self.on_host.number)?;
@@ -229,7 +229,7 @@ impl Sites {
         for shift in (0..3 * levels).step_by(DIGIT_BITS as usize) {
             let counts = &*digits;
             kernels.count_digits.run(queue, groups * GROUP, GROUP, CountDigits { ranks, count, shift, counts })?;
-            scan(queue, kernels, counts, DIGITS as usize * groups, sums)?;
+            scan(context, queue, kernels, counts, DIGITS as usize * groups, sums)?;
             kernels.place_digits.run(
                 queue,
                 groups * GROUP,
@@ -313,18 +313,7 @@ impl Sites {
         self.boxes.grow(context, blocks)?;
         self.slabs.grow(context, blocks)?;
         self.weight_bounds.grow(context, if shared.params.equal_weights == 0 { blocks } else { 1 })?;
-        let mut count = n + 1;
-        for depth in 0.. {
-            if self.sums.len() == depth {
-                self.sums.push(Room::new("sums of the site grid"));
-            }
-            count = count.div_ceil(SCANNED);
-            self.sums[depth].grow(context, count)?;
-            if count == 1 {
-                return Ok(());
-            }
-        }
-        Ok(())
+        reserve_sums(context, n + 1, &mut self.sums)
     }
 
     /// Reads the tree over the sites back.
@@ -371,9 +360,36 @@ impl Sites {
     }
 }
 
-/// Replaces each of the first `count` numbers by the sum of those before it; `sums` have room for those of blocks, of blocks of blocks,
+/// Replaces each of the first `count` numbers by the sum of those before it; `sums` is room for those of blocks, of blocks of blocks,
 /// and so on.
-fn scan(
+pub(crate) fn scan(
+    context: &Context,
+    queue: &CommandQueue,
+    kernels: &GridKernels,
+    data: &Room<u32>,
+    count: usize,
+    sums: &mut Vec<Room<u32>>,
+) -> Result<()> {
+    reserve_sums(context, count, sums)?;
+    scan_with(queue, kernels, data, count, sums)
+}
+
+/// Makes room for the sums of blocks of `count` numbers, of blocks of blocks, and so on.
+fn reserve_sums(context: &Context, mut count: usize, sums: &mut Vec<Room<u32>>) -> Result<()> {
+    for depth in 0.. {
+        if sums.len() == depth {
+            sums.push(Room::new("sums of the site grid"));
+        }
+        count = count.div_ceil(SCANNED);
+        sums[depth].grow(context, count)?;
+        if count == 1 {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn scan_with(
     queue: &CommandQueue,
     kernels: &GridKernels,
     data: &Room<u32>,
@@ -385,7 +401,7 @@ fn scan(
     let Some((own, deeper)) = sums.split_first_mut() else { return Ok(()) };
     kernels.scan_blocks.run(queue, blocks * GROUP, GROUP, ScanBlocks { data, count: number, sums: own })?;
     if blocks > 1 {
-        scan(queue, kernels, own, blocks, deeper)?;
+        scan_with(queue, kernels, own, blocks, deeper)?;
         kernels.add_blocks.run(queue, count, GROUP, AddBlocks { data, count: number, sums: own })?;
     }
     Ok(())

@@ -13,6 +13,7 @@ mod grid;
 mod handle;
 mod interface;
 mod lanes;
+mod laplacian;
 mod launch;
 mod params;
 #[cfg(feature = "test-util")]

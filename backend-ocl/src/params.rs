@@ -1,8 +1,9 @@
 //! What fills the structs of the interface.
 
 use crate::buffer::Room;
-use crate::interface::data::{Params, Range};
+use crate::interface::data::{ALL_SUMS, FEW_SUMS, MOMENT_SUMS, Params, Range};
 use crate::voxels::Voxels;
+use laguerre_core::assemble::laplacian_unit;
 use laguerre_core::diagram::FramedContainer;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::site_tree::{self, SiteTree};
@@ -42,6 +43,8 @@ impl Params {
             frame_unit: frame.unit(),
             frame_smallest: frame::SMALLEST,
             flags: cell::flags_of(request),
+            sums_width: u64::from(sums_of(request)),
+            laplacian_unit: laplacian_unit(frame, container.density),
             ..Self::default()
         };
         if let Some(grid) = container.domain_grid() {
@@ -90,6 +93,19 @@ impl Params {
         self.grid_per_width = 1.0 / voxels.width;
         self.grid_dims = voxels.dims;
         self.weigh(range);
+    }
+}
+
+/// The sums that are written for each cell.
+fn sums_of(request: &Request) -> u32 {
+    if request.integral().is_some() {
+        ALL_SUMS + 1
+    } else if request.facets() {
+        ALL_SUMS
+    } else if request.second_moments() {
+        MOMENT_SUMS
+    } else {
+        FEW_SUMS
     }
 }
 

@@ -4,8 +4,9 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
-    AddBlocks, BoundNodes, Cells, CountDigits, EnterSites, FindVoxels, GatherSites, LookAbout, MarkVoxels,
-    MeasureClearances, PlaceDigits, RankSites, ScanBlocks, SettleRuns, TightenSlabs,
+    AddBlocks, BoundNodes, Cells, CountDigits, CountFacets, EnterSites, FindVoxels, GatherSites, LookAbout, MarkVoxels,
+    MatchFacets, MeasureClearances, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets,
+    TightenSlabs,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -29,7 +30,7 @@ pub(crate) struct Kernels {
     pub(crate) per_cell: usize,
 }
 
-/// The kernels that sort sites, and those that find how near the surface is to them.
+/// The kernels that sort sites, those that find how near the surface is to them, and those of the Laplacian.
 pub(crate) struct GridKernels {
     pub(crate) enter_sites: Kernel<EnterSites<'static>>,
     pub(crate) mark_voxels: Kernel<MarkVoxels<'static>>,
@@ -45,6 +46,10 @@ pub(crate) struct GridKernels {
     pub(crate) tighten_slabs: Kernel<TightenSlabs<'static>>,
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
     pub(crate) look_about: Kernel<LookAbout<'static>>,
+    pub(crate) count_facets: Kernel<CountFacets<'static>>,
+    pub(crate) sort_facets: Kernel<SortFacets<'static>>,
+    pub(crate) match_facets: Kernel<MatchFacets<'static>>,
+    pub(crate) pack_facets: Kernel<PackFacets<'static>>,
 }
 
 impl GridKernels {
@@ -65,6 +70,10 @@ impl GridKernels {
             tighten_slabs: Kernel::new(&program)?,
             measure_clearances: Kernel::new(&program)?,
             look_about: Kernel::new(&program)?,
+            count_facets: Kernel::new(&program)?,
+            sort_facets: Kernel::new(&program)?,
+            match_facets: Kernel::new(&program)?,
+            pack_facets: Kernel::new(&program)?,
         })
     }
 }

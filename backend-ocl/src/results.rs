@@ -1,20 +1,11 @@
 //! What comes back from a device, kept from call to call.
 
-use crate::interface::data::{ALL_SUMS, FEW_SUMS, OUTCOME_EXACT, OUTCOME_STATUS, OUTCOME_UNCERTIFIED};
+use crate::interface::data::{
+    ALL_SUMS, FEW_SUMS, MOMENT_SUMS, NOT_COMPUTED, OUTCOME_EXACT, OUTCOME_STATUS, OUTCOME_UNCERTIFIED,
+};
 use laguerre_core::CellStatus;
 use laguerre_core::assemble::{Assembler, FacetRecords, Row};
 use laguerre_core::cell::{self, CellSums, v3};
-
-/// Sums that are written for each cell, for what the flags ask for.
-pub(crate) fn width_of(flags: u32) -> usize {
-    match flags {
-        0 => FEW_SUMS as usize,
-        _ => ALL_SUMS as usize + usize::from(flags & cell::INTEGRAL != 0),
-    }
-}
-
-/// The outcome of a cell that this device did not compute: a coincident site's, or another device's.
-pub(crate) const NOT_COMPUTED: u32 = u32::MAX;
 
 /// How the cells ended, their sums, and where their facets stand: all in the caller's order.
 #[derive(Default)]
@@ -27,6 +18,10 @@ pub(crate) struct Results {
     /// Records of all batches, one after the other, up to `facet_count`.
     pub(crate) facets: FacetRecords,
     pub(crate) facet_count: usize,
+    /// Entries of the Laplacian that is on the device.
+    pub(crate) entries: usize,
+    /// Whether rows and records of facets are on the device, all of them.
+    pub(crate) are_kept: bool,
 }
 
 impl Results {
@@ -57,15 +52,17 @@ impl Results {
         if self.width == FEW_SUMS as usize {
             return few;
         }
+        let moments = CellSums { second_diagonal: vector(4), second_mixed: vector(7), ..few };
+        if self.width == MOMENT_SUMS as usize {
+            return moments;
+        }
         CellSums {
-            second_diagonal: vector(4),
-            second_mixed: vector(7),
             boundary_area: numbers[10],
             boundary_moment: vector(11),
             boundary_vector: vector(14),
             boundary_flux: numbers[17],
             integral: numbers.get(ALL_SUMS as usize).copied().unwrap_or(0.0),
-            ..few
+            ..moments
         }
     }
 }

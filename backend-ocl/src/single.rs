@@ -150,7 +150,7 @@ impl Backend for Single {
         }
         let report = Report::of_devices(exact_cells, for_host.len(), device_seconds, passes);
         let geometry = geometry::on_host(diagram, &watched.of(&proved), assembler.status())?;
-        let output = assembler.finish(report, geometry)?;
+        let output = assembler.finish(&[], report, geometry)?;
         check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)
     }

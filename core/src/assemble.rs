@@ -6,7 +6,7 @@ use crate::diagram::FramedContainer;
 use crate::frame::Frame;
 use crate::geometry::Geometry;
 use crate::request::Request;
-use crate::{Boundary, CellStatus, Error, FacetArrays, Facets, Output, OutputArrays, Report, Result};
+use crate::{Boundary, CellStatus, Error, FacetArrays, Facets, Laplacian, Output, OutputArrays, Report, Result};
 use rayon::prelude::*;
 
 /// One facet of a finished cell, in the frame of its site. Devices write the same.
@@ -78,6 +78,11 @@ pub struct Row<'a> {
 }
 
 impl Row<'_> {
+    /// What is known of each but second moments.
+    pub fn records(&self) -> &[FacetRecord] {
+        self.records
+    }
+
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
@@ -100,6 +105,7 @@ pub struct Assembler<'a> {
     rows: Vec<(u64, u32)>,
     facets: FacetRecords,
     has_seconds: bool,
+    has_laplacian: bool,
 }
 
 /// The integrals of one finished cell in the caller's frame and unit.
@@ -124,7 +130,7 @@ impl<'a> Assembler<'a> {
             ..OutputArrays::default()
         };
         let boundary = request.facets().then(|| vec![Boundary::default(); n]);
-        let rows = if request.facets() { vec![(0, 0); n] } else { Vec::new() };
+        let rows = if request.needs_facets() { vec![(0, 0); n] } else { Vec::new() };
         Self {
             positions: diagram.positions(),
             frame: container.frame,
@@ -134,7 +140,21 @@ impl<'a> Assembler<'a> {
             rows,
             facets: FacetRecords::default(),
             has_seconds: request.facet_second_moments(),
+            has_laplacian: request.laplacian(),
         }
+    }
+
+    /// The facets of the cell of a site that was added with them.
+    pub fn row(&self, site: u32) -> Row<'_> {
+        let (begin, count) =
+            self.rows.get(site as usize).map_or((0, 0), |&(begin, count)| (begin as usize, count as usize));
+        self.facets.row(begin, begin + count)
+    }
+
+    /// Takes a Laplacian that a device has made.
+    pub fn take_laplacian(&mut self, laplacian: Laplacian) {
+        self.output.laplacian = Some(laplacian);
+        self.has_laplacian = false;
     }
 
     /// How each cell ended that was added; others are empty.
@@ -211,12 +231,12 @@ impl<'a> Assembler<'a> {
         }
     }
 
-    /// The output.
+    /// The output; `order` is that of the sites along the curve.
     ///
     /// # Errors
     /// `Input` for the first site whose integral is not finite: the given function is not one everywhere.
-    pub fn finish(self, report: Report, geometry: Option<Geometry>) -> Result<Output> {
-        self.finish_with(|_| Row::default(), report, geometry)
+    pub fn finish(self, order: &[u32], report: Report, geometry: Option<Geometry>) -> Result<Output> {
+        self.finish_with(|_| Row::default(), order, report, geometry)
     }
 
     /// The same where the facets of cells that were added without stand elsewhere: `row(i)` are those of site `i`.
@@ -226,15 +246,24 @@ impl<'a> Assembler<'a> {
     pub fn finish_with<'b>(
         mut self,
         row: impl Fn(usize) -> Row<'b> + Sync,
+        order: &[u32],
         report: Report,
         geometry: Option<Geometry>,
     ) -> Result<Output> {
         check_integrals(self.output.integral.as_deref().unwrap_or_default(), self.positions.len())?;
-        if let Some(boundary) = self.boundary.take() {
-            let row_of = |i: usize| match self.rows[i] {
-                (_, 0) => row(i),
-                (begin, count) => self.facets.row(begin as usize, begin as usize + count as usize),
+        let row_of = |i: usize| match self.rows[i] {
+            (_, 0) => row(i),
+            (begin, count) => self.facets.row(begin as usize, begin as usize + count as usize),
+        };
+        if self.has_laplacian {
+            let areas = |i: usize| row_of(i).records.iter().map(|facet| (facet.neighbor, facet.area));
+            let value = |i: usize, j: usize, area: f64| {
+                let (p, q) = (self.frame.enter(self.positions[i]), self.frame.enter(self.positions[j]));
+                area / distance(p, q) * laplacian_unit(&self.frame, self.density)
             };
+            self.output.laplacian = Some(Laplacian::of_areas(order, self.positions.len(), areas, value));
+        }
+        if let Some(boundary) = self.boundary.take() {
             let mut arrays = facet_arrays(&self.frame, self.density, self.positions, &|i| row_of(i).records);
             arrays.second_moment =
                 self.has_seconds.then(|| facet_seconds(&self.frame, self.density, self.positions.len(), &row_of));
@@ -288,6 +317,16 @@ fn finish(frame: &Frame, density: f64, position: [f64; 3], sums: &CellSums) -> F
     }
 }
 
+/// What the Laplacian is in units of, where areas and distances are in the frame's.
+pub fn laplacian_unit(frame: &Frame, density: f64) -> f64 {
+    density * frame.unit()
+}
+
+/// Of two sites, in the frame.
+fn distance([x, y, z]: [f64; 3], [a, b, c]: [f64; 3]) -> f64 {
+    ((a - x).powi(2) + (b - y).powi(2) + (c - z).powi(2)).sqrt()
+}
+
 /// The facets of all sites in one list.
 fn facet_arrays<'b>(
     frame: &Frame,
@@ -336,12 +375,12 @@ fn facet_arrays<'b>(
             row.sort_unstable_by_key(|facet| facet.neighbor);
             let [x, y, z] = frame.enter(positions[i]);
             for facet in &row {
-                let [nx, ny, nz] = frame.enter(positions[facet.neighbor as usize]);
+                let there = frame.enter(positions[facet.neighbor as usize]);
                 let (a, m) = (facet.area, facet.moment);
                 neighbor[next] = facet.neighbor;
                 area[next] = a * (density * frame.unit().powi(2));
                 barycenter[next] = frame.leave([x + m.x / a, y + m.y / a, z + m.z / a]);
-                distance[next] = ((nx - x).powi(2) + (ny - y).powi(2) + (nz - z).powi(2)).sqrt() * frame.unit();
+                distance[next] = self::distance([x, y, z], there) * frame.unit();
                 next += 1;
             }
         }

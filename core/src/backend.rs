@@ -29,7 +29,7 @@ impl Capabilities {
     pub fn check(self, request: &Request, diagram: &PowerDiagram) -> Result<()> {
         request.check(diagram)?;
         let wants_function = request.integral().is_some_and(crate::Integrand::is_function);
-        if !self.further && (request.facets() || request.second_moments() || request.integral().is_some()) {
+        if !self.further && (request.needs_facets() || request.second_moments() || request.integral().is_some()) {
             return Err(Error::input(
                 "in f32 there are volumes, barycenters and geometry only: compute facets, second moments and integrals in f64",
             ));

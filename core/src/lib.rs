@@ -19,6 +19,7 @@ pub mod geometry;
 pub mod inside;
 pub mod integrand;
 pub mod io;
+pub mod laplacian;
 pub mod memory;
 pub mod narrow;
 #[cfg(any(test, feature = "oracle"))]
@@ -28,6 +29,7 @@ pub mod passes;
 pub mod request;
 #[cfg(any(test, feature = "test-util"))]
 pub mod required;
+pub mod rows;
 pub mod search;
 #[cfg(any(test, feature = "shapes"))]
 pub mod shapes;
@@ -41,5 +43,6 @@ pub use error::{Error, ErrorKind, Place, Result};
 pub use facets::{Boundary, Facet, FacetArrays, Facets};
 pub use geometry::Geometry;
 pub use integrand::Integrand;
+pub use laplacian::Laplacian;
 pub use output::{CellStatus, Output, OutputArrays, PassReport, Report, Substep};
 pub use request::Request;

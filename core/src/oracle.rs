@@ -61,7 +61,7 @@ impl Backend for Naive {
                 other => return Err(Error::new(ErrorKind::Device, format!("cell {i} ended with status {other}"))),
             };
             let mut facets = FacetRecords::default();
-            if request.facets() {
+            if request.needs_facets() {
                 facets.collect(&store, flags, prepared.sites.order());
             }
             assembler.add(&CellRecord { site, status, sums }, facets.all());
@@ -79,6 +79,10 @@ impl Backend for Naive {
             }
             watched.advance(1)?;
         }
-        assembler.finish(Report::default(), geometry.map(GeometryAssembler::finish).transpose()?)
+        assembler.finish(
+            prepared.sites.order(),
+            Report::default(),
+            geometry.map(GeometryAssembler::finish).transpose()?,
+        )
     }
 }

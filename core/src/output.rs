@@ -2,6 +2,7 @@
 
 use crate::facets::{Boundary, Facets};
 use crate::geometry::Geometry;
+use crate::laplacian::Laplacian;
 use crate::{Error, Result};
 
 /// How the computation of one cell ended.
@@ -112,6 +113,8 @@ pub struct OutputArrays {
     pub integral: Option<Vec<f64>>,
     /// Where requested: the facets between cells, and each cell's piece of the boundary.
     pub facets: Option<Facets>,
+    /// Where requested: the Laplacian.
+    pub laplacian: Option<Laplacian>,
     /// Where requested: the restricted cells as polygons.
     pub geometry: Option<Geometry>,
     /// How it was computed.
@@ -156,6 +159,11 @@ impl Output {
         self.0.facets.take()
     }
 
+    /// Takes the Laplacian out.
+    pub fn take_laplacian(&mut self) -> Option<Laplacian> {
+        self.0.laplacian.take()
+    }
+
     /// The number of sites.
     pub fn sites(&self) -> usize {
         self.0.volume.len()
@@ -195,6 +203,11 @@ impl Output {
     /// Where requested: the facets between cells, and each cell's piece of the boundary.
     pub fn facets(&self) -> Option<&Facets> {
         self.0.facets.as_ref()
+    }
+
+    /// Where requested: the Laplacian, how each volume changes with the weights.
+    pub fn laplacian(&self) -> Option<&Laplacian> {
+        self.0.laplacian.as_ref()
     }
 
     /// Where facets were requested: each cell's piece of the boundary.

@@ -8,6 +8,7 @@ use crate::{Error, Integrand, Result};
 #[derive(Clone, Debug, Default)]
 pub struct Request {
     facets: bool,
+    laplacian: bool,
     second_moments: bool,
     /// Only with `facets`.
     facet_second_moments: bool,
@@ -28,6 +29,13 @@ impl Request {
     #[must_use]
     pub fn with_facets(self) -> Self {
         Self { facets: true, ..self }
+    }
+
+    /// Also the [`Laplacian`](crate::Laplacian): of the facets no more than what their areas come to. A device keeps all else for itself, which makes it several
+    /// times faster than facets.
+    #[must_use]
+    pub fn with_laplacian(self) -> Self {
+        Self { laplacian: true, ..self }
     }
 
     /// Also the second moments.
@@ -97,6 +105,17 @@ impl Request {
     /// Whether facets are asked for, with every neighbour, and the cell's piece of the boundary.
     pub fn facets(&self) -> bool {
         self.facets
+    }
+
+    /// Whether the Laplacian is.
+    pub fn laplacian(&self) -> bool {
+        self.laplacian
+    }
+
+    /// Whether facets are to be integrated, for themselves or for the Laplacian.
+    #[doc(hidden)]
+    pub fn needs_facets(&self) -> bool {
+        self.facets || self.laplacian
     }
 
     /// Whether second moments are.

@@ -43,11 +43,13 @@ pub struct Options {
     pub most_iterations: usize,
     /// Whether the output of the last evaluation has second moments, which [`Solution::cost`] needs.
     pub second_moments: bool,
+    /// Whether it has facets.
+    pub facets: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { density: Density::Uniform, tolerance: 1e-9, most_iterations: 100, second_moments: true }
+        Self { density: Density::Uniform, tolerance: 1e-9, most_iterations: 100, second_moments: true, facets: false }
     }
 }
 
@@ -62,6 +64,12 @@ impl Options {
     #[must_use]
     pub fn until(self, most_iterations: usize, tolerance: f64) -> Self {
         Self { most_iterations, tolerance, ..self }
+    }
+
+    /// The same with the facets of the cells found.
+    #[must_use]
+    pub fn with_facets(self) -> Self {
+        Self { facets: true, ..self }
     }
 
     /// The same without the second moments of the last evaluation, and so without the cost.
@@ -108,7 +116,7 @@ pub enum End {
 pub struct Solution {
     /// One for each site (length²); their mean is 0.
     pub weights: Vec<f64>,
-    /// The diagram of these weights, with facets; without where [`End::Interrupted`], for they may be used up by then.
+    /// The diagram of these weights, with facets where the options ask for them; without where [`End::Interrupted`], for they may be used up by then.
     pub output: Output,
     /// Mass of each cell.
     pub masses: Vec<f64>,
@@ -156,7 +164,10 @@ pub fn solve(
     })?;
     let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
     diagram.set_sites(&positions, &state.weights)?;
-    if state.output.facets().is_none() && end != End::Interrupted {
+    state.output.take_laplacian();
+    if !options.facets {
+        state.output.take_facets();
+    } else if state.output.facets().is_none() && end != End::Interrupted {
         // A stalled step has taken them apart.
         state.output = backend.evaluate(diagram, &request(options))?;
     }
@@ -209,6 +220,10 @@ pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Res
 }
 
 fn request(options: &Options) -> Request {
-    let request = Request::moments().with_facets();
+    let request = match options.density {
+        Density::Uniform => Request::moments().with_laplacian(),
+        Density::Linear { .. } => Request::moments().with_facets(),
+    };
+    let request = if options.facets { request.with_facets() } else { request };
     if options.second_moments { request.with_second_moments() } else { request }
 }

@@ -5,15 +5,14 @@ use super::{Computed, Device, Memory};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;
-use crate::interface::data::{Counters, VAST_WORDS};
+use crate::interface::data::{Counters, NOT_COMPUTED, VAST_WORDS};
 use crate::interface::kernels::{self, LookAbout, World};
 use crate::program::MOST_PLANES;
-use crate::results::{NOT_COMPUTED, width_of};
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::FacetSecond;
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
-use laguerre_core::{Error, Precision, Result, Watched};
+use laguerre_core::{Error, Precision, Request, Result, Watched};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -79,6 +78,7 @@ impl Device {
         // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
         self.most_cells = sites.div_ceil(of);
         self.clear(request, sites, self.most_cells)?;
+        self.results.are_kept = request.laplacian() && !request.facets() && of == 1;
         let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
@@ -115,11 +115,11 @@ impl Device {
             true => None,
             false => Some(sorted.read_tree(queue, &shared.params)?),
         };
-        let width = width_of(shared.params.flags);
+        let width = shared.params.sums_width as usize;
         results.width = width;
         memory.outcome.read(queue, sites, &mut results.outcomes)?;
         memory.sums.read(queue, sites * width, &mut results.sums)?;
-        if request.facets() {
+        if request.needs_facets() && !results.are_kept {
             memory.rows.read(queue, sites, &mut results.rows)?;
         }
         Ok(Computed { passes, results, for_host, tree, seconds: self.seconds })
@@ -135,17 +135,18 @@ impl Device {
     pub(super) fn clear(&mut self, request: &Watched<'_>, sites: usize, share: usize) -> Result<()> {
         let Self { context, queue, memory, shared, results, domain, together, .. } = self;
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
-        memory.sums.grow(context, sites * width_of(shared.params.flags))?;
-        memory.rows.grow(context, if request.facets() { sites } else { 1 })?;
+        memory.sums.grow(context, sites * shared.params.sums_width as usize)?;
+        memory.rows.grow(context, if request.needs_facets() { sites } else { 1 })?;
         for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
             list.grow(context, share)?;
         }
-        let gives_near = domain.is_some() && together.is_some() && !request.facets();
+        let gives_near = domain.is_some() && together.is_some() && !request.needs_facets();
         let near = if gives_near { near_cells(share) * NEAR_LENGTH } else { 1 };
         memory.near.grow(context, near)?;
         shared.params.near_room = near as u32;
         results.rows.clear();
         results.facet_count = 0;
+        results.are_kept = false;
         self.counters = Counters::default();
         memory.counters.fill(context, queue, &[self.counters])
     }
@@ -191,7 +192,7 @@ impl Device {
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
         // (With a domain, cells that `Far` leaves are tried by `Large` first; what is open of them, and of `Far`, then goes to `Wide` together.)
-        let has_domain = self.domain.is_some() && !request.facets();
+        let has_domain = self.domain.is_some() && !request.needs_facets();
         let begin = self.seconds;
         let mut second = Substep::default();
         while now.count() > 0 {
@@ -240,7 +241,7 @@ impl Device {
                 }
                 way = match stage {
                     // (Facets of cells that need more room are not computed together.)
-                    _ if request.facets() => Way::Alone(room),
+                    _ if request.needs_facets() => Way::Alone(room),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Together(lanes, Stage::Large),
                 };
@@ -281,20 +282,23 @@ impl Device {
             self.counters.near = 0;
             // (What one work-item leaves is the host's, at the end.)
             let is_shared = matches!(way, Way::Together(..));
+            let full = self.counters.full;
             let unended = |c: &Counters| c.surface + c.later + c.full + if is_shared { c.left } else { 0 };
             let before = unended(&self.counters);
             // (With facets, what is left of these stages is for the next at once, and what that leaves not for it again.)
-            let leaves_cut =
-                request.facets() && self.domain.is_some() && matches!(way, Way::Together(_, Stage::First | Stage::Far));
+            let leaves_cut = request.needs_facets()
+                && self.domain.is_some()
+                && matches!(way, Way::Together(_, Stage::First | Stage::Far));
             let kept = if leaves_cut { std::mem::take(&mut self.counters.left) } else { 0 };
             if leaves_cut {
                 std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
             }
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
-                if !request.facets() || batch <= FEWEST_CELLS {
+                if !request.needs_facets() || batch <= FEWEST_CELLS {
                     return Err(late);
                 }
+                self.read_facets(request)?;
                 self.memory.facets.free();
                 self.memory.facet_seconds.free();
                 if leaves_cut {
@@ -319,19 +323,26 @@ impl Device {
                 }
             }
             request.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize))?;
-            if request.facets() {
-                // Beyond the room there is nothing; a gap at its end belongs to no row.
-                let written = self.counters.facets.min(self.shared.params.facet_room) as usize;
-                let Self { queue, memory, results, .. } = self;
-                memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
-                if request.facet_second_moments() {
-                    memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
-                }
-                results.facet_count += written;
-                self.counters.facets = 0;
+            if request.needs_facets() && !(self.results.are_kept && self.counters.full == full) {
+                self.read_facets(request)?;
             }
             begin = end;
         }
+        Ok(())
+    }
+
+    /// Reads the records of facets back, for which the device then has room again.
+    pub(crate) fn read_facets(&mut self, request: &Request) -> Result<()> {
+        let Self { queue, memory, results, counters, .. } = self;
+        // Beyond the room there is nothing; a gap at its end belongs to no row.
+        let written = counters.facets.min(self.shared.params.facet_room) as usize;
+        memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
+        if request.facet_second_moments() {
+            memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
+        }
+        results.facet_count += written;
+        results.are_kept = false;
+        counters.facets = 0;
         Ok(())
     }
 
@@ -354,7 +365,7 @@ impl Device {
 
     /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
     fn room_for_batch(&mut self, request: &Watched<'_>, count: usize, most: usize) -> Result<usize> {
-        if !request.facets() {
+        if !request.needs_facets() {
             self.memory.facets.grow(&self.context, 1)?;
             return Ok(most);
         }
@@ -362,15 +373,17 @@ impl Device {
         let bytes = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
         let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
         let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
+        // All that are to stay on the device, if it has the memory.
+        let mut all = if self.results.are_kept { share.min(self.most_cells) } else { 0 };
         loop {
-            let room = (batch * FACETS_PER_CELL).max(MOST_PLANES as usize);
+            let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_PLANES as usize);
             let Memory { facets, facet_seconds, .. } = &mut self.memory;
             let seconds = if request.facet_second_moments() { room } else { 1 };
             let is_there = batch <= FEWEST_CELLS
                 || (facets.grow_if_possible(&self.context, room)?
                     && facet_seconds.grow_if_possible(&self.context, seconds)?);
             if !is_there {
-                batch /= 2;
+                (batch, all) = if all > batch { (batch, 0) } else { (batch / 2, 0) };
                 continue;
             }
             facets.grow(&self.context, room)?;

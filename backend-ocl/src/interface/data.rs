@@ -29,9 +29,16 @@ pub(crate) const SORT_EACH: u32 = 8;
 pub(crate) const DIGIT_BITS: u32 = 4;
 pub(crate) const DIGITS: u32 = 16;
 
-/// Sums that are written for each cell: volume and first moment; with any flag all others, and last the integral where it is asked for.
+/// Sums that are written for each cell: volume and first moment; the second moments; all; and last the integral.
 pub(crate) const FEW_SUMS: u32 = 4;
+pub(crate) const MOMENT_SUMS: u32 = 10;
 pub(crate) const ALL_SUMS: u32 = 18;
+
+/// The outcome of a cell that this device did not compute: a coincident site's, or another device's.
+pub(crate) const NOT_COMPUTED: u32 = 0xffff_ffff;
+
+/// A row of the Laplacian with more facets is long: one work-item would take too long to sort it.
+pub(crate) const LONG_ROW: u32 = 512;
 
 /// The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
 pub(crate) const OUTCOME_STATUS: u32 = 0xff;
@@ -63,8 +70,12 @@ pub(crate) struct Params {
     pub(crate) frame_smallest: f64,
     /// What the monomials of the polynomial to be integrated are about.
     pub(crate) origin: [f64; 3],
+    /// What the Laplacian is in units of.
+    pub(crate) laplacian_unit: f64,
     /// Where the records of this batch will stand among all.
     pub(crate) facet_base: u64,
+    /// How many sums are written for each cell.
+    pub(crate) sums_width: u64,
     pub(crate) grid_dims: [u32; 3],
     pub(crate) domain_dims: [u32; 3],
     pub(crate) has_domain: u32,

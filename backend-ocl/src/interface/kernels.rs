@@ -185,6 +185,49 @@ kernels! {
         output abouts: [i32; 2],
     }
 
+    kernel CountFacets = count_facets {
+        /// The caller's index of the site of each row.
+        input order: u32,
+        value count: u32,
+        input outcome: u32,
+        input rows: [u64; 2],
+        output place: u32,
+        output counts: u32,
+        output is_long: u32,
+    }
+
+    kernel SortFacets = sort_facets {
+        input order: u32,
+        value count: u32,
+        input rows: [u64; 2],
+        input records: FacetRecord,
+        input place: u32,
+        input offsets: u32,
+        output columns: u32,
+        output areas: f64,
+    }
+
+    kernel MatchFacets = match_facets {
+        input params: Params,
+        input sites: [f64; 4],
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input areas: f64,
+        output values: f64,
+        output counts: u32,
+    }
+
+    kernel PackFacets = pack_facets {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input starts: u32,
+        output packed_columns: u32,
+        output packed_values: f64,
+    }
+
     kernel TryLanes = try_lanes {
         /// 1 for each work-item for which all is right.
         output right: u32,

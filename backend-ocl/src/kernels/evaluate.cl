@@ -80,5 +80,5 @@ __kernel void cells(CELLS_ARGUMENTS) {
     if (status != COMPLETE) {
         return;
     }
-    write_sums(sums, params->flags, i, &part);
+    write_sums(sums, params->sums_width, i, &part);
 }

@@ -11,17 +11,19 @@ INLINE void write_vector(__global double *out, V3 x) {
     out[2] = x.z;
 }
 
-// Writes the sums of the caller's site i.
-INLINE void write_sums(__global double *sums, uint flags, uint i, const CellSums *part) {
-    const uint width = (flags == 0u) ? FEW_SUMS : (ALL_SUMS + (((flags & INTEGRAL) != 0u) ? 1u : 0u));
+// Writes the sums of the caller's site i, so many of them.
+INLINE void write_sums(__global double *sums, ulong width, uint i, const CellSums *part) {
     __global double *out = sums + ((size_t)i * width);
     out[0] = part->volume;
     write_vector(out + 1, part->first);
-    if (flags == 0u) {
+    if (width == FEW_SUMS) {
         return;
     }
     write_vector(out + 4, part->second_diagonal);
     write_vector(out + 7, part->second_mixed);
+    if (width == MOMENT_SUMS) {
+        return;
+    }
     out[10] = part->boundary_area;
     write_vector(out + 11, part->boundary_moment);
     write_vector(out + 14, part->boundary_vector);

@@ -1,11 +1,11 @@
 //! Facets seen from their two sides.
 
-use laguerre_core::{Backend, CellStatus, Output};
+use laguerre_core::{Backend, CellStatus, Output, Request};
 
 use crate::bounds::Bounds;
 use crate::checks::sums::has_negative_windings;
 use crate::compare::{same_facet, undecided};
-use crate::{Case, Scene, Verdict, sanity};
+use crate::{Case, Scene, Verdict, compare, sanity};
 
 /// [`are_mutual`] on a case.
 pub fn mutual(backend: &dyn Backend, case: &Case) -> Verdict {
@@ -20,6 +20,68 @@ pub fn distance(backend: &dyn Backend, case: &Case) -> Verdict {
 /// [`are_positive`] on a case.
 pub fn positive(backend: &dyn Backend, case: &Case) -> Verdict {
     sanity::hold(backend, case, are_positive)
+}
+
+/// [`have_a_laplacian`] on a case.
+pub fn laplacian(backend: &dyn Backend, case: &Case) -> Verdict {
+    have_a_laplacian(&case.scene(), backend)
+}
+
+/// Roundings of an entry of the Laplacian, however it is made.
+const ROUNDINGS: f64 = 16.0;
+
+/// The Laplacian, asked for with volumes alone, or with second moments, is what the facets' areas and distances come to, and symmetric to the last bit; where facets are
+/// asked for, too, it is the same. All else is as with facets.
+pub fn have_a_laplacian(scene: &Scene, backend: &dyn Backend) -> Verdict {
+    let with_facets = scene.with_facets(backend)?;
+    let facets = with_facets.facets().ok_or("no facets")?;
+    let n = scene.len();
+    let requests = [Request::moments(), Request::moments().with_second_moments(), Request::moments().with_facets()];
+    for request in requests {
+        let output = scene.evaluate(backend, &request.clone().with_laplacian())?;
+        let made = output.laplacian().ok_or("no Laplacian")?;
+        let mut all = output.clone();
+        ensure!(all.take_laplacian().is_some() && all.laplacian().is_none(), "it cannot be taken out");
+        let mut like = scene.evaluate(backend, &request.clone().with_facets())?;
+        if !request.facets() {
+            like.take_facets();
+        }
+        compare::identical(&like, &all)?;
+        let mut place = vec![n; n];
+        for (row, &i) in made.order().iter().enumerate() {
+            ensure!(std::mem::replace(&mut place[i as usize], row) == n, "site {i} stands twice in the order");
+        }
+        for (row, &i) in made.order().iter().enumerate() {
+            let i = i as usize;
+            let columns = &made.columns()[made.row(row)];
+            ensure!(columns.is_sorted_by(|a, b| a < b), "row {row} is not sorted");
+            for k in made.row(row) {
+                let (column, value) = (made.columns()[k] as usize, made.values()[k]);
+                let there = made.row(column);
+                let back = made.columns()[there.clone()].binary_search(&(row as u32)).map(|back| there.start + back);
+                ensure!(
+                    back.is_ok_and(|back| made.values()[back].to_bits() == value.to_bits()),
+                    "rows {row} and {column} differ"
+                );
+                let j = made.order()[column] as usize;
+                let both = facets.between(i, j).zip(facets.between(j, i));
+                let (k, back) = both.ok_or_else(|| format!("cells {i} and {j} do not share a facet"))?;
+                let (here, there) = (facets.get(k), facets.get(back));
+                let right = (here.area + there.area) / 2.0 / here.distance;
+                let size = (here.area.abs() + there.area.abs()) / here.distance;
+                ensure!(
+                    (value - right).abs() <= ROUNDINGS * f64::EPSILON * size,
+                    "entry {i}, {j}: {value:e} is not {right:e}"
+                );
+            }
+        }
+        let shared = |i: usize| facets.of(i).filter(|facet| facets.between(facet.neighbor, i).is_some()).count();
+        for (i, &row) in place.iter().enumerate() {
+            let entries = if row == n { 0 } else { made.row(row).len() };
+            ensure!(entries == shared(i), "cell {i} has {entries} entries for {} facets", shared(i));
+        }
+    }
+    Ok(())
 }
 
 /// Facet (i, j) is facet (j, i): the same area and first moment. Not where it lies in the surface, nor in the plane of

@@ -5,6 +5,7 @@ use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Output, Request};
 
 use crate::bounds::{Planes, SUM, of_digits};
+use crate::checks::facets::have_a_laplacian;
 use crate::compare::{same, same_cells};
 use crate::domains::{Pose, Room, Shape};
 use crate::sites::Sites;
@@ -37,6 +38,15 @@ pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
         as_the_oracle_says(&scene, &output, &cells)?;
     }
     Ok(())
+}
+
+/// The Laplacian where a cell has so many facets that a device leaves it to the host.
+pub fn heavy_laplacian(backend: &dyn Backend) -> Verdict {
+    let scene = white(20_000, Weights::OneHeavy, Shape::Box);
+    let facets = scene.with_facets(backend)?.facets().cloned().unwrap_or_default();
+    let most = (0..scene.len()).map(|i| facets.row(i).len()).max();
+    ensure!(most > Some(512), "the largest cell has {most:?} facets");
+    have_a_laplacian(&scene, backend)
 }
 
 /// Of 2,000 sites, first ones with small weights, then one of them a hundred times, and one with a large weight: the oracle's answer in every

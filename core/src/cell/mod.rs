@@ -81,7 +81,7 @@ pub use wide::Minors;
 /// The flags of [`integrate_cell`] that answer a request.
 pub fn flags_of(request: &crate::Request) -> u32 {
     let mut flags = VOLUME_ONLY;
-    if request.facets() {
+    if request.needs_facets() {
         flags |= FACETS;
         if request.facet_second_moments() {
             flags |= FACET_SECOND_MOMENTS;

@@ -86,6 +86,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
     let options = transport::Options {
         tolerance: VOLUME_TOLERANCE,
         most_iterations: MOST_ITERATIONS,
+        facets: true,
         ..transport::Options::default()
     };
     let solved = solved(backend, diagram, &options)?;

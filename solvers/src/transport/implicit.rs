@@ -4,13 +4,14 @@
 //! constants. For a function with the derivatives `u` by weights and `v` by barycenters let `z` solve `A z = u + (∂b/∂w)ᵀ v`. By masses it changes with
 //! `z`, and by positions with `(∂b/∂p)ᵀ v − (∂m/∂p)ᵀ z`. The cost is a maximum over weights, and changes with `2 m_i (p_i − b_i)` by a position, with `w_i` by a mass.
 
+use laguerre_core::rows::places;
 use laguerre_core::{Backend, CellStatus, Error, Output, PowerDiagram, Result};
 use rayon::prelude::*;
 
 use super::conjugate_gradient;
-use super::laplacian::laplacian;
+use super::laplacian::of_masses;
 use super::multigrid::Multigrid;
-use super::sparse::{Matrix, center, center_parts, norm, places};
+use super::sparse::{Matrix, center, center_parts, norm};
 use crate::density::Density;
 use crate::derivatives::Derivatives;
 use crate::vectors::for_each;
@@ -92,8 +93,8 @@ fn solved(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64])
     let Some(facets) = output.facets() else { return Err(Error::input("derivatives: the cells are without facets")) };
     let sorted = diagram.prepare()?.sites;
     let order = sorted.order();
-    let place = places(order);
-    let (matrix, _) = laplacian(facets, density, order, &place, 1.0, |_, _| 0.0);
+    let place = places(order, b.len());
+    let matrix = of_masses(facets, density, order, &place, 1.0);
     let mut multigrid = Multigrid::new(matrix.clone());
     let mut b: Vec<f64> = order.iter().map(|&i| b[i as usize]).collect();
     // Of each part that touches no other the mean is its own.

@@ -1,43 +1,56 @@
-//! The Laplacian of transport, from the facets of a diagram.
+//! The Laplacian of transport, from the cells of a diagram.
 
-use laguerre_core::{Facet, Facets};
+use laguerre_core::{Facet, Facets, Laplacian};
 
 use super::sparse::Matrix;
 use crate::density::Density;
 
-/// `∂m_i/∂w_j = −a_ij` with `a_ij = ∫_facet ρ / (2 ‖p_i − p_j‖)`, and `Σ_j a_ij` on the diagonal: rows and columns in `order`, the
-/// diagonal first in each row. Both sides of a facet have the mean of what the two cells found, so that the matrix is symmetric to the
-/// last bit; a facet that one of them has alone is below its rounding bound, and left out. Masses are in `unit`, a power of two.
-///
-/// And for each entry what `limit` says of the site, and of the facet that it sees; zero on the diagonal.
-pub(super) fn laplacian(
-    facets: &Facets,
-    density: &Density,
-    order: &[u32],
-    place: &[u32],
-    unit: f64,
-    limit: impl Fn(usize, &Facet) -> f64 + Sync,
-) -> (Matrix, Vec<f64>) {
-    let coefficient = |facet: Facet| density.at(facet.barycenter) * facet.area / (2.0 * facet.distance);
-    Matrix::from_rows_and(
-        order.len(),
+/// `∂m_i/∂w_j = −a_ij` and `Σ_j a_ij` on the diagonal, the first in each row, where masses are volumes in `unit`, a power of two. A facet of no area, or
+/// less, is left out.
+pub(super) fn of_volumes(laplacian: &Laplacian, unit: f64) -> Matrix {
+    Matrix::from_rows(
+        laplacian.order().len(),
         || (),
-        |row, (), columns, values, limits| {
-            let site = order[row] as usize;
-            let diagonal = columns.len();
-            columns.push(row as u32);
-            values.push(0.0);
-            limits.push(0.0);
-            for facet in facets.of(site) {
-                let Some(back) = facets.between(facet.neighbor, site) else { continue };
-                let a = (coefficient(facet) + coefficient(facets.get(back))) / 2.0;
-                if a > 0.0 {
-                    columns.push(place[facet.neighbor]);
-                    values.push(-(a / unit));
-                    values[diagonal] += a / unit;
-                    limits.push(limit(site, &facet));
-                }
-            }
+        |row, (), columns, values| {
+            let entries = laplacian.row(row);
+            let each = laplacian.columns()[entries.clone()].iter().zip(&laplacian.values()[entries]);
+            append(row, each.map(|(&column, value)| (column, value / 2.0)), unit, columns, values);
         },
     )
+}
+
+/// The same for a density, with `a_ij = ∫_facet ρ / (2 ‖p_i − p_j‖)`: rows and columns in `order`. Both sides of a facet have the mean of what the two
+/// cells found, so that the matrix is symmetric to the last bit; a facet that one of them has alone is below its rounding bound, and left out.
+pub(super) fn of_masses(facets: &Facets, density: &Density, order: &[u32], place: &[u32], unit: f64) -> Matrix {
+    let coefficient = |facet: Facet| density.at(facet.barycenter) * facet.area / (2.0 * facet.distance);
+    Matrix::from_rows(
+        order.len(),
+        || (),
+        |row, (), columns, values| {
+            let site = order[row] as usize;
+            let each = facets.of(site).filter_map(|facet| {
+                let back = facets.between(facet.neighbor, site)?;
+                Some((place[facet.neighbor], (coefficient(facet) + coefficient(facets.get(back))) / 2.0))
+            });
+            append(row, each, unit, columns, values);
+        },
+    )
+}
+
+/// Appends a row of the matrix whose other entries, of facets with some area, are these, negative.
+fn append(
+    row: usize,
+    others: impl Iterator<Item = (u32, f64)>,
+    unit: f64,
+    columns: &mut Vec<u32>,
+    values: &mut Vec<f64>,
+) {
+    let diagonal = columns.len();
+    columns.push(row as u32);
+    values.push(0.0);
+    for (column, a) in others.filter(|(_, a)| *a > 0.0) {
+        columns.push(column);
+        values.push(-(a / unit));
+        values[diagonal] += a / unit;
+    }
 }

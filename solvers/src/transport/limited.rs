@@ -7,14 +7,14 @@
 //!
 //! There is a number of such steps at most, and none empties a cell: from where they end Newton's converge as from any start.
 
-use laguerre_core::{ErrorKind, Facet, Result};
+use laguerre_core::{ErrorKind, Result};
 use rayon::prelude::*;
 
 use super::mend;
 use super::newton::{Problem, State};
 use super::sparse::{Matrix, center};
 use super::system::System;
-use crate::vectors::{for_each, sum};
+use crate::vectors::{for_each, inner, sum};
 
 /// Steps of this kind at most; some 15 are usual.
 const MOST_STEPS: usize = 40;
@@ -31,14 +31,42 @@ const LENGTHS: i32 = 3;
 /// parabola, the end is then higher than the beginning.
 const TURNED: f64 = 0.5;
 
-/// Weight by which a site may rise above its neighbour before their facet, as the site sees it, is too far in the neighbour's cell. `sizes` are
-/// the cube roots of the cells' volumes, as these would be at the mean density.
-pub(super) fn limit(problem: &Problem<'_>, state: &State, sizes: &[f64], site: usize, facet: &Facet) -> f64 {
-    let (other, distance) = (facet.neighbor, facet.distance);
-    let (p, q, b) = (problem.positions[site], problem.positions[other], state.output.barycenter()[other]);
-    let depth = (0..3).map(|k| (b[k] - facet.barycenter[k]) * (q[k] - p[k])).sum::<f64>() / distance;
-    // The facet goes by the weights' difference over twice the distance.
-    2.0 * distance * REACH * depth.max(FLATTEST * sizes[other])
+/// What tells how far the facets of a state may go: of each cell, in the order of the matrix's rows.
+pub(super) struct Limits(Vec<Cell>);
+
+/// A site, its weight, the barycenter of its cell, and the cube root of the cell's volume, as that would be at the mean density.
+struct Cell {
+    site: [f64; 3],
+    weight: f64,
+    barycenter: [f64; 3],
+    size: f64,
+}
+
+impl Limits {
+    pub(super) fn new(problem: &Problem<'_>, state: &State) -> Self {
+        let cell = |&i: &u32| {
+            let i = i as usize;
+            Cell {
+                site: problem.positions[i],
+                weight: state.weights[i],
+                barycenter: state.output.barycenter()[i],
+                size: (state.output.volume()[i] / problem.mean_density).cbrt(),
+            }
+        };
+        Self(problem.order.par_iter().map(cell).collect())
+    }
+
+    /// Weight by which the site of a row may rise above that of another before their facet is too far in the other's cell.
+    fn of(&self, row: usize, other: usize) -> f64 {
+        let (own, other) = (&self.0[row], &self.0[other]);
+        let way: [f64; 3] = std::array::from_fn(|k| other.site[k] - own.site[k]);
+        let distance = inner(way, way).sqrt();
+        // The facet is in the plane where the two powers are equal, and goes by the weights' difference over twice the distance.
+        let facet = (distance * distance + (own.weight - other.weight)) / (2.0 * distance);
+        let middle = std::array::from_fn(|k| other.barycenter[k] - own.site[k]);
+        let depth = inner(middle, way) / distance - facet;
+        2.0 * distance * REACH * depth.max(FLATTEST * other.size)
+    }
 }
 
 /// What a limited step came to: the state after it, if there is one, which part of it was gone, and the iterations.
@@ -94,12 +122,9 @@ fn ascent(problem: &Problem<'_>, step: &[f64], masses: &[f64]) -> f64 {
 }
 
 /// Whether weights `x` move some facet too far.
-fn goes_too_far(matrix: &Matrix, limits: &[f64], x: &[f64]) -> bool {
-    let too_far = |i: usize| {
-        let entries = matrix.offsets[i]..matrix.offsets[i + 1];
-        matrix.columns[entries.clone()].iter().zip(&limits[entries]).any(|(&j, limit)| x[i] - x[j as usize] > *limit)
-    };
-    (0..matrix.rows()).into_par_iter().any(too_far)
+fn goes_too_far(matrix: &Matrix, limits: &Limits, x: &[f64]) -> bool {
+    let rises = |i: usize, j: usize| x[i] > x[j] && x[i] - x[j] > limits.of(i, j);
+    (0..matrix.rows()).into_par_iter().any(|i| matrix.row(i).any(|(j, _)| rises(i, j)))
 }
 
 /// For each entry of a symmetric matrix where its mirror image stands.
@@ -113,13 +138,16 @@ fn mirror(matrix: &Matrix) -> Vec<usize> {
 }
 
 /// Makes the facets larger that weights `x` move too far, by as much as that is; whether there are any.
-fn stiffen(matrix: &mut Matrix, limits: &[f64], mirror: &[usize], x: &[f64]) -> bool {
+fn stiffen(matrix: &mut Matrix, limits: &Limits, mirror: &[usize], x: &[f64]) -> bool {
     let mut factors = vec![1.0; matrix.entries()];
-    let row_of = |k: usize| matrix.columns[mirror[k]] as usize;
     // Both entries of a facet have the same factor, to the last bit.
     for_each(&mut factors, |k, factor| {
-        let rise = x[row_of(k)] - x[matrix.columns[k] as usize];
-        *factor = (rise / limits[k]).max(-rise / limits[mirror[k]]).max(1.0);
+        let (row, column) = (matrix.columns[mirror[k]] as usize, matrix.columns[k] as usize);
+        let rise = x[row] - x[column];
+        if rise != 0.0 {
+            let limit = if rise > 0.0 { limits.of(row, column) } else { limits.of(column, row) };
+            *factor = (rise.abs() / limit).max(1.0);
+        }
     });
     for_each(&mut matrix.values, |k, value| *value *= factors[k]);
     let diagonals: Vec<f64> = (0..matrix.rows())

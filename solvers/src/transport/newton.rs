@@ -4,12 +4,13 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use laguerre_core::diagram::Container;
-use laguerre_core::{Backend, Error, ErrorKind, Facet, Output, PowerDiagram, Request, Result};
-use rayon::prelude::*;
+use laguerre_core::rows::places;
+use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
 
-use super::laplacian::laplacian;
+use super::laplacian::{of_masses, of_volumes};
+use super::limited::Limits;
 use super::multigrid::Multigrid;
-use super::sparse::{center, center_parts, places};
+use super::sparse::{Matrix, center, center_parts};
 use super::system::{Aim, System};
 use super::{End, Iteration, Options, bridge, limited, mend, request, start};
 use crate::density::Density;
@@ -51,7 +52,7 @@ pub(super) struct Problem<'a> {
     pub(super) unit: f64,
     /// No cell's mass may fall below this, half of what the first state or the targets had; 0 until there is a first state.
     pub(super) bound: f64,
-    /// The sites so that neighbours in space are neighbours in memory, and where each stands there.
+    /// The sites so that neighbours in space are neighbours in memory, and where each stands there: as the first diagram has it.
     pub(super) order: Vec<u32>,
     pub(super) place: Vec<u32>,
     /// That of the last step, whose coarse levels may serve for the next.
@@ -86,9 +87,6 @@ impl<'a> Problem<'a> {
             Container::Domain(domain) => domain.mean_density(),
             Container::Box(..) => 1.0,
         };
-        let sorted = diagram.prepare()?.sites;
-        start::check_coincident(&positions, &sorted)?;
-        let order = sorted.order().to_vec();
         Ok(Self {
             backend,
             diagram,
@@ -101,8 +99,8 @@ impl<'a> Problem<'a> {
             targets,
             unit,
             bound: 0.0,
-            place: places(&order),
-            order,
+            order: Vec::new(),
+            place: Vec::new(),
             multigrid: None,
             step: 1.0,
             limited_steps: 0,
@@ -170,6 +168,7 @@ impl<'a> Problem<'a> {
         let output = self.backend.evaluate(self.diagram, &self.request)?;
         self.seconds += begin.elapsed().as_secs_f64();
         self.evaluations += 1;
+        self.stand_as(output.laplacian().map(Laplacian::order))?;
         let mut masses = self.density.masses(&output);
         masses.iter_mut().for_each(|mass| *mass /= self.unit);
         let least = masses.iter().copied().fold(f64::INFINITY, f64::min);
@@ -179,16 +178,44 @@ impl<'a> Problem<'a> {
         Ok(State { weights, output, masses, least, residual, error })
     }
 
-    /// Where to go from a state, whose facets are taken out to make room.
-    fn direction(&mut self, state: &mut State) -> Result<Direction> {
-        let Some(facets) = state.output.take_facets() else {
-            return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to"));
+    /// Takes the order of a diagram's rows, which is the same for all of these sites; where it tells none, that along the curve.
+    ///
+    /// # Errors
+    /// `Input` where sites coincide.
+    fn stand_as(&mut self, order: Option<&[u32]>) -> Result<()> {
+        let is_whole = order.is_some_and(|order| order.len() == self.positions.len());
+        let order = match order {
+            Some(order) if is_whole => order.to_vec(),
+            None if !self.order.is_empty() => return Ok(()),
+            _ => {
+                let sorted = self.diagram.prepare()?.sites;
+                start::check_coincident(&self.positions, &sorted)?;
+                sorted.order().to_vec()
+            }
         };
-        let size = |mass: &f64| (mass / self.mean_density).cbrt();
-        let sizes = state.output.volume().par_iter().map(size).collect::<Vec<f64>>();
-        let limit = |site: usize, facet: &Facet| limited::limit(self, state, &sizes, site, facet);
-        let (matrix, limits) = laplacian(&facets, &self.density, &self.order, &self.place, self.unit, limit);
-        drop(facets);
+        if order != self.order {
+            self.place = places(&order, order.len());
+            self.order = order;
+            self.multigrid = None;
+        }
+        Ok(())
+    }
+
+    /// The matrix of a state, which loses what it is made of, to make room.
+    fn matrix(&self, state: &mut State) -> Result<Matrix> {
+        if let Some(laplacian) = state.output.take_laplacian() {
+            return Ok(of_volumes(&laplacian, self.unit));
+        }
+        match state.output.take_facets() {
+            Some(facets) => Ok(of_masses(&facets, &self.density, &self.order, &self.place, self.unit)),
+            None => Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to")),
+        }
+    }
+
+    /// Where to go from a state, whose facets are taken out.
+    fn direction(&mut self, state: &mut State) -> Result<Direction> {
+        let matrix = self.matrix(state)?;
+        let limits = Limits::new(self, state);
         let mut multigrid = match self.multigrid.take() {
             Some(mut last) => {
                 last.renew(matrix);

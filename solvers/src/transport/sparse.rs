@@ -1,5 +1,6 @@
 //! Sparse matrices on all threads, to the same bits for every number of them, and what their vectors need.
 
+use laguerre_core::rows::gather;
 use rayon::prelude::*;
 
 use crate::vectors::{CHUNK, for_each, sum};
@@ -43,43 +44,8 @@ impl Matrix {
         scratch: impl Fn() -> S + Sync,
         row: impl Fn(usize, &mut S, &mut Vec<u32>, &mut Vec<f64>) + Sync,
     ) -> Self {
-        Self::from_rows_and(rows, scratch, |i, scratch, columns, values, _: &mut Vec<()>| {
-            row(i, scratch, columns, values)
-        })
-        .0
-    }
-
-    /// The same, and what else `row` appends, which is to be one for each entry.
-    pub(super) fn from_rows_and<S, T: Copy + Default + Send + Sync>(
-        rows: usize,
-        scratch: impl Fn() -> S + Sync,
-        row: impl Fn(usize, &mut S, &mut Vec<u32>, &mut Vec<f64>, &mut Vec<T>) + Sync,
-    ) -> (Self, Vec<T>) {
-        let parts: Vec<_> = (0..rows.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut scratch = scratch();
-                let (mut ends, mut columns, mut values, mut others) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-                for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
-                    row(i, &mut scratch, &mut columns, &mut values, &mut others);
-                    ends.push(columns.len());
-                }
-                (ends, columns, values, others)
-            })
-            .collect();
-        let mut offsets = Vec::with_capacity(rows + 1);
-        let mut entries = 0;
-        offsets.push(0);
-        for (ends, columns, ..) in &parts {
-            offsets.extend(ends.iter().map(|end| entries + end));
-            entries += columns.len();
-        }
-        let matrix = Self {
-            offsets,
-            columns: joined(parts.iter().map(|part| &part.1[..])),
-            values: joined(parts.iter().map(|part| &part.2[..])),
-        };
-        (matrix, joined(parts.iter().map(|part| &part.3[..])))
+        let (offsets, columns, values) = gather(rows, scratch, row);
+        Self { offsets, columns, values }
     }
 
     /// The transpose, which has `rows` rows, each sorted.
@@ -128,18 +94,6 @@ impl Matrix {
             }
         })
     }
-}
-
-/// The parts one after the other. They are copied on all threads: one alone takes as long as all else of a matrix of a million rows.
-fn joined<'a, T: Copy + Default + Send + Sync + 'a>(parts: impl Iterator<Item = &'a [T]> + Clone) -> Vec<T> {
-    let mut whole = vec![T::default(); parts.clone().map(<[T]>::len).sum()];
-    let mut rest = &mut whole[..];
-    let mut places = Vec::new();
-    for part in parts {
-        places.push((rest.split_off_mut(..part.len()).unwrap_or_default(), part));
-    }
-    places.into_par_iter().for_each(|(place, part)| place.copy_from_slice(part));
-    whole
 }
 
 /// Finds where a column stands in the row that is being gathered: a hash table with as many slots as a row needs, not as many as
@@ -212,15 +166,6 @@ pub(super) fn center_parts(x: &mut [f64], parts: &[u32], count: usize) {
         rows[part as usize] += 1.0;
     }
     for_each(x, |row, x| *x -= sums[parts[row] as usize] / rows[parts[row] as usize]);
-}
-
-/// Where each stands in a permutation.
-pub(super) fn places(order: &[u32]) -> Vec<u32> {
-    let mut place = vec![0; order.len()];
-    for (row, &site) in order.iter().enumerate() {
-        place[site as usize] = row as u32;
-    }
-    place
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The linear system of a Newton step.
 
 use super::conjugate_gradient::{self, Found};
+use super::limited::Limits;
 use super::multigrid::Multigrid;
 use super::sparse::Matrix;
 
@@ -22,8 +23,7 @@ pub(super) struct Aim {
 /// A solved system.
 pub(super) struct System {
     pub(super) multigrid: Multigrid,
-    /// For each entry the weight by which the row's site may rise above the column's.
-    pub(super) limits: Vec<f64>,
+    pub(super) limits: Limits,
     pub(super) aim: Aim,
     pub(super) newton: Found,
 }

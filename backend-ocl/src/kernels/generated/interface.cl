@@ -90,10 +90,18 @@ typedef struct {
 
 #define DIGITS ((uint)(16))
 
-// Sums that are written for each cell: volume and first moment; with any flag all others, and last the integral where it is asked for.
+// Sums that are written for each cell: volume and first moment; the second moments; all; and last the integral.
 #define FEW_SUMS ((uint)(4))
 
+#define MOMENT_SUMS ((uint)(10))
+
 #define ALL_SUMS ((uint)(18))
+
+// The outcome of a cell that this device did not compute: a coincident site's, or another device's.
+#define NOT_COMPUTED ((uint)(0xffffffff))
+
+// A row of the Laplacian with more facets is long: one work-item would take too long to sort it.
+#define LONG_ROW ((uint)(512))
 
 // The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
 #define OUTCOME_STATUS ((uint)(0xff))
@@ -125,8 +133,12 @@ typedef struct {
     double frame_smallest;
     // What the monomials of the polynomial to be integrated are about.
     double origin[3];
+    // What the Laplacian is in units of.
+    double laplacian_unit;
     // Where the records of this batch will stand among all.
     ulong facet_base;
+    // How many sums are written for each cell.
+    ulong sums_width;
     uint grid_dims[3];
     uint domain_dims[3];
     uint has_domain;
@@ -374,6 +386,44 @@ typedef struct {
     __global const int *windings, \
     __global int2 *abouts
 
+#define COUNT_FACETS_ARGUMENTS \
+    __global const uint *order, \
+    uint count, \
+    __global const uint *outcome, \
+    __global const ulong2 *rows, \
+    __global uint *place, \
+    __global uint *counts, \
+    __global uint *is_long
+
+#define SORT_FACETS_ARGUMENTS \
+    __global const uint *order, \
+    uint count, \
+    __global const ulong2 *rows, \
+    __global const FacetRecord *records, \
+    __global const uint *place, \
+    __global const uint *offsets, \
+    __global uint *columns, \
+    __global double *areas
+
+#define MATCH_FACETS_ARGUMENTS \
+    __global const Params *params, \
+    __global const double4 *sites, \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *areas, \
+    __global double *values, \
+    __global uint *counts
+
+#define PACK_FACETS_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const uint *starts, \
+    __global uint *packed_columns, \
+    __global double *packed_values
+
 #define TRY_LANES_ARGUMENTS \
     __global uint *right
 
@@ -396,6 +446,6 @@ typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];
 typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];
 typedef char size_of_Slabs[(sizeof(Slabs) == 384) ? 1 : -1];
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
-typedef char size_of_Params[(sizeof(Params) == 336) ? 1 : -1];
+typedef char size_of_Params[(sizeof(Params) == 352) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
 typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];

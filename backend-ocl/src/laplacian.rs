@@ -1,0 +1,125 @@
+//! The Laplacian on one device, from the records of facets that stay there.
+
+use crate::buffer::{Room, rooms};
+use crate::device::Device;
+use crate::grid::{self, GROUP};
+use crate::interface::kernels::{CountFacets, MatchFacets, PackFacets, SortFacets};
+use laguerre_core::assemble::Row;
+use laguerre_core::{Laplacian, Request, Result};
+
+/// Cells of the host's whose facets are brought to the device; where there are more, the host does it all.
+const MOST_OF_HOST: usize = 4096;
+
+rooms! {
+    pub(crate) struct Ties {
+        place: u32 = "the Laplacian's order",
+        is_long: u32 = "the Laplacian's rows",
+        offsets: u32 = "the Laplacian's rows",
+        columns: u32 = "the Laplacian",
+        areas: f64 = "the Laplacian",
+        values: f64 = "the Laplacian",
+        packed_offsets: u32 = "the Laplacian's rows",
+        packed_columns: u32 = "the Laplacian",
+        packed_values: f64 = "the Laplacian",
+    }
+}
+
+impl Device {
+    /// The Laplacian of the cells whose facets have stayed on the device, and of those of the host's, which are few; `None` where the host has to
+    /// make it, for which the facets then have been read back.
+    pub(crate) fn laplacian(
+        &mut self,
+        request: &Request,
+        sites: usize,
+        of_host: &[(u32, Row<'_>)],
+    ) -> Result<Option<Laplacian>> {
+        let is_made = self.results.are_kept && self.bring(of_host)? && self.make_laplacian(sites)?;
+        if is_made {
+            return self.read_laplacian().map(Some);
+        }
+        if self.results.are_kept {
+            self.read_facets(request)?;
+            self.memory.rows.read(&self.queue, sites, &mut self.results.rows)?;
+        }
+        Ok(None)
+    }
+
+    /// The caller's index of each sorted site.
+    pub(crate) fn order(&self) -> Result<Vec<u32>> {
+        let mut order = Vec::new();
+        self.sites.order.read(&self.queue, self.shared.params.tree_sites as usize, &mut order)?;
+        Ok(order)
+    }
+
+    /// Brings the facets of the host's cells to those of the device's; whether there is room.
+    fn bring(&mut self, of_host: &[(u32, Row<'_>)]) -> Result<bool> {
+        let Self { queue, memory, counters, shared, .. } = self;
+        let more: usize = of_host.iter().map(|(_, row)| row.records().len()).sum();
+        if of_host.len() > MOST_OF_HOST || counters.facets as usize + more > shared.params.facet_room as usize {
+            return Ok(false);
+        }
+        for (site, row) in of_host {
+            let (begin, count) = (counters.facets, row.records().len() as u32);
+            memory.facets.write_at(queue, begin as usize, row.records())?;
+            memory.rows.write_at(queue, *site as usize, &[[u64::from(begin), u64::from(count)]])?;
+            memory.outcome.write_at(queue, *site as usize, &[laguerre_core::cell::COMPLETE])?;
+            counters.facets += count;
+        }
+        Ok(true)
+    }
+
+    /// Whether it could be made: there is memory for it, and no row is long.
+    fn make_laplacian(&mut self, sites: usize) -> Result<bool> {
+        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, counters, ties, results, .. } = self;
+        let (count, most) = (shared.params.tree_sites, counters.facets as usize);
+        let rows = count as usize;
+        let fits = ties.place.grow_if_possible(context, sites)?
+            && ties.offsets.grow_if_possible(context, rows + 1)?
+            && ties.packed_offsets.grow_if_possible(context, rows + 1)?
+            && ties.columns.grow_if_possible(context, most)?
+            && ties.areas.grow_if_possible(context, most)?
+            && ties.values.grow_if_possible(context, most)?
+            && ties.packed_columns.grow_if_possible(context, most)?
+            && ties.packed_values.grow_if_possible(context, most)?;
+        if !fits {
+            return Ok(false);
+        }
+        ties.offsets.fill_with(context, queue, 0, rows + 1)?;
+        ties.packed_offsets.fill_with(context, queue, 0, rows + 1)?;
+        ties.is_long.fill_with(context, queue, 0, 1)?;
+        let Ties { place, is_long, offsets, columns, areas, values, packed_offsets, packed_columns, packed_values } =
+            &*ties;
+        let (order, rooms) = (&sorted.order, &memory.rows);
+        let counting =
+            CountFacets { order, count, outcome: &memory.outcome, rows: rooms, place, counts: offsets, is_long };
+        grid_kernels.count_facets.run(queue, rows, GROUP, counting)?;
+        if is_long.first(queue)? != 0 {
+            return Ok(false);
+        }
+        grid::scan(context, queue, grid_kernels, offsets, rows + 1, &mut sorted.sums)?;
+        let sorting = SortFacets { order, count, rows: rooms, records: &memory.facets, place, offsets, columns, areas };
+        grid_kernels.sort_facets.run(queue, rows, GROUP, sorting)?;
+        let (params, counts) = (&shared.room, packed_offsets);
+        let matching = MatchFacets { params, sites: &sorted.sites, count, offsets, columns, areas, values, counts };
+        grid_kernels.match_facets.run(queue, rows, GROUP, matching)?;
+        grid::scan(context, queue, grid_kernels, packed_offsets, rows + 1, &mut sorted.sums)?;
+        let starts = packed_offsets;
+        let packing = PackFacets { count, offsets, columns, values, starts, packed_columns, packed_values };
+        grid_kernels.pack_facets.run(queue, rows, GROUP, packing)?;
+        let mut ends = Vec::new();
+        packed_offsets.read_from(queue, rows, 1, &mut ends)?;
+        results.entries = ends.first().map_or(0, |&end| end as usize);
+        Ok(true)
+    }
+
+    fn read_laplacian(&self) -> Result<Laplacian> {
+        let (mut offsets, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        let (order, entries) = (self.order()?, self.results.entries);
+        let read_offsets: &Room<u32> = &self.ties.packed_offsets;
+        read_offsets.read(&self.queue, order.len() + 1, &mut offsets)?;
+        self.ties.packed_columns.read(&self.queue, entries, &mut columns)?;
+        self.ties.packed_values.read(&self.queue, entries, &mut values)?;
+        let offsets = offsets.iter().map(|&offset| offset as usize).collect();
+        Ok(Laplacian::of_fitting(order, (offsets, columns, values)))
+    }
+}

@@ -39,6 +39,10 @@ impl Backend for Fastest {
         self.gpu.info().with(Capabilities::ALL)
     }
 
+    fn algebra(&self) -> Option<&dyn crate::algebra::Algebra> {
+        self.gpu.algebra()
+    }
+
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
         let backend = if request.integral().is_some_and(Integrand::is_function) { &self.cpu } else { &self.gpu };
         backend.evaluate_watched(diagram, request, observer)

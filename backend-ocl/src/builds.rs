@@ -7,7 +7,7 @@ use laguerre_core::passes::Capacities;
 
 /// The kernels that sort sites, those that find how near the surface is to them, and those of the Laplacian.
 const GRID: Text = Text {
-    entries: &["grid.cl", "order.cl", "bound_nodes.cl", "clearance.cl", "laplacian.cl"],
+    entries: &["grid.cl", "order.cl", "bound_nodes.cl", "clearance.cl", "laplacian.cl", "algebra.cl"],
     prelude: "prelude.cl",
     store: None,
 };

@@ -5,6 +5,7 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
+use crate::algebra::Answers;
 use crate::buffer::{failed, rooms};
 use crate::builds::Lanes;
 use crate::grid::{GROUP, Sites};
@@ -55,6 +56,9 @@ pub(crate) struct Device {
     seconds: f64,
     pub(crate) results: Results,
     pub(crate) ties: Ties,
+    /// Which evaluation the Laplacian is of that is on the device, counting those that made one.
+    pub(crate) made_laplacian: u64,
+    pub(crate) answers: Answers,
     /// The domain whose grid is on the device.
     domain: Option<Arc<DomainGrid>>,
     /// Cells of this call at most.
@@ -138,6 +142,8 @@ impl Device {
             seconds: 0.0,
             results: Results::default(),
             ties: Ties::new(),
+            made_laplacian: 0,
+            answers: Answers::new(),
             domain: None,
             most_cells: 0,
             first: None,

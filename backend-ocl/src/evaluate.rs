@@ -4,8 +4,10 @@ use crate::again::Again;
 use crate::believed::check_volumes;
 use crate::device::Device;
 use crate::fallback;
+use crate::laplacian::Made;
 use crate::platform::{Found, choose};
 use crate::single::Single;
+use laguerre_core::algebra::Algebra;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::diagram::Prepared;
 use laguerre_core::geometry;
@@ -40,7 +42,7 @@ pub struct Ocl {
     backend: &'static str,
     name: String,
     precision: Precision,
-    devices: Mutex<Vec<Device>>,
+    pub(crate) devices: Mutex<Vec<Device>>,
 }
 
 impl Ocl {
@@ -98,6 +100,10 @@ impl Ocl {
 impl Backend for Ocl {
     fn info(&self) -> BackendInfo {
         BackendInfo::of_devices(self.backend, self.name.clone(), self.precision)
+    }
+
+    fn algebra(&self) -> Option<&dyn Algebra> {
+        Some(self)
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
@@ -167,7 +173,8 @@ impl Ocl {
         if let (true, [first, ..]) = (request.laplacian(), &mut *devices) {
             let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
             match first.laplacian(request, sites, &of_host)? {
-                Some(made) => assembler.take_laplacian(made),
+                Some(Made::Kept(kept)) => assembler.keep(kept),
+                Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
                 None => order = first.order()?,
             }
         }

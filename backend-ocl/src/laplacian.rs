@@ -4,6 +4,7 @@ use crate::buffer::{Room, rooms};
 use crate::device::Device;
 use crate::grid::{self, GROUP};
 use crate::interface::kernels::{CountFacets, MatchFacets, PackFacets, SortFacets};
+use laguerre_core::algebra::Kept;
 use laguerre_core::assemble::Row;
 use laguerre_core::{Laplacian, Request, Result};
 
@@ -18,10 +19,17 @@ rooms! {
         columns: u32 = "the Laplacian",
         areas: f64 = "the Laplacian",
         values: f64 = "the Laplacian",
-        packed_offsets: u32 = "the Laplacian's rows",
-        packed_columns: u32 = "the Laplacian",
-        packed_values: f64 = "the Laplacian",
+        pub(crate) packed_offsets: u32 = "the Laplacian's rows",
+        pub(crate) packed_columns: u32 = "the Laplacian",
+        pub(crate) packed_values: f64 = "the Laplacian",
     }
+}
+
+/// A Laplacian that a device has made.
+pub(crate) enum Made {
+    /// It is there.
+    Kept(Kept),
+    Read(Laplacian),
 }
 
 impl Device {
@@ -32,10 +40,13 @@ impl Device {
         request: &Request,
         sites: usize,
         of_host: &[(u32, Row<'_>)],
-    ) -> Result<Option<Laplacian>> {
+    ) -> Result<Option<Made>> {
         let is_made = self.results.are_kept && self.bring(of_host)? && self.make_laplacian(sites)?;
         if is_made {
-            return self.read_laplacian().map(Some);
+            self.made_laplacian += 1;
+            let kept = || Ok(Made::Kept(Kept { order: self.order()?, evaluation: self.made_laplacian }));
+            let made = if request.keeps_laplacian() { kept() } else { self.read_laplacian().map(Made::Read) };
+            return made.map(Some);
         }
         if self.results.are_kept {
             self.read_facets(request)?;

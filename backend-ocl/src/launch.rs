@@ -49,6 +49,14 @@ impl Argument for u32 {
     }
 }
 
+impl Argument for f64 {
+    fn set(&self, launch: &mut Launch<'_>) -> Result<()> {
+        // SAFETY: the kernel's parameter, which is next in the table, is a `double`.
+        unsafe { launch.argument(self) };
+        Ok(())
+    }
+}
+
 impl<K: Arguments> Kernel<K> {
     /// The kernel that takes these arguments.
     pub(crate) fn new(program: &Program) -> Result<Self> {

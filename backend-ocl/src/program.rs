@@ -4,8 +4,9 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
-    AddBlocks, BoundNodes, Cells, CountDigits, CountFacets, EnterSites, FindVoxels, GatherSites, LookAbout, MarkVoxels,
-    MatchFacets, MeasureClearances, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets,
+    AddBlocks, BoundNodes, Cells, Combine, CountDigits, CountFacets, DotParts, EnterSites, FillLaplacian, FindBeyond,
+    FindRisen, FindVoxels, GatherSites, InvertDiagonal, LookAbout, MarkVoxels, MatchFacets, MeasureClearances,
+    Multiply, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets, SubtractNumber, SumParts,
     TightenSlabs,
 };
 use crate::launch::Kernel;
@@ -50,6 +51,15 @@ pub(crate) struct GridKernels {
     pub(crate) sort_facets: Kernel<SortFacets<'static>>,
     pub(crate) match_facets: Kernel<MatchFacets<'static>>,
     pub(crate) pack_facets: Kernel<PackFacets<'static>>,
+    pub(crate) fill_laplacian: Kernel<FillLaplacian<'static>>,
+    pub(crate) multiply: Kernel<Multiply<'static>>,
+    pub(crate) combine: Kernel<Combine<'static>>,
+    pub(crate) dot_parts: Kernel<DotParts<'static>>,
+    pub(crate) sum_parts: Kernel<SumParts<'static>>,
+    pub(crate) subtract_number: Kernel<SubtractNumber<'static>>,
+    pub(crate) invert_diagonal: Kernel<InvertDiagonal<'static>>,
+    pub(crate) find_beyond: Kernel<FindBeyond<'static>>,
+    pub(crate) find_risen: Kernel<FindRisen<'static>>,
 }
 
 impl GridKernels {
@@ -74,6 +84,15 @@ impl GridKernels {
             sort_facets: Kernel::new(&program)?,
             match_facets: Kernel::new(&program)?,
             pack_facets: Kernel::new(&program)?,
+            fill_laplacian: Kernel::new(&program)?,
+            multiply: Kernel::new(&program)?,
+            combine: Kernel::new(&program)?,
+            dot_parts: Kernel::new(&program)?,
+            sum_parts: Kernel::new(&program)?,
+            subtract_number: Kernel::new(&program)?,
+            invert_diagonal: Kernel::new(&program)?,
+            find_beyond: Kernel::new(&program)?,
+            find_risen: Kernel::new(&program)?,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use laguerre::algebra::Algebra;
 use laguerre::limits::LARGEST_COORDINATE;
 use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
 
@@ -28,6 +29,10 @@ pub(crate) struct WithBar<'a>(pub(crate) &'a dyn Backend);
 impl Backend for WithBar<'_> {
     fn info(&self) -> BackendInfo {
         self.0.info()
+    }
+
+    fn algebra(&self) -> Option<&dyn Algebra> {
+        self.0.algebra()
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, _nobody: &dyn Observer) -> Result<Output> {

@@ -1,6 +1,7 @@
 //! From sums in the frame of each site to the output in the caller's order and unit. Written once for all backends.
 
 use crate::PowerDiagram;
+use crate::algebra::Kept;
 use crate::cell::{CellStore, CellSums, FACET_SECOND_MOMENTS, FacetSecond, TAG_BOX, V3, facet_is_above_bound};
 use crate::diagram::FramedContainer;
 use crate::frame::Frame;
@@ -149,6 +150,12 @@ impl<'a> Assembler<'a> {
         let (begin, count) =
             self.rows.get(site as usize).map_or((0, 0), |&(begin, count)| (begin as usize, count as usize));
         self.facets.row(begin, begin + count)
+    }
+
+    /// Says of a Laplacian that a device has made, and keeps, where it is.
+    pub fn keep(&mut self, kept: Kept) {
+        self.output.kept = Some(kept);
+        self.has_laplacian = false;
     }
 
     /// Takes a Laplacian that a device has made.

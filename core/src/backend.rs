@@ -2,6 +2,7 @@
 
 use std::ops::{ControlFlow, Deref};
 
+use crate::algebra::Algebra;
 use crate::{Error, Output, PowerDiagram, Request, Result};
 
 /// What a backend can be asked for beside volumes, barycenters and geometry, which all give.
@@ -218,6 +219,11 @@ impl DeviceInfo {
 pub trait Backend: Send + Sync {
     /// Who computes.
     fn info(&self) -> BackendInfo;
+
+    /// Linear algebra in this backend's memory, if that is not the host's. (A backend that wraps another one hands on what that has.)
+    fn algebra(&self) -> Option<&dyn Algebra> {
+        None
+    }
 
     /// Computes what `request` asks for, for every site of `diagram`, watched by `observer`.
     ///

@@ -4,6 +4,7 @@
 //! Users depend on the facade crate `laguerre`, which re-exports what they need.
 #![forbid(unsafe_code)]
 
+pub mod algebra;
 pub mod assemble;
 pub mod backend;
 pub mod capacities;

@@ -1,5 +1,6 @@
 //! What comes back: flat arrays in the caller's order and units.
 
+use crate::algebra::Kept;
 use crate::facets::{Boundary, Facets};
 use crate::geometry::Geometry;
 use crate::laplacian::Laplacian;
@@ -115,6 +116,8 @@ pub struct OutputArrays {
     pub facets: Option<Facets>,
     /// Where requested: the Laplacian.
     pub laplacian: Option<Laplacian>,
+    /// Where it was to stay with the backend, and does: which one it is.
+    pub kept: Option<Kept>,
     /// Where requested: the restricted cells as polygons.
     pub geometry: Option<Geometry>,
     /// How it was computed.
@@ -208,6 +211,11 @@ impl Output {
     /// Where requested: the Laplacian, how each volume changes with the weights.
     pub fn laplacian(&self) -> Option<&Laplacian> {
         self.0.laplacian.as_ref()
+    }
+
+    /// Where the Laplacian was to stay with the backend, and does: which one it is.
+    pub fn kept(&self) -> Option<&Kept> {
+        self.0.kept.as_ref()
     }
 
     /// Where facets were requested: each cell's piece of the boundary.

@@ -9,6 +9,8 @@ use crate::{Error, Integrand, Result};
 pub struct Request {
     facets: bool,
     laplacian: bool,
+    /// Only with `laplacian`.
+    keeps_laplacian: bool,
     second_moments: bool,
     /// Only with `facets`.
     facet_second_moments: bool,
@@ -36,6 +38,13 @@ impl Request {
     #[must_use]
     pub fn with_laplacian(self) -> Self {
         Self { laplacian: true, ..self }
+    }
+
+    /// Also the Laplacian, which stays in the memory of a backend that has an [`algebra`](crate::Backend::algebra) and room for it: the output then says
+    /// [`kept`](crate::Output::kept). Of others it comes back.
+    #[must_use]
+    pub fn with_laplacian_kept(self) -> Self {
+        Self { laplacian: true, keeps_laplacian: true, ..self }
     }
 
     /// Also the second moments.
@@ -110,6 +119,11 @@ impl Request {
     /// Whether the Laplacian is.
     pub fn laplacian(&self) -> bool {
         self.laplacian
+    }
+
+    /// Whether it may stay with the backend.
+    pub fn keeps_laplacian(&self) -> bool {
+        self.keeps_laplacian
     }
 
     /// Whether facets are to be integrated, for themselves or for the Laplacian.

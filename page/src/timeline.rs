@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use laguerre::algebra::Algebra;
 use laguerre::{Backend, BackendInfo, Observer, Output, PowerDiagram, Request, Result};
 
 /// Cells of all states together, and states: 170 to 280 bytes of the file a cell, so that it has 50 MB at most.
@@ -100,6 +101,10 @@ impl<'a> Remembering<'a> {
 impl Backend for Remembering<'_> {
     fn info(&self) -> BackendInfo {
         self.backend.info()
+    }
+
+    fn algebra(&self) -> Option<&dyn Algebra> {
+        self.backend.algebra()
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {

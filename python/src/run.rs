@@ -8,6 +8,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
+use laguerre::algebra::Algebra;
 use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -53,6 +54,10 @@ pub(crate) struct Stoppable<'a> {
 impl Backend for Stoppable<'_> {
     fn info(&self) -> BackendInfo {
         self.backend.info()
+    }
+
+    fn algebra(&self) -> Option<&dyn Algebra> {
+        self.backend.algebra()
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, _: &dyn Observer) -> Result<Output> {

@@ -9,6 +9,7 @@
 mod bridge;
 mod conjugate_gradient;
 mod dense;
+mod host;
 mod implicit;
 mod laplacian;
 mod levels;
@@ -45,11 +46,24 @@ pub struct Options {
     pub second_moments: bool,
     /// Whether it has facets.
     pub facets: bool,
+    /// Sites from which on linear systems stay in the memory of a backend that has one of its own.
+    #[doc(hidden)]
+    pub kept_from: usize,
 }
+
+/// Fewer sites are solved sooner by the host than kernels are begun.
+const KEPT_FROM: usize = 30_000;
 
 impl Default for Options {
     fn default() -> Self {
-        Self { density: Density::Uniform, tolerance: 1e-9, most_iterations: 100, second_moments: true, facets: false }
+        Self {
+            density: Density::Uniform,
+            tolerance: 1e-9,
+            most_iterations: 100,
+            second_moments: true,
+            facets: false,
+            kept_from: KEPT_FROM,
+        }
     }
 }
 
@@ -169,7 +183,7 @@ pub fn solve(
         state.output.take_facets();
     } else if state.output.facets().is_none() && end != End::Interrupted {
         // A stalled step has taken them apart.
-        state.output = backend.evaluate(diagram, &request(options))?;
+        state.output = backend.evaluate(diagram, &request(options, positions.len()))?;
     }
     let cost = match end {
         End::Interrupted => density.cost(diagram.positions(), &state.output),
@@ -219,8 +233,9 @@ pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Res
     Ok(masses.iter().map(|m| m * scale).collect())
 }
 
-fn request(options: &Options) -> Request {
+fn request(options: &Options, sites: usize) -> Request {
     let request = match options.density {
+        Density::Uniform if sites >= options.kept_from => Request::moments().with_laplacian_kept(),
         Density::Uniform => Request::moments().with_laplacian(),
         Density::Linear { .. } => Request::moments().with_facets(),
     };

@@ -24,6 +24,9 @@ pub(crate) const MOST_TREE_LEVELS: usize = 12;
 pub(crate) const GRID_GROUP: u32 = 256;
 pub(crate) const SCAN_EACH: u32 = 8;
 
+/// The numbers that each of them adds up.
+pub(crate) const SUM_EACH: u32 = 16;
+
 /// The elements that each of them sorts at a time; bits of a digit, and how many values it has.
 pub(crate) const SORT_EACH: u32 = 8;
 pub(crate) const DIGIT_BITS: u32 = 4;

@@ -228,6 +228,84 @@ kernels! {
         output packed_values: f64,
     }
 
+    kernel FillLaplacian = fill_laplacian {
+        value count: u32,
+        input starts: u32,
+        input packed_columns: u32,
+        input packed_values: f64,
+        value scale: f64,
+        output offsets: u32,
+        output columns: u32,
+        output values: f64,
+    }
+
+    kernel Multiply = multiply {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input x: f64,
+        output y: f64,
+        value subtracts: u32,
+    }
+
+    kernel Combine = combine {
+        value count: u32,
+        value alpha: f64,
+        value has_scales: u32,
+        input scales: f64,
+        input x: f64,
+        value beta: f64,
+        output y: f64,
+    }
+
+    kernel DotParts = dot_parts {
+        value count: u32,
+        input x: f64,
+        input y: f64,
+        output parts: f64,
+    }
+
+    kernel SumParts = sum_parts {
+        value count: u32,
+        input x: f64,
+        output parts: f64,
+    }
+
+    kernel SubtractNumber = subtract_number {
+        value count: u32,
+        value number: f64,
+        output x: f64,
+    }
+
+    kernel InvertDiagonal = invert_diagonal {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        output inverse: f64,
+    }
+
+    kernel FindBeyond = find_beyond {
+        value count: u32,
+        input x: f64,
+        value factor: f64,
+        input bounds: f64,
+        output is_found: u32,
+    }
+
+    kernel FindRisen = find_risen {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input x: f64,
+        /// Numbers of each row's cell.
+        input cells: f64,
+        value share: f64,
+        value flattest: f64,
+        output is_found: u32,
+    }
+
     kernel TryLanes = try_lanes {
         /// 1 for each work-item for which all is right.
         output right: u32,

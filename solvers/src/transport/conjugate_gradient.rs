@@ -1,8 +1,8 @@
 //! The conjugate gradient for the singular systems of transport, preconditioned.
 
+use laguerre_core::Result;
+
 use super::multigrid::Multigrid;
-use super::sparse::{center, dot, norm};
-use crate::vectors::for_each;
 
 /// Iterations after which the solution is taken as it is; some 10 to 30 are usual.
 const MOST_ITERATIONS: usize = 300;
@@ -18,49 +18,52 @@ pub(super) struct Found {
 }
 
 /// Solves `A x = b` with the finest matrix of `multigrid`, whose kernel is the constants: `b` is taken less its mean, and so is `x`.
-/// Ends when `‖b − A x‖ ≤ relative·‖b‖`, or `is_enough` says so of the residual.
+/// Ends when `‖b − A x‖ ≤ relative·‖b‖`, or no number of the residual is more than a factor times its bound, where `enough` gives these.
 pub(super) fn solve(
-    multigrid: &mut Multigrid,
-    mut b: Vec<f64>,
+    multigrid: &mut Multigrid<'_>,
+    b: &[f64],
     relative: f64,
-    is_enough: impl Fn(&[f64]) -> bool,
-) -> Found {
-    let n = b.len();
-    center(&mut b);
-    let target = relative * norm(&b);
-    let mut residual = b;
-    let mut solution = vec![0.0; n];
-    let mut direction = vec![0.0; n];
-    let mut image = vec![0.0; n];
-    let mut better = vec![0.0; n];
+    enough: Option<(f64, &[f64])>,
+) -> Result<Found> {
+    let algebra = multigrid.algebra();
+    let enough = enough.map(|(factor, bounds)| Ok((factor, algebra.vector(bounds)?))).transpose()?;
+    let mut residual = algebra.vector(b)?;
+    algebra.center(&mut residual)?;
+    let zeros = || algebra.vector(&vec![0.0; b.len()]);
+    let (mut solution, mut direction, mut image, mut better) = (zeros()?, zeros()?, zeros()?, zeros()?);
+    let mut norm = algebra.dot(&residual, &residual)?.sqrt();
+    let target = relative * norm;
     let mut slope = 0.0;
     let most = if multigrid.is_of_another() { MOST_WHILE_IT_SERVES } else { MOST_ITERATIONS };
     let mut iterations = 0;
     let is_solved = loop {
-        if norm(&residual) <= target || is_enough(&residual) {
+        let is_enough =
+            || enough.as_ref().map_or(Ok(false), |(factor, bounds)| algebra.is_within(&residual, *factor, bounds));
+        if norm <= target || is_enough()? {
             break true;
         }
         if iterations == most {
             break false;
         }
-        multigrid.apply(&residual, &mut better);
-        let new_slope = dot(&residual, &better);
+        multigrid.apply(&residual, &mut better)?;
+        let new_slope = algebra.dot(&residual, &better)?;
         let beta = if iterations == 0 { 0.0 } else { new_slope / slope };
         slope = new_slope;
-        for_each(&mut direction, |i, d| *d = better[i] + beta * *d);
-        multigrid.finest().apply(&direction, &mut image, |_, ad, _| ad);
-        let curvature = dot(&direction, &image);
+        algebra.combine(1.0, &better, beta, &mut direction)?;
+        algebra.multiply(multigrid.finest(), &direction, &mut image)?;
+        let curvature = algebra.dot(&direction, &image)?;
         // Nothing but rounding is left where this is not positive.
         if !(curvature > 0.0 && slope > 0.0) {
             break !multigrid.is_of_another();
         }
         let alpha = slope / curvature;
-        for_each(&mut solution, |i, x| *x += alpha * direction[i]);
-        for_each(&mut residual, |i, r| *r -= alpha * image[i]);
+        algebra.combine(alpha, &direction, 1.0, &mut solution)?;
+        algebra.combine(-alpha, &image, 1.0, &mut residual)?;
         // Rounding must not let the residual drift out of the range of `A`.
-        center(&mut residual);
+        algebra.center(&mut residual)?;
+        norm = algebra.dot(&residual, &residual)?.sqrt();
         iterations += 1;
     };
-    center(&mut solution);
-    Found { solution, iterations, is_solved }
+    algebra.center(&mut solution)?;
+    Ok(Found { solution: algebra.read(&solution)?, iterations, is_solved })
 }

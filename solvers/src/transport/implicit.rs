@@ -4,11 +4,13 @@
 //! constants. For a function with the derivatives `u` by weights and `v` by barycenters let `z` solve `A z = u + (∂b/∂w)ᵀ v`. By masses it changes with
 //! `z`, and by positions with `(∂b/∂p)ᵀ v − (∂m/∂p)ᵀ z`. The cost is a maximum over weights, and changes with `2 m_i (p_i − b_i)` by a position, with `w_i` by a mass.
 
+use laguerre_core::algebra::Algebra;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, CellStatus, Error, Output, PowerDiagram, Result};
 use rayon::prelude::*;
 
 use super::conjugate_gradient;
+use super::host::Host;
 use super::laplacian::of_masses;
 use super::multigrid::Multigrid;
 use super::sparse::{Matrix, center, center_parts, norm};
@@ -95,16 +97,16 @@ fn solved(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64])
     let order = sorted.order();
     let place = places(order, b.len());
     let matrix = of_masses(facets, density, order, &place, 1.0);
-    let mut multigrid = Multigrid::new(matrix.clone());
+    let mut multigrid = Multigrid::new(&Host, Host.matrix(matrix.clone().into_rows())?)?;
     let mut b: Vec<f64> = order.iter().map(|&i| b[i as usize]).collect();
     // Of each part that touches no other the mean is its own.
-    let parts = multigrid.parts();
+    let parts = multigrid.parts()?;
     let center = |x: &mut [f64]| match &parts {
         Some((parts, count)) => center_parts(x, parts, *count),
         None => center(x),
     };
     center(&mut b);
-    let found = conjugate_gradient::solve(&mut multigrid, b.clone(), RELATIVE, |_| false);
+    let found = conjugate_gradient::solve(&mut multigrid, &b, RELATIVE, None)?;
     let left = left_over(&matrix, &found.solution, &b);
     if left > TOO_MUCH * norm(&b) {
         return Err(Error::input(format!(

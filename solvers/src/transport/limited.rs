@@ -7,6 +7,7 @@
 //!
 //! There is a number of such steps at most, and none empties a cell: from where they end Newton's converge as from any start.
 
+use laguerre_core::algebra::{Algebra, CELL, Held, rise};
 use laguerre_core::{ErrorKind, Result};
 use rayon::prelude::*;
 
@@ -14,7 +15,7 @@ use super::mend;
 use super::newton::{Problem, State};
 use super::sparse::{Matrix, center};
 use super::system::System;
-use crate::vectors::{for_each, inner, sum};
+use crate::vectors::{for_each, sum};
 
 /// Steps of this kind at most; some 15 are usual.
 const MOST_STEPS: usize = 40;
@@ -31,41 +32,20 @@ const LENGTHS: i32 = 3;
 /// parabola, the end is then higher than the beginning.
 const TURNED: f64 = 0.5;
 
-/// What tells how far the facets of a state may go: of each cell, in the order of the matrix's rows.
-pub(super) struct Limits(Vec<Cell>);
-
-/// A site, its weight, the barycenter of its cell, and the cube root of the cell's volume, as that would be at the mean density.
-struct Cell {
-    site: [f64; 3],
-    weight: f64,
-    barycenter: [f64; 3],
-    size: f64,
-}
+/// What tells how far the facets of a state may go: of each cell, in the order of the matrix's rows, its site, weight, barycenter, and the cube root of its
+/// volume, as that would be at the mean density.
+pub(super) struct Limits(Held);
 
 impl Limits {
-    pub(super) fn new(problem: &Problem<'_>, state: &State) -> Self {
-        let cell = |&i: &u32| {
-            let i = i as usize;
-            Cell {
-                site: problem.positions[i],
-                weight: state.weights[i],
-                barycenter: state.output.barycenter()[i],
-                size: (state.output.volume()[i] / problem.mean_density).cbrt(),
-            }
-        };
-        Self(problem.order.par_iter().map(cell).collect())
-    }
-
-    /// Weight by which the site of a row may rise above that of another before their facet is too far in the other's cell.
-    fn of(&self, row: usize, other: usize) -> f64 {
-        let (own, other) = (&self.0[row], &self.0[other]);
-        let way: [f64; 3] = std::array::from_fn(|k| other.site[k] - own.site[k]);
-        let distance = inner(way, way).sqrt();
-        // The facet is in the plane where the two powers are equal, and goes by the weights' difference over twice the distance.
-        let facet = (distance * distance + (own.weight - other.weight)) / (2.0 * distance);
-        let middle = std::array::from_fn(|k| other.barycenter[k] - own.site[k]);
-        let depth = inner(middle, way) / distance - facet;
-        2.0 * distance * REACH * depth.max(FLATTEST * other.size)
+    pub(super) fn new(problem: &Problem<'_>, state: &State, algebra: &dyn Algebra) -> Result<Self> {
+        let mut cells = vec![[0.0; CELL]; problem.order.len()];
+        for_each(&mut cells, |row, cell| {
+            let i = problem.order[row] as usize;
+            let ([x, y, z], [a, b, c]) = (problem.positions[i], state.output.barycenter()[i]);
+            let size = (state.output.volume()[i] / problem.mean_density).cbrt();
+            *cell = [x, y, z, state.weights[i], a, b, c, size];
+        });
+        algebra.vector(cells.as_flattened()).map(Self)
     }
 }
 
@@ -76,35 +56,42 @@ pub(super) struct Limited {
 }
 
 /// Whether a limited step is to be tried: Newton's goes too far somewhere, and there were not enough of them yet.
-pub(super) fn is_to_be(problem: &Problem<'_>, system: &System) -> bool {
-    problem.limited_steps < MOST_STEPS
-        && goes_too_far(system.multigrid.finest(), &system.limits, &system.newton.solution)
+pub(super) fn is_to_be(problem: &Problem<'_>, system: &System<'_>) -> Result<bool> {
+    let algebra = system.multigrid.algebra();
+    Ok(problem.limited_steps < MOST_STEPS && {
+        let x = algebra.vector(&system.newton.solution)?;
+        algebra.rises_too_far(system.multigrid.finest(), &x, &system.limits.0, REACH, FLATTEST)?
+    })
 }
 
-/// A limited step in place of Newton's.
-pub(super) fn step(problem: &mut Problem<'_>, state: &State, system: &mut System) -> Result<Limited> {
+/// A limited step in place of Newton's; and the system, solved for that.
+pub(super) fn step<'a>(
+    problem: &mut Problem<'a>,
+    state: &State,
+    mut system: System<'a>,
+) -> Result<(Limited, System<'a>)> {
+    let algebra = system.multigrid.algebra();
     let mut iterations = 0;
     problem.limited_steps += 1;
-    let mut stiff = system.multigrid.finest().clone();
-    let mirror = mirror(&stiff);
-    let mut solution = system.newton.solution.clone();
+    let mut stiff = system.multigrid.finest_on_host()?.into_owned();
+    let (mirror, cells) = (mirror(&stiff), algebra.read(&system.limits.0)?);
     for _ in 0..ROUNDS {
-        if !stiffen(&mut stiff, &system.limits, &mirror, &solution) {
+        if !stiffen(&mut stiff, &cells, &mirror, &system.newton.solution) {
             break;
         }
-        let found = system.solve_for(stiff.clone());
-        iterations += found.iterations;
-        solution = found.solution;
+        system = system.solved_for(algebra.matrix(stiff.clone().into_rows())?)?;
+        iterations += system.newton.iterations;
     }
-    let enough = -TURNED * ascent(problem, &solution, &state.masses);
+    let solution = &system.newton.solution;
+    let enough = -TURNED * ascent(problem, solution, &state.masses);
     for halvings in 0..LENGTHS {
         let length = 0.5_f64.powi(halvings);
         let mut weights = state.weights.clone();
         for_each(&mut weights, |site, w| *w += length * solution[problem.place[site] as usize]);
         center(&mut weights);
         match mend::step(problem, weights) {
-            Ok(next) if next.least >= problem.bound && ascent(problem, &solution, &next.masses) >= enough => {
-                return Ok(Limited { reached: Some((length, next)), iterations });
+            Ok(next) if next.least >= problem.bound && ascent(problem, solution, &next.masses) >= enough => {
+                return Ok((Limited { reached: Some((length, next)), iterations }, system));
             }
             Ok(_) => {}
             // Weights out of range: much too far.
@@ -112,19 +99,13 @@ pub(super) fn step(problem: &mut Problem<'_>, state: &State, system: &mut System
             Err(error) => return Err(error),
         }
     }
-    Ok(Limited { reached: None, iterations })
+    Ok((Limited { reached: None, iterations }, system))
 }
 
 /// How steeply the concave function rises along a step where the cells have these masses.
 fn ascent(problem: &Problem<'_>, step: &[f64], masses: &[f64]) -> f64 {
     let lacking = |site: usize| problem.targets[site] - masses[site];
     sum(step.len(), |row| lacking(problem.order[row] as usize) * step[row])
-}
-
-/// Whether weights `x` move some facet too far.
-fn goes_too_far(matrix: &Matrix, limits: &Limits, x: &[f64]) -> bool {
-    let rises = |i: usize, j: usize| x[i] > x[j] && x[i] - x[j] > limits.of(i, j);
-    (0..matrix.rows()).into_par_iter().any(|i| matrix.row(i).any(|(j, _)| rises(i, j)))
 }
 
 /// For each entry of a symmetric matrix where its mirror image stands.
@@ -138,15 +119,16 @@ fn mirror(matrix: &Matrix) -> Vec<usize> {
 }
 
 /// Makes the facets larger that weights `x` move too far, by as much as that is; whether there are any.
-fn stiffen(matrix: &mut Matrix, limits: &Limits, mirror: &[usize], x: &[f64]) -> bool {
+fn stiffen(matrix: &mut Matrix, cells: &[f64], mirror: &[usize], x: &[f64]) -> bool {
     let mut factors = vec![1.0; matrix.entries()];
+    let cell = |row: usize| &cells[CELL * row..][..CELL];
     // Both entries of a facet have the same factor, to the last bit.
     for_each(&mut factors, |k, factor| {
         let (row, column) = (matrix.columns[mirror[k]] as usize, matrix.columns[k] as usize);
-        let rise = x[row] - x[column];
-        if rise != 0.0 {
-            let limit = if rise > 0.0 { limits.of(row, column) } else { limits.of(column, row) };
-            *factor = (rise.abs() / limit).max(1.0);
+        let rises = x[row] - x[column];
+        if rises != 0.0 {
+            let (above, below) = if rises > 0.0 { (row, column) } else { (column, row) };
+            *factor = (rises.abs() / rise(cell(above), cell(below), REACH, FLATTEST)).max(1.0);
         }
     });
     for_each(&mut matrix.values, |k, value| *value *= factors[k]);

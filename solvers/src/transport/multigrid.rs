@@ -7,10 +7,13 @@
 //!
 //! To make a hierarchy takes as long as some 15 iterations, so that it is kept from one matrix to the next while it serves.
 
+use laguerre_core::Result;
+use laguerre_core::algebra::{Algebra, Held};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 use super::dense::Dense;
-use super::sparse::{Matrix, norm};
+use super::sparse::Matrix;
 use crate::vectors::for_each;
 
 /// Levels end where a dense factorisation is cheaper than another level.
@@ -28,8 +31,9 @@ const DEGREE: usize = 2;
 const BLOCK: usize = 1 << 15;
 const NONE: u32 = u32::MAX;
 
-/// A hierarchy of matrices.
-pub(super) struct Multigrid {
+/// A hierarchy of matrices, in the memory of some algebra.
+pub(super) struct Multigrid<'a> {
+    algebra: &'a dyn Algebra,
     levels: Vec<Level>,
     /// Solves the last level; `None` where hardly anything is tied to anything, and smoothing is all that is needed.
     coarsest: Option<Dense>,
@@ -38,58 +42,73 @@ pub(super) struct Multigrid {
 }
 
 struct Level {
+    rows: usize,
     smoother: Smoother,
-    /// To the next level, and back.
-    restriction: Matrix,
-    prolongation: Matrix,
+    /// To the next level, and back; the last level has none.
+    transfers: Option<(Held, Held)>,
     scratch: Scratch,
 }
 
 /// A matrix, and what smooths with it.
 struct Smoother {
-    matrix: Matrix,
+    matrix: Held,
     /// 0 where the diagonal is.
-    inverse_diagonal: Vec<f64>,
+    inverse_diagonal: Held,
     /// Bounds of the eigenvalues of `D⁻¹A` that are smoothed.
     smoothed: (f64, f64),
 }
 
 /// Vectors of a cycle.
-#[derive(Default)]
 struct Scratch {
-    solution: Vec<f64>,
-    residual: Vec<f64>,
-    step: Vec<f64>,
+    solution: Held,
+    residual: Held,
+    step: Held,
 }
 
-impl Multigrid {
+impl<'a> Multigrid<'a> {
     /// For a symmetric matrix, positive semidefinite with the constants in its kernel; each row has its diagonal first.
-    pub(super) fn new(matrix: Matrix) -> Self {
-        let mut levels = vec![Level::new(matrix)];
-        while let Some(last) = levels.last_mut() {
-            match last.coarser() {
-                Some(coarse) => levels.push(Level::new(coarse)),
-                None => break,
-            }
+    pub(super) fn new(algebra: &'a dyn Algebra, matrix: Held) -> Result<Self> {
+        let (mut levels, mut matrix) = (Vec::<Level>::new(), matrix);
+        // What the host makes the next level of, where the matrix is not the host's.
+        let mut copy: Option<Matrix> = None;
+        loop {
+            let rows = match (matrix.get::<Matrix>(), &copy) {
+                (Some(own), _) => own.rows(),
+                (None, Some(copy)) => copy.rows(),
+                (None, None) => copy.insert(Matrix::of(algebra.rows(&matrix)?)).rows(),
+            };
+            let smoother = Smoother::new(algebra, matrix, rows)?;
+            let inverse = algebra.read(&smoother.inverse_diagonal)?;
+            let view = smoother.matrix.get::<Matrix>().or(copy.as_ref());
+            let coarse = view.and_then(|view| coarser(view, &inverse, smoother.smoothed.1));
+            let Some(Coarse { prolongation, restriction, matrix: next }) = coarse else {
+                let coarsest = view.filter(|view| view.rows() <= 4 * COARSEST).map(Dense::factorised);
+                levels.push(Level::new(algebra, smoother, None, rows)?);
+                return Ok(Self { algebra, levels, coarsest, is_of_another: false });
+            };
+            let is_host = smoother.matrix.get::<Matrix>().is_some();
+            let transfers = (algebra.matrix(restriction.into_rows())?, algebra.matrix(prolongation.into_rows())?);
+            levels.push(Level::new(algebra, smoother, Some(transfers), rows)?);
+            copy = (!is_host).then(|| next.clone());
+            matrix = algebra.matrix(next.into_rows())?;
         }
-        let last = &levels[levels.len() - 1].smoother.matrix;
-        let coarsest = (last.rows() <= 4 * COARSEST).then(|| Dense::factorised(last));
-        Self { levels, coarsest, is_of_another: false }
     }
 
     /// The same for another matrix of as many rows: with these coarse levels where there are some, and no more than one part.
-    pub(super) fn renew(&mut self, matrix: Matrix) {
+    pub(super) fn renewed(mut self, matrix: Held) -> Result<Self> {
         if self.levels.len() == 1 || !self.is_connected() {
-            *self = Self::new(matrix);
-        } else {
-            self.levels[0].smoother = Smoother::new(matrix);
-            self.is_of_another = true;
+            return Self::new(self.algebra, matrix);
         }
+        let rows = self.levels[0].rows;
+        self.levels[0].smoother = Smoother::new(self.algebra, matrix, rows)?;
+        self.is_of_another = true;
+        Ok(self)
     }
 
     /// The same with coarse levels of its own.
-    pub(super) fn make_anew(&mut self) {
-        *self = Self::new(std::mem::take(&mut self.levels[0].smoother.matrix));
+    pub(super) fn made_anew(mut self) -> Result<Self> {
+        let finest = self.levels.swap_remove(0);
+        Self::new(self.algebra, finest.smoother.matrix)
     }
 
     /// Whether coarse levels are those of another matrix.
@@ -97,9 +116,22 @@ impl Multigrid {
         self.is_of_another
     }
 
+    /// What computes.
+    pub(super) fn algebra(&self) -> &'a dyn Algebra {
+        self.algebra
+    }
+
     /// The matrix that is solved.
-    pub(super) fn finest(&self) -> &Matrix {
+    pub(super) fn finest(&self) -> &Held {
         &self.levels[0].smoother.matrix
+    }
+
+    /// The same as the host has it, or a copy.
+    pub(super) fn finest_on_host(&self) -> Result<Cow<'_, Matrix>> {
+        match self.finest().get::<Matrix>() {
+            Some(own) => Ok(Cow::Borrowed(own)),
+            None => Ok(Cow::Owned(Matrix::of(self.algebra.rows(self.finest())?))),
+        }
     }
 
     /// Whether the coarsest matrix has but the constants in its kernel.
@@ -109,11 +141,11 @@ impl Multigrid {
 
     /// The connected part that each unknown is in, and the number of parts. Looked for only where the coarsest matrix has more than the
     /// constants in its kernel, as it then does, and not where that is another's.
-    pub(super) fn parts(&self) -> Option<(Vec<u32>, usize)> {
+    pub(super) fn parts(&self) -> Result<Option<(Vec<u32>, usize)>> {
         if self.is_connected() {
-            return None;
+            return Ok(None);
         }
-        let matrix = self.finest();
+        let matrix = self.finest_on_host()?;
         let mut part = vec![NONE; matrix.rows()];
         let mut count = 0;
         let mut stack = Vec::new();
@@ -132,151 +164,155 @@ impl Multigrid {
                 count += 1;
             }
         }
-        (count > 1).then_some((part, count as usize))
+        Ok((count > 1).then_some((part, count as usize)))
     }
 
     /// One symmetric V-cycle: `x ≈ A⁻¹ b`.
-    pub(super) fn apply(&mut self, b: &[f64], x: &mut [f64]) {
-        self.levels[0].scratch.residual.copy_from_slice(b);
-        self.cycle(0);
-        x.copy_from_slice(&self.levels[0].scratch.solution);
+    pub(super) fn apply(&mut self, b: &Held, x: &mut Held) -> Result<()> {
+        self.algebra.combine(1.0, b, 0.0, &mut self.levels[0].scratch.residual)?;
+        self.cycle(0)?;
+        self.algebra.combine(1.0, &self.levels[0].scratch.solution, 0.0, x)
     }
 
     /// From the residual to the solution of a level.
-    fn cycle(&mut self, depth: usize) {
+    fn cycle(&mut self, depth: usize) -> Result<()> {
+        let algebra = self.algebra;
         let (upper, lower) = self.levels.split_at_mut(depth + 1);
         let level = &mut upper[depth];
-        let Some(next) = lower.first_mut() else {
-            match &self.coarsest {
-                Some(factor) => factor.solve(&level.scratch.residual, &mut level.scratch.solution),
-                None => {
-                    level.scratch.solution.fill(0.0);
-                    level.smooth();
+        let (Some(next), Some((restriction, _))) = (lower.first_mut(), &level.transfers) else {
+            return match &self.coarsest {
+                Some(factor) => {
+                    let residual = algebra.read(&level.scratch.residual)?;
+                    let mut solution = vec![0.0; level.rows];
+                    factor.solve(&residual, &mut solution);
+                    algebra.write(&solution, &mut level.scratch.solution)
                 }
-            }
-            return;
+                None => level.smoother.smooth(algebra, &mut level.scratch, true),
+            };
         };
-        level.scratch.solution.fill(0.0);
-        level.smooth();
-        level.update_residual();
-        level.restriction.apply(&level.scratch.residual, &mut next.scratch.residual, |_, r, _| r);
-        self.cycle(depth + 1);
+        level.smoother.smooth(algebra, &mut level.scratch, true)?;
+        level.smoother.update_residual(algebra, &mut level.scratch)?;
+        algebra.multiply(restriction, &level.scratch.residual, &mut next.scratch.residual)?;
+        self.cycle(depth + 1)?;
         let (upper, lower) = self.levels.split_at_mut(depth + 1);
         let level = &mut upper[depth];
-        let Scratch { solution, step, .. } = &mut level.scratch;
-        level.prolongation.apply(&lower[0].scratch.solution, step, |_, e, _| e);
-        for_each(solution, |i, x| *x += step[i]);
-        level.update_residual();
-        level.smooth();
-    }
-}
-
-impl Smoother {
-    fn new(matrix: Matrix) -> Self {
-        let n = matrix.rows();
-        let mut inverse_diagonal = vec![0.0; n];
-        for_each(&mut inverse_diagonal, |i, d| {
-            let a: f64 = matrix.row(i).filter(|&(j, _)| j == i).map(|(_, a)| a).sum();
-            *d = if a > 0.0 { a.recip() } else { 0.0 };
-        });
-        let largest = largest_eigenvalue(&matrix, &inverse_diagonal);
-        Self { matrix, inverse_diagonal, smoothed: (SMOOTHED_SHARE * largest, largest) }
+        if let Some((_, prolongation)) = &level.transfers {
+            let Scratch { solution, step, .. } = &mut level.scratch;
+            algebra.multiply(prolongation, &lower[0].scratch.solution, step)?;
+            algebra.combine(1.0, step, 1.0, solution)?;
+        }
+        level.smoother.update_residual(algebra, &mut level.scratch)?;
+        level.smoother.smooth(algebra, &mut level.scratch, false)
     }
 }
 
 impl Level {
-    fn new(matrix: Matrix) -> Self {
-        let zeros = || vec![0.0; matrix.rows()];
-        Self {
-            scratch: Scratch { solution: zeros(), residual: zeros(), step: zeros() },
-            smoother: Smoother::new(matrix),
-            restriction: Matrix::default(),
-            prolongation: Matrix::default(),
-        }
+    fn new(algebra: &dyn Algebra, smoother: Smoother, transfers: Option<(Held, Held)>, rows: usize) -> Result<Self> {
+        let zeros = || algebra.vector(&vec![0.0; rows]);
+        Ok(Self {
+            rows,
+            smoother,
+            transfers,
+            scratch: Scratch { solution: zeros()?, residual: zeros()?, step: zeros()? },
+        })
+    }
+}
+
+impl Smoother {
+    /// For a matrix of so many rows.
+    fn new(algebra: &dyn Algebra, matrix: Held, rows: usize) -> Result<Self> {
+        let inverse_diagonal = algebra.inverse_diagonal(&matrix)?;
+        let largest = largest_eigenvalue(algebra, &matrix, &inverse_diagonal, rows)?;
+        Ok(Self { matrix, inverse_diagonal, smoothed: (SMOOTHED_SHARE * largest, largest) })
     }
 
-    /// Makes the transfers to the next level, and its matrix; `None` where there is to be none.
-    fn coarser(&mut self) -> Option<Matrix> {
-        if self.smoother.matrix.rows() <= COARSEST {
-            return None;
-        }
-        let (aggregate, aggregates) = aggregates(&self.smoother.matrix, &self.smoother.inverse_diagonal);
-        if aggregates == 0 || aggregates >= self.smoother.matrix.rows() {
-            return None;
-        }
-        self.prolongation = self.prolongation(&aggregate);
-        self.restriction = self.prolongation.transposed(aggregates);
-        let mut coarse = self.restriction.times(&self.smoother.matrix.times(&self.prolongation));
-        coarse.balance();
-        Some(coarse)
-    }
-
-    /// `(I − ω D⁻¹ A) T`, `T` the piecewise constants; weak entries of `A` are added to the diagonal.
-    fn prolongation(&self, aggregate: &[u32]) -> Matrix {
-        let omega = 4.0 / 3.0 / self.smoother.smoothed.1;
-        let inverse = &self.smoother.inverse_diagonal;
-        Matrix::from_rows(
-            self.smoother.matrix.rows(),
-            || (),
-            |i, (), columns, values| {
-                let begin = columns.len();
-                let mut add = |column: u32, value: f64| {
-                    if column != NONE {
-                        match columns[begin..].iter().position(|&c| c == column) {
-                            Some(at) => values[begin + at] += value,
-                            None => {
-                                columns.push(column);
-                                values.push(value);
-                            }
-                        }
-                    }
-                };
-                add(aggregate[i], 1.0);
-                let mut strong = 0.0;
-                for (j, a) in self.smoother.matrix.row(i) {
-                    if j != i && is_strong(i, j, a, inverse) {
-                        strong -= a;
-                    }
-                }
-                if strong > 0.0 {
-                    // The filtered row sums to zero, as the row does.
-                    let scale = omega / strong;
-                    for (j, a) in self.smoother.matrix.row(i) {
-                        if j != i && is_strong(i, j, a, inverse) {
-                            add(aggregate[j], -scale * a);
-                        }
-                    }
-                    add(aggregate[i], -omega);
-                }
-            },
-        )
-    }
-
-    /// Improves the solution by Chebyshev's polynomial for the smoothed eigenvalues. The residual must be that of the solution, and
-    /// lags behind by the last `step` after.
-    fn smooth(&mut self) {
-        let (lo, hi) = self.smoother.smoothed;
+    /// Improves the solution, of zeros at first or as it is, by Chebyshev's polynomial for the smoothed eigenvalues. The residual must be that of the solution,
+    /// and lags behind by the last `step` after.
+    fn smooth(&self, algebra: &dyn Algebra, scratch: &mut Scratch, is_first: bool) -> Result<()> {
+        let (lo, hi) = self.smoothed;
         let (middle, half) = ((hi + lo) / 2.0, (hi - lo) / 2.0);
         let sigma = middle / half;
         let mut rho = 1.0 / sigma;
-        let inverse = &self.smoother.inverse_diagonal;
-        let Scratch { solution, residual, step } = &mut self.scratch;
-        for_each(step, |i, d| *d = inverse[i] * residual[i] / middle);
-        for_each(solution, |i, x| *x += step[i]);
+        let Scratch { solution, residual, step } = scratch;
+        algebra.combine_scaled(1.0 / middle, &self.inverse_diagonal, residual, 0.0, step)?;
+        algebra.combine(1.0, step, if is_first { 0.0 } else { 1.0 }, solution)?;
         for _ in 1..DEGREE {
-            self.smoother.matrix.apply(step, residual, |_, ad, r| r - ad);
+            algebra.subtract(&self.matrix, step, residual)?;
             let next = 1.0 / (2.0 * sigma - rho);
-            for_each(step, |i, d| *d = next * rho * *d + 2.0 * next / half * inverse[i] * residual[i]);
-            for_each(solution, |i, x| *x += step[i]);
+            algebra.combine_scaled(2.0 * next / half, &self.inverse_diagonal, residual, next * rho, step)?;
+            algebra.combine(1.0, step, 1.0, solution)?;
             rho = next;
         }
+        Ok(())
     }
 
     /// Brings the residual up to the last `step`.
-    fn update_residual(&mut self) {
-        let Scratch { residual, step, .. } = &mut self.scratch;
-        self.smoother.matrix.apply(step, residual, |_, ad, r| r - ad);
+    fn update_residual(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
+        algebra.subtract(&self.matrix, &scratch.step, &mut scratch.residual)
     }
+}
+
+/// The next level of a matrix, and the transfers to and from it.
+struct Coarse {
+    prolongation: Matrix,
+    restriction: Matrix,
+    matrix: Matrix,
+}
+
+/// The next level; `None` where there is to be none. It is made on the host.
+fn coarser(matrix: &Matrix, inverse_diagonal: &[f64], largest: f64) -> Option<Coarse> {
+    if matrix.rows() <= COARSEST {
+        return None;
+    }
+    let (aggregate, aggregates) = aggregates(matrix, inverse_diagonal);
+    if aggregates == 0 || aggregates >= matrix.rows() {
+        return None;
+    }
+    let prolongation = prolongation(matrix, inverse_diagonal, largest, &aggregate);
+    let restriction = prolongation.transposed(aggregates);
+    let mut coarse = restriction.times(&matrix.times(&prolongation));
+    coarse.balance();
+    Some(Coarse { prolongation, restriction, matrix: coarse })
+}
+
+/// `(I − ω D⁻¹ A) T`, `T` the piecewise constants; weak entries of `A` are added to the diagonal.
+fn prolongation(matrix: &Matrix, inverse: &[f64], largest: f64, aggregate: &[u32]) -> Matrix {
+    let omega = 4.0 / 3.0 / largest;
+    Matrix::from_rows(
+        matrix.rows(),
+        || (),
+        |i, (), columns, values| {
+            let begin = columns.len();
+            let mut add = |column: u32, value: f64| {
+                if column != NONE {
+                    match columns[begin..].iter().position(|&c| c == column) {
+                        Some(at) => values[begin + at] += value,
+                        None => {
+                            columns.push(column);
+                            values.push(value);
+                        }
+                    }
+                }
+            };
+            add(aggregate[i], 1.0);
+            let mut strong = 0.0;
+            for (j, a) in matrix.row(i) {
+                if j != i && is_strong(i, j, a, inverse) {
+                    strong -= a;
+                }
+            }
+            if strong > 0.0 {
+                // The filtered row sums to zero, as the row does.
+                let scale = omega / strong;
+                for (j, a) in matrix.row(i) {
+                    if j != i && is_strong(i, j, a, inverse) {
+                        add(aggregate[j], -scale * a);
+                    }
+                }
+                add(aggregate[i], -omega);
+            }
+        },
+    )
 }
 
 fn is_strong(i: usize, j: usize, a: f64, inverse_diagonal: &[f64]) -> bool {
@@ -328,30 +364,44 @@ fn aggregates(matrix: &Matrix, inverse_diagonal: &[f64]) -> (Vec<u32>, usize) {
 }
 
 /// An upper estimate of the largest eigenvalue of `D⁻¹A`.
-fn largest_eigenvalue(matrix: &Matrix, inverse_diagonal: &[f64]) -> f64 {
-    let n = matrix.rows();
+fn largest_eigenvalue(algebra: &dyn Algebra, matrix: &Held, inverse_diagonal: &Held, rows: usize) -> Result<f64> {
     // Any vector that is not smooth: fractions of the golden ratio, with alternating signs.
-    let mut x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
-    let mut image = vec![0.0; n];
+    let start: Vec<f64> = (0..rows).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
+    let (mut x, mut image) = (algebra.vector(&start)?, algebra.vector(&start)?);
     let mut eigenvalue = 1.0;
+    let mut length = algebra.dot(&x, &x)?.sqrt();
     for _ in 0..POWER_ITERATIONS {
-        let length = norm(&x);
         if length == 0.0 {
             break;
         }
-        for_each(&mut x, |_, x| *x /= length);
-        matrix.apply(&x, &mut image, |i, ax, _| inverse_diagonal[i] * ax);
-        eigenvalue = norm(&image);
-        std::mem::swap(&mut x, &mut image);
+        algebra.multiply(matrix, &x, &mut image)?;
+        // (Of length one.)
+        algebra.combine_scaled(1.0 / length, inverse_diagonal, &image, 0.0, &mut x)?;
+        length = algebra.dot(&x, &x)?.sqrt();
+        eigenvalue = length;
     }
     // A Laplacian's are at most 2 (Gershgorin), and so little is gained below 1 that no margin is taken off.
-    POWER_MARGIN * eigenvalue.max(1.0)
+    Ok(POWER_MARGIN * eigenvalue.max(1.0))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::conjugate_gradient;
+    use super::super::conjugate_gradient::{self, Found};
+    use super::super::host::Host;
+    use super::super::sparse::norm;
     use super::*;
+
+    fn held(matrix: Matrix) -> Held {
+        Host.matrix(matrix.into_rows()).unwrap()
+    }
+
+    fn new(matrix: Matrix) -> Multigrid<'static> {
+        Multigrid::new(&Host, held(matrix)).unwrap()
+    }
+
+    fn solve(multigrid: &mut Multigrid<'_>, b: &[f64], relative: f64) -> Found {
+        conjugate_gradient::solve(multigrid, b, relative, None).unwrap()
+    }
 
     /// The Laplacian of a cubic lattice of `n³` points; ties along z are `z` times as strong.
     fn lattice(n: usize, z: f64) -> Matrix {
@@ -387,13 +437,16 @@ mod tests {
 
     #[test]
     fn a_cycle_is_symmetric_and_positive() {
-        let mut multigrid = Multigrid::new(lattice(17, 1.0));
+        let mut multigrid = new(lattice(17, 1.0));
         assert!(multigrid.levels.len() > 1);
-        let n = multigrid.finest().rows();
+        let n = 17 * 17 * 17;
         let (x, y) = (noise(n, 1), noise(n, 2));
-        let (mut bx, mut by) = (vec![0.0; n], vec![0.0; n]);
-        multigrid.apply(&x, &mut bx);
-        multigrid.apply(&y, &mut by);
+        let mut applied = |x: &[f64]| {
+            let mut image = Host.vector(x).unwrap();
+            multigrid.apply(&Host.vector(x).unwrap(), &mut image).unwrap();
+            Host.read(&image).unwrap()
+        };
+        let (bx, by) = (applied(&x), applied(&y));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         assert!((dot(&x, &by) - dot(&bx, &y)).abs() < 1e-12 * dot(&x, &bx), "{} {}", dot(&x, &by), dot(&bx, &y));
         assert!(dot(&x, &bx) > 0.0 && dot(&y, &by) > 0.0);
@@ -408,8 +461,7 @@ mod tests {
                     let matrix = lattice(n, z);
                     let mut b = noise(n * n * n, 3);
                     super::super::sparse::center(&mut b);
-                    let found =
-                        conjugate_gradient::solve(&mut Multigrid::new(matrix.clone()), b.clone(), 1e-10, |_| false);
+                    let found = solve(&mut new(matrix.clone()), &b, 1e-10);
                     let mut left = b.clone();
                     matrix.apply(&found.solution, &mut left, |_, ax, b| b - ax);
                     assert!(norm(&left) <= 1e-9 * norm(&b), "{}", norm(&left) / norm(&b));
@@ -442,10 +494,10 @@ mod tests {
         let n = matrix.rows();
         let mut b = noise(n, 5);
         super::super::sparse::center(&mut b);
-        let mut multigrid = Multigrid::new(matrix);
+        let multigrid = new(matrix);
         let other = lattice(20, 0.5);
-        multigrid.renew(other.clone());
-        let found = conjugate_gradient::solve(&mut multigrid, b.clone(), 1e-6, |_| false);
+        let mut multigrid = multigrid.renewed(held(other.clone())).unwrap();
+        let found = solve(&mut multigrid, &b, 1e-6);
         let mut left = b.clone();
         other.apply(&found.solution, &mut left, |_, ax, b| b - ax);
         assert!(found.is_solved && norm(&left) <= 2e-6 * norm(&b), "{} {}", found.iterations, norm(&left) / norm(&b));
@@ -461,11 +513,10 @@ mod tests {
                 }
             },
         );
-        multigrid.renew(beside(&half, &half));
-        let unequal = (0..n).map(|i| if i < n / 2 { 1.0 } else { -1.0 }).collect();
-        assert!(!conjugate_gradient::solve(&mut multigrid, unequal, 1e-6, |_| false).is_solved);
-        multigrid.make_anew();
-        assert_eq!(multigrid.parts().unwrap().1, 2);
+        let mut multigrid = multigrid.renewed(held(beside(&half, &half))).unwrap();
+        let unequal: Vec<f64> = (0..n).map(|i| if i < n / 2 { 1.0 } else { -1.0 }).collect();
+        assert!(!solve(&mut multigrid, &unequal, 1e-6).is_solved);
+        assert_eq!(multigrid.made_anew().unwrap().parts().unwrap().unwrap().1, 2);
     }
 
     #[test]
@@ -473,9 +524,9 @@ mod tests {
         let (one, two) = (lattice(11, 1.0), lattice(9, 1.0));
         let n = one.rows();
         let both = beside(&one, &two);
-        let (part, count) = Multigrid::new(both).parts().unwrap();
+        let (part, count) = new(both).parts().unwrap().unwrap();
         assert_eq!(count, 2);
         assert!(part.iter().enumerate().all(|(i, &part)| (part == 0) == (i < n)));
-        assert!(Multigrid::new(one).parts().is_none());
+        assert!(new(one).parts().unwrap().is_none());
     }
 }

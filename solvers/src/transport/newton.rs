@@ -3,14 +3,16 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use laguerre_core::algebra::{Algebra, Held};
 use laguerre_core::diagram::Container;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
 
+use super::host::Host;
 use super::laplacian::{of_masses, of_volumes};
 use super::limited::Limits;
 use super::multigrid::Multigrid;
-use super::sparse::{Matrix, center, center_parts};
+use super::sparse::{center, center_parts};
 use super::system::{Aim, System};
 use super::{End, Iteration, Options, bridge, limited, mend, request, start};
 use crate::density::Density;
@@ -30,8 +32,8 @@ pub(super) struct State {
 }
 
 /// Where to go from a state.
-enum Direction {
-    Newton(Box<System>),
+enum Direction<'a> {
+    Newton(Box<System<'a>>),
     /// The cells fall into parts that do not touch, and this (true for each of its sites) has to gain mass from the others.
     Apart(Vec<bool>),
 }
@@ -56,7 +58,7 @@ pub(super) struct Problem<'a> {
     pub(super) order: Vec<u32>,
     pub(super) place: Vec<u32>,
     /// That of the last step, whose coarse levels may serve for the next.
-    multigrid: Option<Multigrid>,
+    multigrid: Option<Multigrid<'a>>,
     /// The last step that was taken.
     pub(super) step: f64,
     /// Limited steps that were tried.
@@ -92,7 +94,7 @@ impl<'a> Problem<'a> {
             diagram,
             density: options.density,
             tolerance: options.tolerance,
-            request: request(options),
+            request: request(options, positions.len()),
             mean_density,
             least_target: targets.iter().copied().fold(f64::INFINITY, f64::min),
             positions,
@@ -152,11 +154,7 @@ impl<'a> Problem<'a> {
     /// `None` where no step makes the error smaller.
     pub(super) fn next(&mut self, state: &mut State) -> Result<Option<(f64, usize, State)>> {
         match self.direction(state)? {
-            Direction::Newton(mut system) => {
-                let next = self.advance(state, &mut system);
-                self.multigrid = Some(system.multigrid);
-                next
-            }
+            Direction::Newton(system) => self.advance(state, *system),
             Direction::Apart(part) => Ok(bridge::bridge(self, state, &part)?.map(|next| (0.0, 0, next))),
         }
     }
@@ -168,7 +166,7 @@ impl<'a> Problem<'a> {
         let output = self.backend.evaluate(self.diagram, &self.request)?;
         self.seconds += begin.elapsed().as_secs_f64();
         self.evaluations += 1;
-        self.stand_as(output.laplacian().map(Laplacian::order))?;
+        self.stand_as(output.kept().map(|kept| &kept.order[..]).or(output.laplacian().map(Laplacian::order)))?;
         let mut masses = self.density.masses(&output);
         masses.iter_mut().for_each(|mass| *mass /= self.unit);
         let least = masses.iter().copied().fold(f64::INFINITY, f64::min);
@@ -201,46 +199,50 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    /// The matrix of a state, which loses what it is made of, to make room.
-    fn matrix(&self, state: &mut State) -> Result<Matrix> {
-        if let Some(laplacian) = state.output.take_laplacian() {
-            return Ok(of_volumes(&laplacian, self.unit));
+    /// The matrix of a state, which loses what it is made of, to make room, and who computes with it.
+    fn matrix(&self, state: &mut State) -> Result<(&'a dyn Algebra, Held)> {
+        if let (Some(kept), Some(algebra)) = (state.output.kept(), self.backend.algebra()) {
+            if let Some(matrix) = algebra.laplacian(kept, 0.5 / self.unit)? {
+                return Ok((algebra, matrix));
+            }
+            // Someone else has used the backend since.
+            let request = Request::moments().with_laplacian();
+            state.output = self.backend.evaluate(self.diagram, &request)?;
         }
-        match state.output.take_facets() {
-            Some(facets) => Ok(of_masses(&facets, &self.density, &self.order, &self.place, self.unit)),
-            None => Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to")),
-        }
+        let matrix = match (state.output.take_laplacian(), state.output.take_facets()) {
+            (Some(laplacian), _) => of_volumes(&laplacian, self.unit),
+            (None, Some(facets)) => of_masses(&facets, &self.density, &self.order, &self.place, self.unit),
+            (None, None) => return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to")),
+        };
+        Ok((&Host, Host.matrix(matrix.into_rows())?))
     }
 
     /// Where to go from a state, whose facets are taken out.
-    fn direction(&mut self, state: &mut State) -> Result<Direction> {
-        let matrix = self.matrix(state)?;
-        let limits = Limits::new(self, state);
-        let mut multigrid = match self.multigrid.take() {
-            Some(mut last) => {
-                last.renew(matrix);
-                last
-            }
-            None => Multigrid::new(matrix),
+    fn direction(&mut self, state: &mut State) -> Result<Direction<'a>> {
+        let (algebra, matrix) = self.matrix(state)?;
+        let limits = Limits::new(self, state, algebra)?;
+        let mut multigrid = match self.multigrid.take().filter(|last| std::ptr::addr_eq(last.algebra(), algebra)) {
+            Some(last) => last.renewed(matrix)?,
+            None => Multigrid::new(algebra, matrix)?,
         };
         loop {
-            let aim = match self.aim(state, &multigrid) {
+            let aim = match self.aim(state, &multigrid)? {
                 Ok(aim) => aim,
                 Err(part) => return Ok(Direction::Apart(part)),
             };
-            let newton = aim.solve(&mut multigrid);
-            if newton.is_solved || !multigrid.is_of_another() {
-                return Ok(Direction::Newton(Box::new(System { multigrid, limits, aim, newton })));
+            let (solved, newton) = aim.solved(multigrid)?;
+            if newton.is_solved || !solved.is_of_another() {
+                return Ok(Direction::Newton(Box::new(System { multigrid: solved, limits, aim, newton })));
             }
-            multigrid.make_anew();
+            multigrid = solved.made_anew()?;
         }
     }
 
     /// What a step is to come to; where the cells are in parts that do not touch, and one of them has to gain mass from others, the sites of that.
-    fn aim(&self, state: &State, multigrid: &Multigrid) -> std::result::Result<Aim, Vec<bool>> {
+    fn aim(&self, state: &State, multigrid: &Multigrid<'_>) -> Result<std::result::Result<Aim, Vec<bool>>> {
         let targets: Vec<f64> = self.order.iter().map(|&i| self.targets[i as usize]).collect();
         let (mut missing, mut slope) = self.missing(state, &targets);
-        if let Some((parts, count)) = multigrid.parts() {
+        if let Some((parts, count)) = multigrid.parts()? {
             let exact: Vec<f64> =
                 self.order.iter().zip(&targets).map(|(&i, target)| target - state.masses[i as usize]).collect();
             let (mut lacking, mut asked) = (vec![0.0; count], vec![0.0; count]);
@@ -251,7 +253,7 @@ impl<'a> Problem<'a> {
             let share = |part: &usize| lacking[*part] / asked[*part];
             let poorest = (0..count).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
             if share(&poorest) > self.tolerance {
-                return Err(self.place.iter().map(|&row| parts[row as usize] == poorest as u32).collect());
+                return Ok(Err(self.place.iter().map(|&row| parts[row as usize] == poorest as u32).collect()));
             }
             // Each part for itself: its constants are in the kernel.
             missing = exact;
@@ -260,7 +262,7 @@ impl<'a> Problem<'a> {
         }
         let whole = sum(targets.len(), |i| targets[i] * targets[i]).sqrt();
         let relative = LOOSEST.min(PART_OF_ERROR * state.error / whole);
-        Ok(Aim { missing, targets, tolerance: self.tolerance, relative, slope })
+        Ok(Ok(Aim { missing, targets, tolerance: self.tolerance, relative, slope }))
     }
 
     /// What a step is to add to each mass, in `order`, and how fast that makes the error fall: by `slope·t` of itself with a small part t
@@ -291,22 +293,26 @@ impl<'a> Problem<'a> {
 
     /// The next state: which part of a step leads there, and the iterations that it took. Newton's step if it is good as it is, once that
     /// failed a limited one, and where that fails too Newton's, shortened.
-    fn advance(&mut self, state: &State, system: &mut System) -> Result<Option<(f64, usize, State)>> {
+    fn advance(&mut self, state: &State, mut system: System<'a>) -> Result<Option<(f64, usize, State)>> {
         let (mut iterations, slope) = (system.newton.iterations, system.aim.slope);
         let solution = &system.newton.solution;
         let newton: Vec<f64> = self.place.iter().map(|&row| solution[row as usize]).collect();
-        if limited::is_to_be(self, system) {
+        if limited::is_to_be(self, &system)? {
             if self.limited_steps == 0
                 && let Some((step, next)) = self.damped(state, &newton, slope, 1.0)?
             {
+                self.multigrid = Some(system.multigrid);
                 return Ok(Some((step, iterations, next)));
             }
-            let limited = limited::step(self, state, system)?;
+            let limited;
+            (limited, system) = limited::step(self, state, system)?;
             iterations += limited.iterations;
             if let Some((step, next)) = limited.reached {
+                self.multigrid = Some(system.multigrid);
                 return Ok(Some((step, iterations, next)));
             }
         }
+        self.multigrid = Some(system.multigrid);
         let found = self.damped(state, &newton, slope, SHORTEST_STEP)?;
         Ok(found.map(|(step, next)| {
             self.step = step;

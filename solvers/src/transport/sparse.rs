@@ -1,6 +1,6 @@
 //! Sparse matrices on all threads, to the same bits for every number of them, and what their vectors need.
 
-use laguerre_core::rows::gather;
+use laguerre_core::rows::{Rows, gather};
 use rayon::prelude::*;
 
 use crate::vectors::{CHUNK, for_each, sum};
@@ -15,6 +15,14 @@ pub(super) struct Matrix {
 }
 
 impl Matrix {
+    pub(super) fn of((offsets, columns, values): Rows) -> Self {
+        Self { offsets, columns, values }
+    }
+
+    pub(super) fn into_rows(self) -> Rows {
+        (self.offsets, self.columns, self.values)
+    }
+
     pub(super) fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
@@ -44,8 +52,7 @@ impl Matrix {
         scratch: impl Fn() -> S + Sync,
         row: impl Fn(usize, &mut S, &mut Vec<u32>, &mut Vec<f64>) + Sync,
     ) -> Self {
-        let (offsets, columns, values) = gather(rows, scratch, row);
-        Self { offsets, columns, values }
+        Self::of(gather(rows, scratch, row))
     }
 
     /// The transpose, which has `rows` rows, each sorted.

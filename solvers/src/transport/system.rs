@@ -1,9 +1,11 @@
 //! The linear system of a Newton step.
 
+use laguerre_core::Result;
+use laguerre_core::algebra::Held;
+
 use super::conjugate_gradient::{self, Found};
 use super::limited::Limits;
 use super::multigrid::Multigrid;
-use super::sparse::Matrix;
 
 /// A mass is not sought closer than to this part of the tolerance.
 const ENOUGH: f64 = 0.1;
@@ -21,31 +23,30 @@ pub(super) struct Aim {
 }
 
 /// A solved system.
-pub(super) struct System {
-    pub(super) multigrid: Multigrid,
+pub(super) struct System<'a> {
+    pub(super) multigrid: Multigrid<'a>,
     pub(super) limits: Limits,
     pub(super) aim: Aim,
     pub(super) newton: Found,
 }
 
 impl Aim {
-    /// What solves the system with the matrix of `multigrid`, or comes as near as that does.
-    pub(super) fn solve(&self, multigrid: &mut Multigrid) -> Found {
-        let enough = ENOUGH * self.tolerance;
-        let is_enough = |residual: &[f64]| residual.iter().zip(&self.targets).all(|(r, t)| r.abs() <= enough * t);
-        conjugate_gradient::solve(multigrid, self.missing.clone(), self.relative, is_enough)
+    /// The multigrid, with coarse levels of its matrix's own where others do not serve, and what solves the system with that matrix, or comes as near as that does.
+    pub(super) fn solved<'a>(&self, mut multigrid: Multigrid<'a>) -> Result<(Multigrid<'a>, Found)> {
+        let enough = Some((ENOUGH * self.tolerance, &self.targets[..]));
+        let found = conjugate_gradient::solve(&mut multigrid, &self.missing, self.relative, enough)?;
+        Ok((multigrid, found))
     }
 }
 
-impl System {
-    /// What solves it with another matrix, whose entries stand where those of the first do.
-    pub(super) fn solve_for(&mut self, matrix: Matrix) -> Found {
-        self.multigrid.renew(matrix);
-        let found = self.aim.solve(&mut self.multigrid);
-        if found.is_solved || !self.multigrid.is_of_another() {
-            return found;
+impl<'a> System<'a> {
+    /// The same with what solves it with another matrix, whose entries stand where those of the first do.
+    pub(super) fn solved_for(self, matrix: Held) -> Result<Self> {
+        let Self { multigrid, limits, aim, .. } = self;
+        let (mut multigrid, mut newton) = aim.solved(multigrid.renewed(matrix)?)?;
+        if !newton.is_solved && multigrid.is_of_another() {
+            (multigrid, newton) = aim.solved(multigrid.made_anew()?)?;
         }
-        self.multigrid.make_anew();
-        self.aim.solve(&mut self.multigrid)
+        Ok(Self { multigrid, limits, aim, newton })
     }
 }

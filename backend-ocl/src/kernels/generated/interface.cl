@@ -83,6 +83,9 @@ typedef struct {
 
 #define SCAN_EACH ((uint)(8))
 
+// The numbers that each of them adds up.
+#define SUM_EACH ((uint)(16))
+
 // The elements that each of them sorts at a time; bits of a digit, and how many values it has.
 #define SORT_EACH ((uint)(8))
 
@@ -423,6 +426,74 @@ typedef struct {
     __global const uint *starts, \
     __global uint *packed_columns, \
     __global double *packed_values
+
+#define FILL_LAPLACIAN_ARGUMENTS \
+    uint count, \
+    __global const uint *starts, \
+    __global const uint *packed_columns, \
+    __global const double *packed_values, \
+    double scale, \
+    __global uint *offsets, \
+    __global uint *columns, \
+    __global double *values
+
+#define MULTIPLY_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *x, \
+    __global double *y, \
+    uint subtracts
+
+#define COMBINE_ARGUMENTS \
+    uint count, \
+    double alpha, \
+    uint has_scales, \
+    __global const double *scales, \
+    __global const double *x, \
+    double beta, \
+    __global double *y
+
+#define DOT_PARTS_ARGUMENTS \
+    uint count, \
+    __global const double *x, \
+    __global const double *y, \
+    __global double *parts
+
+#define SUM_PARTS_ARGUMENTS \
+    uint count, \
+    __global const double *x, \
+    __global double *parts
+
+#define SUBTRACT_NUMBER_ARGUMENTS \
+    uint count, \
+    double number, \
+    __global double *x
+
+#define INVERT_DIAGONAL_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global double *inverse
+
+#define FIND_BEYOND_ARGUMENTS \
+    uint count, \
+    __global const double *x, \
+    double factor, \
+    __global const double *bounds, \
+    __global uint *is_found
+
+#define FIND_RISEN_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *x, \
+    __global const double *cells, \
+    double share, \
+    double flattest, \
+    __global uint *is_found
 
 #define TRY_LANES_ARGUMENTS \
     __global uint *right

@@ -1,0 +1,264 @@
+//! Linear algebra in the memory of the first device.
+
+use crate::buffer::Room;
+use crate::device::Device;
+use crate::evaluate::Ocl;
+use crate::grid::GROUP;
+use crate::interface::data::SUM_EACH;
+use crate::interface::kernels::{
+    Combine, DotParts, FillLaplacian, FindBeyond, FindRisen, InvertDiagonal, Multiply, SubtractNumber, SumParts,
+};
+use laguerre_core::algebra::{Algebra, Held, Kept};
+use laguerre_core::rows::Rows;
+use laguerre_core::{Error, ErrorKind, Result};
+use std::sync::PoisonError;
+
+/// Numbers that one group adds up.
+const SUMMED: usize = GROUP * SUM_EACH as usize;
+
+struct Vector {
+    numbers: Room<f64>,
+    length: usize,
+}
+
+struct Matrix {
+    offsets: Room<u32>,
+    columns: Room<u32>,
+    values: Room<f64>,
+    rows: usize,
+    entries: usize,
+}
+
+/// What is held by who may be on another thread.
+struct OnDevice<T>(T);
+
+// SAFETY: OpenCL objects may be used from any thread, and what is done with these, through `Ocl`, is done while its devices are locked.
+unsafe impl<T> Send for OnDevice<T> {}
+// SAFETY: as above; a shared reference gives no more than the object's handle.
+unsafe impl<T> Sync for OnDevice<T> {}
+
+/// What sums and questions come back in.
+pub(crate) struct Answers {
+    parts: Room<f64>,
+    sums: Vec<f64>,
+    is_found: Room<u32>,
+}
+
+impl Answers {
+    pub(crate) const fn new() -> Self {
+        Self { parts: Room::new("sums"), sums: Vec::new(), is_found: Room::new("an answer") }
+    }
+}
+
+fn vector(x: &Held) -> Result<&Vector> {
+    Ok(&x.own::<OnDevice<Vector>>()?.0)
+}
+
+fn matrix(a: &Held) -> Result<&Matrix> {
+    Ok(&a.own::<OnDevice<Matrix>>()?.0)
+}
+
+impl Ocl {
+    fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
+        let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
+        let device = devices.first_mut().ok_or_else(|| Error::new(ErrorKind::Device, "no device is open"))?;
+        let name = device.name.clone();
+        work(device).map_err(|error| crate::evaluate::on_device(error, &name))
+    }
+
+    fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
+        let (a, x, y) = (matrix(a)?, &vector(x)?.numbers, &vector(y)?.numbers);
+        self.on_first(|device| {
+            let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
+            let arguments = Multiply { count, offsets, columns, values, x, y, subtracts };
+            device.grid_kernels.multiply.run(&device.queue, a.rows, GROUP, arguments)
+        })
+    }
+
+    fn combined(&self, alpha: f64, scales: Option<&Held>, x: &Held, beta: f64, y: &Held) -> Result<()> {
+        let (x, y) = (vector(x)?, &vector(y)?.numbers);
+        let has_scales = u32::from(scales.is_some());
+        let scales = &scales.map_or(Ok(x), vector)?.numbers;
+        self.on_first(|device| {
+            let arguments = Combine { count: x.length as u32, alpha, has_scales, scales, x: &x.numbers, beta, y };
+            device.grid_kernels.combine.run(&device.queue, x.length, GROUP, arguments)
+        })
+    }
+
+    /// Whether a kernel that is run by `ask` finds something.
+    fn finds(&self, ask: impl FnOnce(&Device, &Room<u32>) -> Result<()>) -> Result<bool> {
+        self.on_first(|device| {
+            device.answers.is_found.fill(&device.context, &device.queue, &[0])?;
+            ask(device, &device.answers.is_found)?;
+            Ok(device.answers.is_found.first(&device.queue)? != 0)
+        })
+    }
+}
+
+impl Vector {
+    /// Of so many numbers, which are not set.
+    fn unset(device: &Device, length: usize) -> Result<Self> {
+        let mut numbers = Room::new("a vector");
+        numbers.grow(&device.context, length)?;
+        Ok(Self { numbers, length })
+    }
+}
+
+impl Algebra for Ocl {
+    fn vector(&self, values: &[f64]) -> Result<Held> {
+        self.on_first(|device| {
+            let mut made = Vector::unset(device, values.len())?;
+            made.numbers.fill(&device.context, &device.queue, values)?;
+            Ok(Held::new(OnDevice(made)))
+        })
+    }
+
+    fn read(&self, x: &Held) -> Result<Vec<f64>> {
+        let x = vector(x)?;
+        self.on_first(|device| {
+            let mut values = Vec::new();
+            x.numbers.read(&device.queue, x.length, &mut values)?;
+            Ok(values)
+        })
+    }
+
+    fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
+        let x = &mut x.own_mut::<OnDevice<Vector>>()?.0;
+        self.on_first(|device| x.numbers.write_at(&device.queue, 0, values))
+    }
+
+    fn matrix(&self, (offsets, columns, values): Rows) -> Result<Held> {
+        self.on_first(|device| {
+            let (context, queue) = (&device.context, &device.queue);
+            let mut made = Matrix::unset(device, offsets.len() - 1, columns.len())?;
+            let begins: Vec<u32> = offsets.iter().map(|&begin| begin as u32).collect();
+            made.offsets.fill(context, queue, &begins)?;
+            made.columns.fill(context, queue, &columns)?;
+            made.values.fill(context, queue, &values)?;
+            Ok(Held::new(OnDevice(made)))
+        })
+    }
+
+    fn rows(&self, a: &Held) -> Result<Rows> {
+        let a = matrix(a)?;
+        self.on_first(|device| {
+            let (mut begins, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+            a.offsets.read(&device.queue, a.rows + 1, &mut begins)?;
+            a.columns.read(&device.queue, a.entries, &mut columns)?;
+            a.values.read(&device.queue, a.entries, &mut values)?;
+            Ok((begins.iter().map(|&begin| begin as usize).collect(), columns, values))
+        })
+    }
+
+    fn laplacian(&self, kept: &Kept, scale: f64) -> Result<Option<Held>> {
+        self.on_first(|device| {
+            if device.made_laplacian != kept.evaluation {
+                return Ok(None);
+            }
+            let rows = kept.order.len();
+            let made = Matrix::unset(device, rows, device.results.entries + rows)?;
+            let Matrix { offsets, columns, values, .. } = &made;
+            let arguments = FillLaplacian {
+                count: rows as u32,
+                starts: &device.ties.packed_offsets,
+                packed_columns: &device.ties.packed_columns,
+                packed_values: &device.ties.packed_values,
+                scale,
+                offsets,
+                columns,
+                values,
+            };
+            device.grid_kernels.fill_laplacian.run(&device.queue, rows + 1, GROUP, arguments)?;
+            Ok(Some(Held::new(OnDevice(made))))
+        })
+    }
+
+    fn multiply(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()> {
+        self.multiplied(a, x, y, 0)
+    }
+
+    fn subtract(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()> {
+        self.multiplied(a, x, y, 1)
+    }
+
+    fn combine(&self, alpha: f64, x: &Held, beta: f64, y: &mut Held) -> Result<()> {
+        self.combined(alpha, None, x, beta, y)
+    }
+
+    fn combine_scaled(&self, alpha: f64, d: &Held, x: &Held, beta: f64, y: &mut Held) -> Result<()> {
+        self.combined(alpha, Some(d), x, beta, y)
+    }
+
+    fn dot(&self, x: &Held, y: &Held) -> Result<f64> {
+        let (x, y) = (vector(x)?, &vector(y)?.numbers);
+        self.on_first(|device| {
+            let groups = x.length.div_ceil(SUMMED);
+            device.answers.parts.grow(&device.context, groups)?;
+            let Device { queue, answers, grid_kernels, .. } = device;
+            let arguments = DotParts { count: x.length as u32, x: &x.numbers, y, parts: &answers.parts };
+            grid_kernels.dot_parts.run(queue, groups * GROUP, GROUP, arguments)?;
+            answers.parts.read(queue, groups, &mut answers.sums)?;
+            Ok(answers.sums.iter().sum())
+        })
+    }
+
+    fn center(&self, x: &mut Held) -> Result<()> {
+        let Vector { numbers: x, length } = vector(x)?;
+        let (length, count) = (*length, *length as u32);
+        self.on_first(|device| {
+            let groups = length.div_ceil(SUMMED);
+            device.answers.parts.grow(&device.context, 2 * groups)?;
+            let Device { queue, answers, grid_kernels, .. } = device;
+            grid_kernels.sum_parts.run(queue, groups * GROUP, GROUP, SumParts { count, x, parts: &answers.parts })?;
+            answers.parts.read(queue, 2 * groups, &mut answers.sums)?;
+            let sum = |which: usize| answers.sums.iter().skip(which).step_by(2).sum::<f64>();
+            let (mean, size) = (sum(0) / length as f64, sum(1) / length as f64);
+            if mean.abs() <= SUMMED as f64 * f64::EPSILON * size {
+                return Ok(());
+            }
+            grid_kernels.subtract_number.run(queue, length, GROUP, SubtractNumber { count, number: mean, x })
+        })
+    }
+
+    fn inverse_diagonal(&self, a: &Held) -> Result<Held> {
+        let a = matrix(a)?;
+        self.on_first(|device| {
+            let made = Vector::unset(device, a.rows)?;
+            let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
+            let arguments = InvertDiagonal { count, offsets, columns, values, inverse: &made.numbers };
+            device.grid_kernels.invert_diagonal.run(&device.queue, a.rows, GROUP, arguments)?;
+            Ok(Held::new(OnDevice(made)))
+        })
+    }
+
+    fn is_within(&self, x: &Held, factor: f64, bound: &Held) -> Result<bool> {
+        let (x, bounds) = (vector(x)?, &vector(bound)?.numbers);
+        let found = self.finds(|device, is_found| {
+            let arguments = FindBeyond { count: x.length as u32, x: &x.numbers, factor, bounds, is_found };
+            device.grid_kernels.find_beyond.run(&device.queue, x.length, GROUP, arguments)
+        })?;
+        Ok(!found)
+    }
+
+    fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool> {
+        let (a, x, cells) = (matrix(a)?, &vector(x)?.numbers, &vector(cells)?.numbers);
+        self.finds(|device, is_found| {
+            let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
+            let arguments = FindRisen { count, offsets, columns, x, cells, share, flattest, is_found };
+            device.grid_kernels.find_risen.run(&device.queue, a.rows, GROUP, arguments)
+        })
+    }
+}
+
+impl Matrix {
+    /// Of so many rows and entries, which are not set.
+    fn unset(device: &Device, rows: usize, entries: usize) -> Result<Self> {
+        let what = "a matrix";
+        let mut made =
+            Self { offsets: Room::new(what), columns: Room::new(what), values: Room::new(what), rows, entries };
+        made.offsets.grow(&device.context, rows + 1)?;
+        made.columns.grow(&device.context, entries)?;
+        made.values.grow(&device.context, entries)?;
+        Ok(made)
+    }
+}

@@ -1,0 +1,157 @@
+// Sparse linear algebra (`core/src/algebra.rs`). Sums are over fixed parts, so that they have the same bits whenever they are computed.
+
+#import "generated/interface.cl"
+
+// y = A x, or y − A x.
+__kernel void multiply(MULTIPLY_ARGUMENTS) {
+    const uint row = get_global_id(0);
+    if (row >= count) {
+        return;
+    }
+    real sum = REAL(0.0);
+    for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
+        sum += values[k] * x[columns[k]];
+    }
+    y[row] = (subtracts != 0u) ? (y[row] - sum) : sum;
+}
+
+// α x + β y, each number of x times that of `scales` where there are any.
+__kernel void combine(COMBINE_ARGUMENTS) {
+    const uint i = get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    const real scaled = (has_scales != 0u) ? (scales[i] * x[i]) : x[i];
+    y[i] = (beta == REAL(0.0)) ? (alpha * scaled) : ((alpha * scaled) + (beta * y[i]));
+}
+
+// Adds up what the work-items of a group have; the first one has the sum.
+INLINE void add_up(__local real *sum, uint own) {
+    for (uint distance = GRID_GROUP / 2u; distance > 0u; distance >>= 1) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (own < distance) {
+            sum[own] += sum[own + distance];
+        }
+    }
+}
+
+// The sums of x_i y_i over parts of a vector, one of each group.
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void dot_parts(DOT_PARTS_ARGUMENTS) {
+    __local real sum[GRID_GROUP];
+    const uint own = get_local_id(0);
+    const uint begin = get_group_id(0) * (GRID_GROUP * SUM_EACH);
+    sum[own] = REAL(0.0);
+    for (uint turn = 0; turn < SUM_EACH; turn++) {
+        const uint i = (begin + (turn * GRID_GROUP)) + own;
+        if (i < count) {
+            sum[own] += x[i] * y[i];
+        }
+    }
+    add_up(sum, own);
+    if (own == 0u) {
+        parts[get_group_id(0)] = sum[0];
+    }
+}
+
+// The sums of x_i, and of their sizes.
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void sum_parts(SUM_PARTS_ARGUMENTS) {
+    __local real sum[GRID_GROUP];
+    __local real size[GRID_GROUP];
+    const uint own = get_local_id(0);
+    const uint begin = get_group_id(0) * (GRID_GROUP * SUM_EACH);
+    sum[own] = REAL(0.0);
+    size[own] = REAL(0.0);
+    for (uint turn = 0; turn < SUM_EACH; turn++) {
+        const uint i = (begin + (turn * GRID_GROUP)) + own;
+        if (i < count) {
+            sum[own] += x[i];
+            size[own] += fabs(x[i]);
+        }
+    }
+    add_up(sum, own);
+    add_up(size, own);
+    if (own == 0u) {
+        parts[2u * get_group_id(0)] = sum[0];
+        parts[(2u * get_group_id(0)) + 1u] = size[0];
+    }
+}
+
+__kernel void subtract_number(SUBTRACT_NUMBER_ARGUMENTS) {
+    const uint i = get_global_id(0);
+    if (i < count) {
+        x[i] -= number;
+    }
+}
+
+__kernel void invert_diagonal(INVERT_DIAGONAL_ARGUMENTS) {
+    const uint row = get_global_id(0);
+    if (row >= count) {
+        return;
+    }
+    real a = REAL(0.0);
+    for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
+        if (columns[k] == row) {
+            a += values[k];
+        }
+    }
+    inverse[row] = (a > REAL(0.0)) ? (REAL(1.0) / a) : REAL(0.0);
+}
+
+// Whether some |x_i| is more than `factor` times its bound, or no number.
+__kernel void find_beyond(FIND_BEYOND_ARGUMENTS) {
+    const uint i = get_global_id(0);
+    if ((i < count) && !(fabs(x[i]) <= (factor * bounds[i]))) {
+        is_found[0] = 1u;
+    }
+}
+
+// `rise` of core/src/algebra.rs.
+INLINE real allowed_rise(__global const double *own, __global const double *other, real share, real flattest) {
+    const real x = other[0] - own[0];
+    const real y = other[1] - own[1];
+    const real z = other[2] - own[2];
+    const real distance = sqrt(((x * x) + (y * y)) + (z * z));
+    const real facet = ((distance * distance) + (own[3] - other[3])) / (REAL(2.0) * distance);
+    const real along = (((other[4] - own[0]) * x) + ((other[5] - own[1]) * y)) + ((other[6] - own[2]) * z);
+    const real depth = (along / distance) - facet;
+    return ((REAL(2.0) * distance) * share) * fmax(depth, flattest * other[7]);
+}
+
+// Whether a site rises too far above another.
+__kernel void find_risen(FIND_RISEN_ARGUMENTS) {
+    const uint row = get_global_id(0);
+    if (row >= count) {
+        return;
+    }
+    for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
+        const real by = x[row] - x[columns[k]];
+        if ((by > REAL(0.0)) && (by > allowed_rise(cells + (8u * (size_t)row), cells + (8u * (size_t)columns[k]), share, flattest))) {
+            is_found[0] = 1u;
+        }
+    }
+}
+
+// The Laplacian's rows with their diagonals, times `scale`; a facet of no area, or less, becomes nothing on the diagonal.
+__kernel void fill_laplacian(FILL_LAPLACIAN_ARGUMENTS) {
+    const uint row = get_global_id(0);
+    if (row > count) {
+        return;
+    }
+    const uint begin = starts[row] + row;
+    offsets[row] = begin;
+    if (row == count) {
+        return;
+    }
+    real sum = REAL(0.0);
+    uint next = begin + 1u;
+    for (uint k = starts[row]; k < starts[row + 1u]; k++) {
+        const real a = packed_values[k] * scale;
+        const bool is_tie = a > REAL(0.0);
+        columns[next] = is_tie ? packed_columns[k] : row;
+        values[next] = is_tie ? -a : REAL(0.0);
+        sum += is_tie ? a : REAL(0.0);
+        next++;
+    }
+    columns[begin] = row;
+    values[begin] = sum;
+}

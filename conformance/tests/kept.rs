@@ -1,0 +1,156 @@
+//! What stays in a device's memory: its linear algebra is the plain one, a Laplacian that it keeps is the one that it would give, and transport that is solved
+//! there finds what the host finds. `LAGUERRE_REQUIRE=ocl` makes a missing device a failure.
+#![cfg(all(feature = "cpu", feature = "ocl"))]
+
+use std::ops::ControlFlow::Continue;
+
+use laguerre::algebra::{CELL, rise};
+use laguerre::solvers::transport::{End, Options, Solution, solve};
+use laguerre::{Backend, DeviceChoice, Domain, PowerDiagram, Precision, Request, Selection};
+use laguerre_conformance::sites::Random;
+use laguerre_core::required::if_available;
+use laguerre_core::shapes::torus;
+
+fn device() -> Option<Box<dyn Backend>> {
+    let selection = Selection::Ocl { devices: DeviceChoice::First, precision: Precision::F64 };
+    if_available("ocl", laguerre::open(selection))
+}
+
+fn white(sites: usize, domain: &Domain) -> PowerDiagram {
+    let mut random = Random::new(5);
+    let (lo, hi) = domain.bounding_box();
+    let mut at = |k: usize| lo[k] + random.unit() * (hi[k] - lo[k]);
+    let positions: Vec<[f64; 3]> = (0..sites).map(|_| [at(0), at(1), at(2)]).collect();
+    PowerDiagram::new(&positions, &[]).unwrap().restricted_to(domain)
+}
+
+fn numbers(count: usize, random: &mut Random) -> Vec<f64> {
+    (0..count).map(|_| random.unit() - 0.5).collect()
+}
+
+fn assert_near(found: &[f64], right: &[f64]) {
+    assert_eq!(found.len(), right.len());
+    for (i, (a, b)) in found.iter().zip(right).enumerate() {
+        assert!((a - b).abs() <= 1e-13 * (1.0 + b.abs()), "{i}: {a} is not {b}");
+    }
+}
+
+#[test]
+fn a_device_computes_what_plain_loops_do() {
+    let Some(backend) = device() else { return };
+    let algebra = backend.algebra().unwrap();
+    let mut random = Random::new(3);
+    // More rows than a group adds up, some of them empty.
+    let (n, m) = (9_001, 37);
+    let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for i in 0..n {
+        for k in 0..i % 7 {
+            columns.push(((11 * i + 5 * k) % m) as u32);
+            values.push(random.unit() - 0.5);
+        }
+        offsets.push(columns.len());
+    }
+    let (x, y) = (numbers(n, &mut random), numbers(n, &mut random));
+    let short = numbers(m, &mut random);
+    let product: Vec<f64> =
+        (0..n).map(|i| (offsets[i]..offsets[i + 1]).map(|k| values[k] * short[columns[k] as usize]).sum()).collect();
+    let rows = (offsets, columns, values);
+    let matrix = algebra.matrix(rows.clone()).unwrap();
+    assert_eq!(algebra.rows(&matrix).unwrap(), rows);
+    let held = |x: &[f64]| algebra.vector(x).unwrap();
+    let mut out = held(&y);
+    algebra.multiply(&matrix, &held(&short), &mut out).unwrap();
+    assert_near(&algebra.read(&out).unwrap(), &product);
+    algebra.write(&y, &mut out).unwrap();
+    algebra.subtract(&matrix, &held(&short), &mut out).unwrap();
+    let less: Vec<f64> = y.iter().zip(&product).map(|(y, ax)| y - ax).collect();
+    assert_near(&algebra.read(&out).unwrap(), &less);
+    algebra.write(&y, &mut out).unwrap();
+    algebra.combine(0.3, &held(&x), -2.0, &mut out).unwrap();
+    let sum: Vec<f64> = (0..n).map(|i| 0.3 * x[i] - 2.0 * y[i]).collect();
+    assert_near(&algebra.read(&out).unwrap(), &sum);
+    // Whatever is there counts for nothing times zero.
+    algebra.write(&vec![f64::NAN; n], &mut out).unwrap();
+    algebra.combine_scaled(2.0, &held(&x), &held(&y), 0.0, &mut out).unwrap();
+    let scaled: Vec<f64> = (0..n).map(|i| 2.0 * x[i] * y[i]).collect();
+    assert_near(&algebra.read(&out).unwrap(), &scaled);
+    let dot: f64 = x.iter().zip(&y).map(|(x, y)| x * y).sum();
+    let found = algebra.dot(&held(&x), &held(&y)).unwrap();
+    assert!((found - dot).abs() <= 1e-12 * n as f64);
+    assert_eq!(found.to_bits(), algebra.dot(&held(&x), &held(&y)).unwrap().to_bits());
+    algebra.write(&x, &mut out).unwrap();
+    algebra.center(&mut out).unwrap();
+    let mean = x.iter().sum::<f64>() / n as f64;
+    let centered = algebra.read(&out).unwrap();
+    assert_near(&centered, &x.iter().map(|x| x - mean).collect::<Vec<_>>());
+    algebra.center(&mut out).unwrap();
+    assert_eq!(algebra.read(&out).unwrap(), centered);
+    assert!(algebra.is_within(&held(&[1.0, -2.0, 3.0]), 2.0, &held(&[0.5, 1.0, 1.5])).unwrap());
+    assert!(!algebra.is_within(&held(&[1.0, -2.1, 3.0]), 2.0, &held(&[0.5, 1.0, 1.5])).unwrap());
+    assert!(!algebra.is_within(&held(&[f64::NAN]), 2.0, &held(&[1.0])).unwrap());
+    // A matrix of another backend is no matrix.
+    assert!(algebra.read(&matrix).is_err());
+}
+
+#[test]
+fn a_laplacian_that_is_kept_is_the_one_that_comes_back() {
+    let Some(backend) = device() else { return };
+    let algebra = backend.algebra().unwrap();
+    let diagram = white(3_000, &torus(1.0, 0.4, 24, 12).domain());
+    let given = backend.evaluate(&diagram, &Request::moments().with_laplacian()).unwrap();
+    let output = backend.evaluate(&diagram, &Request::moments().with_laplacian_kept()).unwrap();
+    let (laplacian, kept) = (given.laplacian().unwrap(), output.kept().unwrap());
+    assert!(output.laplacian().is_none() && kept.order == laplacian.order() && output.volume() == given.volume());
+    let matrix = algebra.laplacian(kept, 0.25).unwrap().unwrap();
+    let (offsets, columns, values) = algebra.rows(&matrix).unwrap();
+    for row in 0..kept.order.len() {
+        let (begin, entries) = (offsets[row], laplacian.row(row));
+        assert_eq!(columns[begin] as usize, row);
+        assert_eq!(columns[begin + 1..offsets[row + 1]], laplacian.columns()[entries.clone()]);
+        let ties: Vec<f64> = laplacian.values()[entries].iter().map(|a| 0.25 * a).collect();
+        assert!(values[begin + 1..offsets[row + 1]].iter().zip(&ties).all(|(value, tie)| *value == -tie));
+        assert_eq!(values[begin], ties.iter().sum::<f64>());
+    }
+    let inverse = algebra.read(&algebra.inverse_diagonal(&matrix).unwrap()).unwrap();
+    assert!(
+        (0..inverse.len()).all(|i| inverse[i] == if values[offsets[i]] > 0.0 { 1.0 / values[offsets[i]] } else { 0.0 })
+    );
+    // How far each site may rise above its neighbours: to the limit, and no farther.
+    let mut random = Random::new(8);
+    let mut cells = numbers(CELL * kept.order.len(), &mut random);
+    cells.iter_mut().skip(CELL - 1).step_by(CELL).for_each(|size| *size = size.abs());
+    let cell = |row: usize| &cells[CELL * row..][..CELL];
+    let row = (0..kept.order.len()).find(|&row| !laplacian.row(row).is_empty()).unwrap();
+    let limit = |k: usize| rise(cell(row), cell(laplacian.columns()[k] as usize), 0.7, 0.1);
+    let least = laplacian.row(row).map(limit).fold(f64::INFINITY, f64::min);
+    let rises = |by: f64| {
+        let mut x = vec![0.0; kept.order.len()];
+        x[row] = by;
+        let (x, cells) = (algebra.vector(&x).unwrap(), algebra.vector(&cells).unwrap());
+        algebra.rises_too_far(&matrix, &x, &cells, 0.7, 0.1).unwrap()
+    };
+    assert!(least > 0.0 && !rises(least * (1.0 - 1e-12)) && rises(least * (1.0 + 1e-12)), "{least}");
+    // Another takes its place.
+    backend.evaluate(&diagram, &Request::moments().with_laplacian_kept()).unwrap();
+    assert!(algebra.laplacian(kept, 1.0).unwrap().is_none());
+}
+
+#[test]
+fn transport_on_a_device_is_that_of_the_host() {
+    let Some(backend) = device() else { return };
+    let host = laguerre::open(Selection::Cpu { threads: None }).unwrap();
+    let start = white(2_000, &torus(1.0, 0.4, 24, 12).domain());
+    let run = |backend: &dyn Backend, kept_from: usize| -> Solution {
+        let mut options = Options::default();
+        options.kept_from = kept_from;
+        let mut diagram = start.clone();
+        let found = solve(backend, &mut diagram, &[], &options, &mut |_| Continue(())).unwrap();
+        assert_eq!(found.end, End::Converged, "{:?}", found.iterations);
+        found
+    };
+    let (here, there) = (run(&*host, 0), run(&*backend, 0));
+    let largest = here.weights.iter().map(|w| w.abs()).fold(0.0, f64::max);
+    assert!(here.weights.iter().zip(&there.weights).all(|(a, b)| (a - b).abs() <= 1e-7 * largest));
+    assert_eq!(there.weights, run(&*backend, 0).weights);
+    assert!(there.iterations.len() <= here.iterations.len() + 1);
+}

@@ -1,0 +1,117 @@
+//! Sparse linear algebra where a backend's memory is.
+
+use std::any::Any;
+
+use crate::rows::Rows;
+use crate::{Error, ErrorKind, Result};
+
+/// A vector or a matrix in some backend's memory.
+pub struct Held(Box<dyn Any + Send + Sync>);
+
+impl Held {
+    /// Holds it.
+    pub fn new<T: Any + Send + Sync>(what: T) -> Self {
+        Self(Box::new(what))
+    }
+
+    /// What is held, if it is of this type: to its own algebra it is.
+    pub fn get<T: Any>(&self) -> Option<&T> {
+        self.0.downcast_ref()
+    }
+
+    /// The same for an algebra that is given its own alone.
+    ///
+    /// # Errors
+    /// `Device` where it is another's.
+    pub fn own<T: Any>(&self) -> Result<&T> {
+        self.get().ok_or_else(strange)
+    }
+
+    /// The same, to be changed.
+    ///
+    /// # Errors
+    /// `Device` where it is another's.
+    pub fn own_mut<T: Any>(&mut self) -> Result<&mut T> {
+        self.0.downcast_mut().ok_or_else(strange)
+    }
+}
+
+fn strange() -> Error {
+    Error::new(ErrorKind::Device, "a vector or matrix is in the memory of another backend")
+}
+
+/// The Laplacian of an evaluation that its backend keeps to itself: what an output has of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// The site that each row is of.
+    pub order: Vec<u32>,
+    /// Which evaluation it was: the next one takes its place.
+    pub evaluation: u64,
+}
+
+/// Numbers of a row's cell that [`Algebra::rises_too_far`] reads: its site, weight, barycenter and size.
+pub const CELL: usize = 8;
+
+/// Vectors and sparse matrices in a backend's memory, and what an iterative solver does with them. Everything has the same bits whenever it is
+/// computed. Lengths fit each other: whoever calls sees to it.
+///
+/// # Errors
+/// Those of the device, and `Device` for what another algebra holds.
+pub trait Algebra: Send + Sync {
+    /// A vector of these numbers.
+    fn vector(&self, values: &[f64]) -> Result<Held>;
+
+    /// The numbers of a vector.
+    fn read(&self, x: &Held) -> Result<Vec<f64>>;
+
+    /// Other numbers for a vector.
+    fn write(&self, values: &[f64], x: &mut Held) -> Result<()>;
+
+    /// A matrix.
+    fn matrix(&self, rows: Rows) -> Result<Held>;
+
+    /// The rows of a matrix.
+    fn rows(&self, a: &Held) -> Result<Rows>;
+
+    /// The Laplacian that was kept, `scale·∂V/∂w` with its diagonal first in each row; `None` where it is not there any more.
+    fn laplacian(&self, kept: &Kept, scale: f64) -> Result<Option<Held>>;
+
+    /// `y = A x`.
+    fn multiply(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()>;
+
+    /// `y ← y − A x`.
+    fn subtract(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()>;
+
+    /// `y ← α x + β y`.
+    fn combine(&self, alpha: f64, x: &Held, beta: f64, y: &mut Held) -> Result<()>;
+
+    /// `y_i ← α d_i x_i + β y_i`.
+    fn combine_scaled(&self, alpha: f64, d: &Held, x: &Held, beta: f64, y: &mut Held) -> Result<()>;
+
+    /// `x · y`.
+    fn dot(&self, x: &Held, y: &Held) -> Result<f64>;
+
+    /// Subtracts the mean, unless that is but rounding: what is centered stays as it is.
+    fn center(&self, x: &mut Held) -> Result<()>;
+
+    /// The inverse of a matrix's diagonal, 0 where that is not positive.
+    fn inverse_diagonal(&self, a: &Held) -> Result<Held>;
+
+    /// Whether `|x_i| ≤ factor·bound_i` for all i.
+    fn is_within(&self, x: &Held, factor: f64, bound: &Held) -> Result<bool>;
+
+    /// Whether for some entry (i, j) of `a` site i rises above j, by `x_i − x_j`, so far that their facet goes into the cell of j by more than `share` of the
+    /// way to the barycenter, or of `flattest` of that cell's size where it is flatter. `cells` has [`CELL`] numbers a row.
+    fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool>;
+}
+
+/// The weight by which one site may rise above another, of [`Algebra::rises_too_far`]: from the numbers of both cells.
+pub fn rise(own: &[f64], other: &[f64], share: f64, flattest: f64) -> f64 {
+    let way: [f64; 3] = std::array::from_fn(|k| other[k] - own[k]);
+    let along = |to: [f64; 3]| to[0] * way[0] + to[1] * way[1] + to[2] * way[2];
+    let distance = along(way).sqrt();
+    // The facet is in the plane where the two powers are equal, and goes by the weights' difference over twice the distance.
+    let facet = (distance * distance + (own[3] - other[3])) / (2.0 * distance);
+    let depth = along(std::array::from_fn(|k| other[4 + k] - own[k])) / distance - facet;
+    2.0 * distance * share * depth.max(flattest * other[7])
+}

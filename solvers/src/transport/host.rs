@@ -1,0 +1,106 @@
+//! Linear algebra in the host's memory, on all threads.
+
+use laguerre_core::algebra::{Algebra, CELL, Held, Kept, rise};
+use laguerre_core::rows::Rows;
+use laguerre_core::{Error, Result};
+use rayon::prelude::*;
+
+use super::sparse::{self, Matrix};
+use crate::vectors::for_each;
+
+/// It: what it holds are [`Matrix`] and lists of numbers.
+pub(super) struct Host;
+
+fn numbers(x: &Held) -> Result<&[f64]> {
+    Ok(x.own::<Vec<f64>>()?)
+}
+
+fn own_matrix(a: &Held) -> Result<&Matrix> {
+    a.own()
+}
+
+impl Algebra for Host {
+    fn vector(&self, values: &[f64]) -> Result<Held> {
+        Ok(Held::new(values.to_vec()))
+    }
+
+    fn read(&self, x: &Held) -> Result<Vec<f64>> {
+        Ok(numbers(x)?.to_vec())
+    }
+
+    fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
+        x.own_mut::<Vec<f64>>()?.copy_from_slice(values);
+        Ok(())
+    }
+
+    fn matrix(&self, (offsets, columns, values): Rows) -> Result<Held> {
+        Ok(Held::new(Matrix { offsets, columns, values }))
+    }
+
+    fn rows(&self, a: &Held) -> Result<Rows> {
+        let Matrix { offsets, columns, values } = own_matrix(a)?.clone();
+        Ok((offsets, columns, values))
+    }
+
+    fn laplacian(&self, _kept: &Kept, _scale: f64) -> Result<Option<Held>> {
+        Ok(None)
+    }
+
+    fn multiply(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()> {
+        own_matrix(a)?.apply(numbers(x)?, y.own_mut::<Vec<f64>>()?, |_, ax, _| ax);
+        Ok(())
+    }
+
+    fn subtract(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()> {
+        own_matrix(a)?.apply(numbers(x)?, y.own_mut::<Vec<f64>>()?, |_, ax, y| y - ax);
+        Ok(())
+    }
+
+    fn combine(&self, alpha: f64, x: &Held, beta: f64, y: &mut Held) -> Result<()> {
+        let x = numbers(x)?;
+        for_each(y.own_mut::<Vec<f64>>()?, |i, y| *y = alpha * x[i] + if beta == 0.0 { 0.0 } else { beta * *y });
+        Ok(())
+    }
+
+    fn combine_scaled(&self, alpha: f64, d: &Held, x: &Held, beta: f64, y: &mut Held) -> Result<()> {
+        let (d, x) = (numbers(d)?, numbers(x)?);
+        for_each(y.own_mut::<Vec<f64>>()?, |i, y| {
+            *y = alpha * (d[i] * x[i]) + if beta == 0.0 { 0.0 } else { beta * *y };
+        });
+        Ok(())
+    }
+
+    fn dot(&self, x: &Held, y: &Held) -> Result<f64> {
+        Ok(sparse::dot(numbers(x)?, numbers(y)?))
+    }
+
+    fn center(&self, x: &mut Held) -> Result<()> {
+        sparse::center(x.own_mut::<Vec<f64>>()?);
+        Ok(())
+    }
+
+    fn inverse_diagonal(&self, a: &Held) -> Result<Held> {
+        let a = own_matrix(a)?;
+        let mut inverse = vec![0.0; a.rows()];
+        for_each(&mut inverse, |i, d| {
+            let diagonal: f64 = a.row(i).filter(|&(j, _)| j == i).map(|(_, a)| a).sum();
+            *d = if diagonal > 0.0 { diagonal.recip() } else { 0.0 };
+        });
+        Ok(Held::new(inverse))
+    }
+
+    fn is_within(&self, x: &Held, factor: f64, bound: &Held) -> Result<bool> {
+        let (x, bound) = (numbers(x)?, numbers(bound)?);
+        Ok(x.par_iter().zip(bound).all(|(x, bound)| x.abs() <= factor * bound))
+    }
+
+    fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool> {
+        let (a, x, cells) = (own_matrix(a)?, numbers(x)?, numbers(cells)?);
+        if cells.len() < CELL * a.rows() {
+            return Err(Error::input("numbers of the cells are missing"));
+        }
+        let cell = |i: usize| &cells[CELL * i..][..CELL];
+        let rises = |i: usize, j: usize| x[i] > x[j] && x[i] - x[j] > rise(cell(i), cell(j), share, flattest);
+        Ok((0..a.rows()).into_par_iter().any(|i| a.row(i).any(|(j, _)| rises(i, j))))
+    }
+}

@@ -6,9 +6,10 @@ use crate::evaluate::Ocl;
 use crate::grid::GROUP;
 use crate::interface::data::SUM_EACH;
 use crate::interface::kernels::{
-    Combine, DotParts, FillLaplacian, FindBeyond, FindRisen, InvertDiagonal, Multiply, SubtractNumber, SumParts,
+    Combine, DotParts, FillLaplacian, FindBeyond, FindRisen, GatherCells, InvertDiagonal, Multiply, SubtractNumber,
+    SumParts,
 };
-use laguerre_core::algebra::{Algebra, Held, Kept};
+use laguerre_core::algebra::{Algebra, CELL, Held, Kept};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, ErrorKind, Result};
 use std::sync::PoisonError;
@@ -169,6 +170,30 @@ impl Algebra for Ocl {
                 values,
             };
             device.grid_kernels.fill_laplacian.run(&device.queue, rows + 1, GROUP, arguments)?;
+            Ok(Some(Held::new(OnDevice(made))))
+        })
+    }
+
+    fn cells(&self, kept: &Kept, density: f64) -> Result<Option<Held>> {
+        self.on_first(|device| {
+            if device.evaluations != kept.evaluation {
+                return Ok(None);
+            }
+            let rows = kept.order.len();
+            let made = Vector::unset(device, CELL * rows)?;
+            let Device { queue, grid_kernels, memory, sites, shared, .. } = device;
+            let unit = shared.params.frame_unit;
+            let arguments = GatherCells {
+                params: &shared.room,
+                count: rows as u32,
+                order: &sites.order,
+                sites: &sites.sites,
+                outcome: &memory.outcome,
+                sums: &memory.sums,
+                per_unit: unit * (shared.params.laplacian_unit / unit / density).cbrt(),
+                cells: &made.numbers,
+            };
+            grid_kernels.gather_cells.run(queue, rows, GROUP, arguments)?;
             Ok(Some(Held::new(OnDevice(made))))
         })
     }

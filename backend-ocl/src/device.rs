@@ -56,7 +56,8 @@ pub(crate) struct Device {
     seconds: f64,
     pub(crate) results: Results,
     pub(crate) ties: Ties,
-    /// Which evaluation the Laplacian is of that is on the device, counting those that made one.
+    /// Evaluations so far, and which of them the Laplacian is of that is on the device.
+    pub(crate) evaluations: u64,
     pub(crate) made_laplacian: u64,
     pub(crate) answers: Answers,
     /// The domain whose grid is on the device.
@@ -93,7 +94,7 @@ rooms! {
         near: [u32; 4] = "cells near the surface",
         vast: u64 = "cells that need much room",
         pub(crate) outcome: u32 = "how cells ended",
-        sums: f64 = "cells' sums",
+        pub(crate) sums: f64 = "cells' sums",
         pub(crate) rows: [u64; 2] = "rows of facets",
         pub(crate) facets: FacetRecord = "a batch's facets",
         facet_seconds: FacetSecond = "a batch's facets",
@@ -142,6 +143,7 @@ impl Device {
             seconds: 0.0,
             results: Results::default(),
             ties: Ties::new(),
+            evaluations: 0,
             made_laplacian: 0,
             answers: Answers::new(),
             domain: None,
@@ -187,6 +189,7 @@ impl Device {
         request: &Request,
         integrand: Option<&FramedIntegrand>,
     ) -> Result<()> {
+        self.evaluations += 1;
         self.shared.params = Params::new(container, request, integrand);
         let Self { context, queue, memory, shared, grid_kernels, .. } = self;
         memory.integrand.fill(context, queue, &integrand.map_or(Vec::new(), FramedIntegrand::table))?;

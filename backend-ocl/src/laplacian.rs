@@ -43,8 +43,8 @@ impl Device {
     ) -> Result<Option<Made>> {
         let is_made = self.results.are_kept && self.bring(of_host)? && self.make_laplacian(sites)?;
         if is_made {
-            self.made_laplacian += 1;
-            let kept = || Ok(Made::Kept(Kept { order: self.order()?, evaluation: self.made_laplacian }));
+            self.made_laplacian = self.evaluations;
+            let kept = || Ok(Made::Kept(Kept { order: self.order()?, evaluation: self.evaluations }));
             let made = if request.keeps_laplacian() { kept() } else { self.read_laplacian().map(Made::Read) };
             return made.map(Some);
         }

@@ -5,9 +5,9 @@ use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, Cells, Combine, CountDigits, CountFacets, DotParts, EnterSites, FillLaplacian, FindBeyond,
-    FindRisen, FindVoxels, GatherSites, InvertDiagonal, LookAbout, MarkVoxels, MatchFacets, MeasureClearances,
-    Multiply, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets, SubtractNumber, SumParts,
-    TightenSlabs,
+    FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal, LookAbout, MarkVoxels, MatchFacets,
+    MeasureClearances, Multiply, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets,
+    SubtractNumber, SumParts, TightenSlabs,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -52,6 +52,7 @@ pub(crate) struct GridKernels {
     pub(crate) match_facets: Kernel<MatchFacets<'static>>,
     pub(crate) pack_facets: Kernel<PackFacets<'static>>,
     pub(crate) fill_laplacian: Kernel<FillLaplacian<'static>>,
+    pub(crate) gather_cells: Kernel<GatherCells<'static>>,
     pub(crate) multiply: Kernel<Multiply<'static>>,
     pub(crate) combine: Kernel<Combine<'static>>,
     pub(crate) dot_parts: Kernel<DotParts<'static>>,
@@ -85,6 +86,7 @@ impl GridKernels {
             match_facets: Kernel::new(&program)?,
             pack_facets: Kernel::new(&program)?,
             fill_laplacian: Kernel::new(&program)?,
+            gather_cells: Kernel::new(&program)?,
             multiply: Kernel::new(&program)?,
             combine: Kernel::new(&program)?,
             dot_parts: Kernel::new(&program)?,

@@ -49,7 +49,8 @@ pub struct Kept {
     pub evaluation: u64,
 }
 
-/// Numbers of a row's cell that [`Algebra::rises_too_far`] reads: its site, weight, barycenter and size.
+/// Numbers of a row's cell that [`Algebra::rises_too_far`] reads: its site, weight, barycenter, and the cube root of its volume. Where the origin is does not
+/// matter.
 pub const CELL: usize = 8;
 
 /// Vectors and sparse matrices in a backend's memory, and what an iterative solver does with them. Everything has the same bits whenever it is
@@ -75,6 +76,9 @@ pub trait Algebra: Send + Sync {
 
     /// The Laplacian that was kept, `scale·∂V/∂w` with its diagonal first in each row; `None` where it is not there any more.
     fn laplacian(&self, kept: &Kept, scale: f64) -> Result<Option<Held>>;
+
+    /// The cells of the evaluation whose Laplacian was kept, [`CELL`] numbers a row, volumes being over `density`; `None` where they are not there any more.
+    fn cells(&self, kept: &Kept, density: f64) -> Result<Option<Held>>;
 
     /// `y = A x`.
     fn multiply(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()>;

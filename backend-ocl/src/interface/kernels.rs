@@ -239,6 +239,17 @@ kernels! {
         output values: f64,
     }
 
+    kernel GatherCells = gather_cells {
+        input params: Params,
+        value count: u32,
+        input order: u32,
+        input sites: [f64; 4],
+        input outcome: u32,
+        input sums: f64,
+        value per_unit: f64,
+        output cells: f64,
+    }
+
     kernel Multiply = multiply {
         value count: u32,
         input offsets: u32,

@@ -131,6 +131,30 @@ __kernel void find_risen(FIND_RISEN_ARGUMENTS) {
     }
 }
 
+// The cells in the caller's lengths, but for where the origin is: site, weight, barycenter, and the cube root of the volume over a density, `per_unit` of it
+// where lengths are the frame's.
+__kernel void gather_cells(GATHER_CELLS_ARGUMENTS) {
+    const uint row = get_global_id(0);
+    if (row >= count) {
+        return;
+    }
+    const real unit = params->frame_unit;
+    const real4 p = sites[row];
+    __global const double *own = sums + ((size_t)order[row] * params->sums_width);
+    const uint how = outcome[order[row]];
+    const bool is_there = (how != NOT_COMPUTED) && ((how & OUTCOME_STATUS) != EMPTY);
+    const real volume = is_there ? own[0] : REAL(0.0);
+    __global double *cell = cells + (8u * (size_t)row);
+    cell[0] = p.x * unit;
+    cell[1] = p.y * unit;
+    cell[2] = p.z * unit;
+    cell[3] = (p.w * unit) * unit;
+    cell[4] = is_there ? ((p.x + (own[1] / volume)) * unit) : NAN;
+    cell[5] = is_there ? ((p.y + (own[2] / volume)) * unit) : NAN;
+    cell[6] = is_there ? ((p.z + (own[3] / volume)) * unit) : NAN;
+    cell[7] = cbrt(volume) * per_unit;
+}
+
 // The Laplacian's rows with their diagonals, times `scale`; a facet of no area, or less, becomes nothing on the diagonal.
 __kernel void fill_laplacian(FILL_LAPLACIAN_ARGUMENTS) {
     const uint row = get_global_id(0);

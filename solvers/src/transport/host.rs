@@ -46,6 +46,10 @@ impl Algebra for Host {
         Ok(None)
     }
 
+    fn cells(&self, _kept: &Kept, _density: f64) -> Result<Option<Held>> {
+        Ok(None)
+    }
+
     fn multiply(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()> {
         own_matrix(a)?.apply(numbers(x)?, y.own_mut::<Vec<f64>>()?, |_, ax, _| ax);
         Ok(())

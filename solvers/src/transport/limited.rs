@@ -38,6 +38,11 @@ pub(super) struct Limits(Held);
 
 impl Limits {
     pub(super) fn new(problem: &Problem<'_>, state: &State, algebra: &dyn Algebra) -> Result<Self> {
+        if let Some(kept) = state.output.kept()
+            && let Some(cells) = algebra.cells(kept, problem.mean_density)?
+        {
+            return Ok(Self(cells));
+        }
         let mut cells = vec![[0.0; CELL]; problem.order.len()];
         for_each(&mut cells, |row, cell| {
             let i = problem.order[row] as usize;

@@ -437,6 +437,16 @@ typedef struct {
     __global uint *columns, \
     __global double *values
 
+#define GATHER_CELLS_ARGUMENTS \
+    __global const Params *params, \
+    uint count, \
+    __global const uint *order, \
+    __global const double4 *sites, \
+    __global const uint *outcome, \
+    __global const double *sums, \
+    double per_unit, \
+    __global double *cells
+
 #define MULTIPLY_ARGUMENTS \
     uint count, \
     __global const uint *offsets, \

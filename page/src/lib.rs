@@ -53,6 +53,19 @@ pub struct Plot {
     pub values: Vec<f64>,
 }
 
+impl Plot {
+    /// The curve of a run, by what its states call the numbers: `gradient` (of Lloyd's relaxation), `residual` (of transport), `kinetic` (of a fluid).
+    pub fn of(name: &str, values: Vec<f64>) -> Option<Self> {
+        let (x, y, log) = match name {
+            "gradient" => ("iteration", "gradient (distance of sites from barycenters, in cells)", true),
+            "residual" => ("step", "residual (largest relative error of a mass)", true),
+            "kinetic" => ("step", "kinetic energy", false),
+            _ => return None,
+        };
+        Some(Self { x, y, log, values })
+    }
+}
+
 /// What the page's script reads beside the blocks.
 #[derive(Serialize)]
 struct Meta<'a> {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use laguerre::io::{self, CELLS_ENDINGS, GEOMETRY_ENDINGS};
 use laguerre::{CellStatus, Output, PowerDiagram, Result};
-use laguerre_page::{ENDINGS, Moment, Page, Timeline, write_run, write_still};
+use laguerre_page::{ENDINGS, Moment, Page, Plot, Timeline, write_run, write_still};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -46,14 +46,17 @@ pub(crate) fn save<'py>(
 type State<'py> =
     (String, PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray1<'py, f64>>, Option<PyReadonlyArray1<'py, f64>>);
 
-/// Writes the page of a run: its states, or some of them where they are many, with `values` of each point by a name and unit.
+/// Writes the page of a run: its states, or some of them where they are many, with speeds where they have them, and its `curve`: what its numbers are, and
+/// one for each state.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the function of Python has as many")]
 pub(crate) fn page<'py>(
     py: Python<'py>,
     backend: PyRef<'py, Backend>,
     container: Option<Container<'py>>,
     states: Vec<State<'py>>,
     has_speeds: bool,
+    curve: Option<(String, Vec<f64>)>,
     title: String,
     path: PathBuf,
 ) -> PyResult<()> {
@@ -73,7 +76,8 @@ pub(crate) fn page<'py>(
     let (moments, shown) = timeline.finish("states");
     let fields = if has_speeds { vec![("speed", "length/time")] } else { Vec::new() };
     let facts = vec![("sites", diagram.positions().len().to_string())];
-    let page = Page { title, facts, shown, fields, ..Page::default() };
+    let plot = curve.and_then(|(name, values)| Plot::of(&name, values));
+    let page = Page { title, facts, shown, plot, fields, ..Page::default() };
     let backend = backend.get()?;
     detached_in_pool(py, backend.info().threads, |stop| {
         write_run(&path, &page, &Stoppable { backend, stop }, &diagram, &moments)

@@ -1,6 +1,8 @@
 """Solvers and their callbacks; interrupts."""
 
+import json
 import os
+import re
 import signal
 import threading
 import time
@@ -37,6 +39,9 @@ def test_a_run_is_a_page(tmp_path):
         lg.page(tmp_path / f"{name}.html", states, domain=CUBE)
         page = (tmp_path / f"{name}.html").read_text()
         assert page.count('id="block-') == len(states) and ("speed" in page) >= (name == "fluid")
+        drawn = {"lloyd": "gradient", "transport": "residual", "fluid": "kinetic"}[name]
+        plot = json.loads(re.search(r'<script[^>]*id="meta"[^>]*>(.*?)</script>', page, re.DOTALL)[1])["plot"]
+        assert plot["values"] == [state[drawn] for state in states] and plot["y"].startswith(drawn)
 
 
 def test_without_a_domain_the_box_stays():

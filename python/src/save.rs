@@ -29,16 +29,16 @@ pub(crate) fn save<'py>(
     let has_geometry = io::ending(&path, ENDINGS).or_else(|_| io::ending(&path, GEOMETRY_ENDINGS)).is_ok();
     let output = output(cells, has_geometry)?;
     let backend = backend.get()?;
-    detached_in_pool(py, backend.info().threads, |_| {
+    detached_in_pool(py, backend.info().threads, |stop| {
         if io::ending(&path, ENDINGS).is_ok() {
             let title = format!("{} cells", output.sites());
             let facts = facts(&output, &diagram, backend)?;
-            return write_still(&path, &Page { title, facts, ..Page::default() }, &diagram, &output);
+            return write_still(&path, &Page { title, facts, ..Page::default() }, &diagram, &output, stop);
         }
         if io::ending(&path, GEOMETRY_ENDINGS).is_ok() {
-            return io::write_geometry(&path, &diagram, &output);
+            return io::write_geometry_watched(&path, &diagram, &output, stop);
         }
-        io::write_cells(&path, &diagram, &output)
+        io::write_cells_watched(&path, &diagram, &output, stop)
     })
 }
 

@@ -113,6 +113,30 @@ def test_ctrl_c_ends_the_work_and_others_go_on_meanwhile():
     assert len(ticks) > 10
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_ctrl_c_ends_the_writing_of_a_file(tmp_path):
+    cells, path = lg.cells(white(5_000), domain=CUBE), tmp_path / "cells.csv"
+    cells.save(path)
+    whole = len(path.read_bytes())
+    path.unlink()
+    # A pipe, which has room for a part of it until it is read.
+    os.mkfifo(path)
+    read = []
+
+    def reading():
+        with open(path, "rb") as pipe:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.5)
+            read.append(len(pipe.read()))
+
+    thread = threading.Thread(target=reading)
+    thread.start()
+    with pytest.raises(KeyboardInterrupt):
+        cells.save(path)
+    thread.join()
+    assert 0 < read[0] < whole
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 def test_a_process_that_was_forked_opens_its_own_backend():
     diagram = lg.Diagram(white(50), domain=CUBE)

@@ -1,5 +1,5 @@
 //! Files: sites, weights, meshes and results. Readers name file and line of what is wrong and never allocate from a number
-//! that a file merely claims; writers leave nothing half-written under the final name.
+//! that a file merely claims; writers leave nothing half-written under the final name, also where who watches one (`write_…_watched`) ends it.
 //!
 //! Whatever bytes they are given, [`parse_sites`], [`parse_weights`] and [`parse_mesh`] end with a value or one line of
 //! error, with memory of the order of the bytes: each binary form is held against its length, each text form read line by line.
@@ -39,13 +39,15 @@ use std::path::{Path, PathBuf};
 
 use crate::{Error, ErrorKind, Result};
 
-pub use atomic::{abandon_writing, destination, write_whole};
+pub use atomic::{abandon_writing, destination, write_whole, write_whole_watched};
 pub use columns::Columns;
 use form::Form;
-pub use geometry::write_geometry;
+pub use geometry::{write_geometry, write_geometry_watched};
 pub use mesh::{Mesh, parse_mesh, read_mesh};
 pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, read_cells, read_facets};
-pub use results::{FacetValues, facet_count, facet_rows, write_cells, write_facets};
+pub use results::{
+    FacetValues, facet_count, facet_rows, write_cells, write_cells_watched, write_facets, write_facets_watched,
+};
 pub use sites::{SitesFile, parse_sites, parse_sites_by_columns, read_sites, read_sites_by_columns, write_sites};
 pub use weights::{parse_weights, read_weights, write_weights};
 

@@ -44,7 +44,8 @@ const WEIGHTS: [&str; 2] = ["weights", "weight"];
 /// # Errors
 /// As [`read_cells`].
 pub(crate) fn read_sites(path: &Path) -> Result<SitesFile> {
-    if io::ending(path, &[ENDING]).is_err() {
+    // Standard input is text.
+    if path.as_os_str() == "-" || io::input_ending(path, &with_npz(io::SITES_INPUT_ENDINGS))? != ENDING {
         return io::read_sites(path);
     }
     read(path).and_then(|bytes| sites(&bytes)).map_err(|e| e.at(path.display()))

@@ -75,13 +75,35 @@ const NPY_IS_OFF: &str = "NumPy's files are not part of this build: build with t
 /// # Errors
 /// `Input`, listing what is known; or saying that `.npy` takes the feature `npy`.
 pub fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
+    find_ending(path, known, false)
+}
+
+/// The same of an input, whose name may have a `.gz` behind its ending: that before it.
+///
+/// # Errors
+/// As [`ending`]; and where the name takes a feature that is not built, or what is never packed would be.
+pub fn input_ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
+    Form::of(path, known).map(|form| form.ending)
+}
+
+fn find_ending(path: &Path, known: &[&'static str], is_input: bool) -> Result<&'static str> {
     let found = path.extension().map(|e| format!(".{}", e.to_string_lossy().to_lowercase())).unwrap_or_default();
     if cfg!(not(feature = "npy")) && found == ".npy" && known.contains(&".npy") {
         return Err(Error::input(format!("{}: {NPY_IS_OFF}", path.display())));
     }
     known.iter().copied().find(|&k| k == found).ok_or_else(|| {
         let found = if found.is_empty() { "no ending".into() } else { format!("unknown ending '{found}'") };
-        Error::input(format!("{}: {found}; known here: {}", path.display(), known.join(", ")))
+        let is_built = |known: &&str| match *known {
+            ".npy" => cfg!(feature = "npy"),
+            ".vtp" => cfg!(feature = "packed") || !is_input,
+            _ => true,
+        };
+        let built: Vec<&str> = known.iter().copied().filter(is_built).collect();
+        let packed = match built.first() {
+            Some(first) if is_input && cfg!(feature = "packed") => format!("; also packed, as {first}.gz"),
+            _ => String::new(),
+        };
+        Error::input(format!("{}: {found}; known here: {}{packed}", path.display(), built.join(", ")))
     })
 }
 

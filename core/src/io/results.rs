@@ -86,6 +86,7 @@ pub fn write_facets_watched(
 
 /// A facet as files of facets have it, seen from one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FacetValues {
     /// The site on this side.
     pub site: usize,

@@ -31,7 +31,7 @@ function borderOf(cells, shown) {
 /**
  * What fills the cut of a plane through cells, seen from beyond it from behind: of a cell that is whole, and so convex, its section, some four triangles; of
  * one on the border, whose section may be anything, its inner faces, for where the plane opens it the backs of these are seen. (Faces for all were seven
- * times the triangles, and five sixths of a frame's time where a processor draws 100,000 cells.)
+ * times the triangles, and two thirds of a frame's time and more where a processor draws 100,000 cells.)
  */
 function filling(cells, through) {
   const { start, outer, inner } = cells, { shown, isCut } = through, { first, list } = facesOfCells(cells);

@@ -57,7 +57,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let facts = page::facts(&Report::new(&output, &whole, backend.info(), seconds));
     let page =
         Page { title: format!("Cells of {} sites in a swan", grouped(args.sites.into())), facts, ..Page::default() };
-    page::write_still(&names[4], &page, &diagram, &output)?;
+    page::write_still(&names[4], &page, &diagram, &output, &())?;
     seconds.write = start.elapsed().as_secs_f64();
 
     let report = Report::new(&output, &whole, backend.info(), seconds);

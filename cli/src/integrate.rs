@@ -65,7 +65,13 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     if let Some(path) = &args.html {
         let report = Report::new(&output, &whole, backend.info(), seconds);
         let title = page::title("Cells of", &sites::name(&args.sites), args.container.file().map(PathBuf::as_path));
-        page::write_still(path, &Page { title, facts: page::facts(&report), ..Page::default() }, &diagram, &output)?;
+        page::write_still(
+            path,
+            &Page { title, facts: page::facts(&report), ..Page::default() },
+            &diagram,
+            &output,
+            &(),
+        )?;
     }
     seconds.write = start.elapsed().as_secs_f64();
 

@@ -236,12 +236,7 @@ impl Report {
             ),
             facts,
             shown,
-            plot: Some(Plot {
-                x: "iteration",
-                y: "gradient (distance of sites from barycenters, in cells)",
-                log: true,
-                values,
-            }),
+            plot: Plot::of("gradient", values),
             ..Page::default()
         }
     }

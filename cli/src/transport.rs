@@ -232,7 +232,7 @@ impl Report {
             title: page::title("Transport to", &sites::name(&args.sites), args.container.file().map(PathBuf::as_path)),
             facts,
             shown,
-            plot: Some(Plot { x: "step", y: "residual (largest relative error of a mass)", log: true, values }),
+            plot: Plot::of("residual", values),
             ..Page::default()
         }
     }

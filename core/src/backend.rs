@@ -44,11 +44,24 @@ impl Capabilities {
     }
 }
 
-/// Watches an evaluation from outside, and may end it: a progress bar, a button.
+/// Watches an evaluation, or the writing of a file, from outside, and may end it: a progress bar, a button.
 pub trait Observer: Sync {
-    /// `cells` more of the diagram's are finished; called often, by any thread. `Break` ends the evaluation soon, with an error of the kind
-    /// [`Interrupted`](crate::ErrorKind::Interrupted).
+    /// `cells` more of the diagram's are finished (while a file is written always 0); called often, by any thread. `Break` ends the work soon, with
+    /// an error of the kind [`Interrupted`](crate::ErrorKind::Interrupted).
     fn advance(&self, cells: usize) -> ControlFlow<()>;
+}
+
+impl dyn Observer + '_ {
+    /// Tells that `cells` more are finished.
+    ///
+    /// # Errors
+    /// `Interrupted` where that ends the work.
+    pub fn tell(&self, cells: usize) -> Result<()> {
+        match self.advance(cells) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::interrupted()),
+        }
+    }
 }
 
 /// Nobody.
@@ -76,10 +89,7 @@ impl<'a> Watched<'a> {
     /// # Errors
     /// `Interrupted` where the observer ends the evaluation.
     pub fn advance(&self, cells: usize) -> Result<()> {
-        match self.observer.advance(cells) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Error::interrupted()),
-        }
+        self.observer.tell(cells)
     }
 
     /// The same observer of another request.

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use laguerre::{Backend, Container, Error, Output, PowerDiagram, Request, Result, io};
+use laguerre::{Backend, Container, Error, Observer, Output, PowerDiagram, Request, Result, io};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -53,6 +53,19 @@ pub struct Plot {
     pub values: Vec<f64>,
 }
 
+impl Plot {
+    /// The curve of a run, by what its states call the numbers: `gradient` (of Lloyd's relaxation), `residual` (of transport), `kinetic` (of a fluid).
+    pub fn of(name: &str, values: Vec<f64>) -> Option<Self> {
+        let (x, y, log) = match name {
+            "gradient" => ("iteration", "gradient (distance of sites from barycenters, in cells)", true),
+            "residual" => ("step", "residual (largest relative error of a mass)", true),
+            "kinetic" => ("step", "kinetic energy", false),
+            _ => return None,
+        };
+        Some(Self { x, y, log, values })
+    }
+}
+
 /// What the page's script reads beside the blocks.
 #[derive(Serialize)]
 struct Meta<'a> {
@@ -88,16 +101,23 @@ struct State<'a> {
     lengths: Lengths,
 }
 
-/// Writes the page of one diagram, whose output has geometry.
+/// Writes the page of one diagram, whose output has geometry, watched by `observer`.
 ///
 /// # Errors
-/// `Input` where there is no geometry, or there are too many sites; `Io` where writing failed.
-pub fn write_still(path: &Path, page: &Page, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+/// `Input` where there is no geometry, or there are too many sites; `Io` where writing failed; `Interrupted` where the observer ends it.
+pub fn write_still(
+    path: &Path,
+    page: &Page,
+    diagram: &PowerDiagram,
+    output: &Output,
+    observer: &dyn Observer,
+) -> Result<()> {
     let frame = Frame::of(diagram)?;
     let moment =
         Moment { label: String::new(), row: 0, positions: Vec::new(), weights: Vec::new(), values: Vec::new() };
     let block = block(diagram, output, frame, &moment)?;
-    write(path, page, frame, &[(&moment, block)])
+    observer.tell(0)?;
+    write(path, page, frame, &[(&moment, block)], observer)
 }
 
 /// Writes the page of a run, whose cells at each of `moments` are computed once more for it.
@@ -120,7 +140,7 @@ pub fn write_run(
         let output = backend.evaluate(&diagram, &Request::moments().with_geometry())?;
         blocks.push((moment, block(&diagram, &output, frame, moment)?));
     }
-    write(path, page, frame, &blocks)
+    write(path, page, frame, &blocks, &())
 }
 
 impl Frame {
@@ -164,7 +184,7 @@ fn scales(size: f64) -> [f64; 2] {
     [size * size * size, size * size]
 }
 
-fn write(path: &Path, page: &Page, frame: Frame, blocks: &[(&Moment, Block)]) -> Result<()> {
+fn write(path: &Path, page: &Page, frame: Frame, blocks: &[(&Moment, Block)], observer: &dyn Observer) -> Result<()> {
     let names = [("volume", "length³"), ("weight", "length²")].into_iter().chain(page.fields.iter().copied());
     let field = |(k, (name, unit)): (usize, (&'static str, &'static str))| {
         let scale = scales(frame.size).get(k).copied().unwrap_or(1.0);
@@ -190,7 +210,7 @@ fn write(path: &Path, page: &Page, frame: Frame, blocks: &[(&Moment, Block)]) ->
     // Within a script `</script>` and `<!--` would be read by the browser first.
     let meta = serde_json::to_string(&meta).map_err(|e| Error::input(format!("a page: {e}")))?.replace('<', "\\u003c");
     let texts: Vec<String> = blocks.par_iter().map(|(_, block)| STANDARD.encode(&block.deflated)).collect();
-    io::write_whole(path, |w| {
+    io::write_whole_watched(path, observer, |w| {
         for line in PAGE.split_inclusive('\n') {
             match line.trim() {
                 "@title" => w.write_all(escaped(&page.title).as_bytes())?,

@@ -115,7 +115,7 @@ function shownCells() {
   return shown;
 }
 
-/** The same where a plane cuts cells through: also which it cuts, and the plane as the view takes it. */
+/** The same where a plane cuts cells through: also which it cuts, where it is, and it as the view takes it. */
 function cutThrough() {
   const axis = element('axis').selectedIndex, share = element('cut').value / 1000, sign = isFlipped ? -1 : 1;
   const at = (isFlipped ? 1 - share : share) * view.extent[axis], { lo, hi } = spans(cells, axis);
@@ -124,7 +124,7 @@ function cutThrough() {
     shown[c] = (isFlipped ? hi[c] > at : lo[c] < at) ? 1 : 0;
     isCut[c] = lo[c] < at && at < hi[c] ? 1 : 0;
   }
-  return { shown, isCut, plane: [0, 1, 2].map((k) => (k === axis ? sign : 0)).concat(sign * at) };
+  return { shown, isCut, axis, sign, at, plane: [0, 1, 2].map((k) => (k === axis ? sign : 0)).concat(sign * at) };
 }
 
 /** Draws which cells are shown; once a frame, however fast a slider is. */
@@ -145,8 +145,7 @@ function reshapeNow() {
   element('spread-label').value = spread ? `${element('spread').value} %` : 'none';
   // What stands apart, or alone, is whole.
   if (isThrough && share < 1 && spread === 0 && !(isAlone && picked >= 0)) {
-    const through = cutThrough();
-    view.setShown(through.shown, 0, through);
+    view.setThrough(cutThrough());
   } else {
     view.setShown(shownCells(), spread);
   }

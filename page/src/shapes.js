@@ -5,27 +5,75 @@ const MOST_WITH_EDGES = 20000;
 
 /** What borders on what is not shown: a face between a cell of which `shown` is 1 and one of which it is 0, or nothing. */
 function hull(cells, shown) {
-  const { inner, outer } = cells;
-  return shapeOf(cells, (f) => shown[inner[f]] && (outer[f] < 0 || !shown[outer[f]]), (f) => outer[f] >= 0 && shown[outer[f]] && !shown[inner[f]]);
-}
-
-/** The faces between shown cells that a plane goes through, and others: seen from within the cell, where the plane opens it, they fill the cut. */
-function filling(cells, shown, isCut) {
-  const { inner, outer } = cells, isWithin = (f) => outer[f] >= 0 && shown[inner[f]] && shown[outer[f]];
-  return shapeOf(cells, (f) => isWithin(f) && isCut[inner[f]], (f) => isWithin(f) && isCut[outer[f]]);
-}
-
-/** The faces that are asked for, as sides of their one cell and of the other. */
-function shapeOf(cells, isOfInner, isOfOuter) {
-  const { start } = cells;
+  const { inner, outer, start } = cells;
+  const isOfInner = (f) => shown[inner[f]] && (outer[f] < 0 || !shown[outer[f]]), isOfOuter = (f) => outer[f] >= 0 && shown[outer[f]] && !shown[inner[f]];
   let corners = 0;
-  for (let f = 0; f < cells.faces; f++) corners += ((isOfInner(f) ? 1 : 0) + (isOfOuter(f) ? 1 : 0)) * (start[f + 1] - start[f]);
+  for (let f = 0; f < cells.faces; f++) if (isOfInner(f) || isOfOuter(f)) corners += start[f + 1] - start[f];
   const fans = new Fans(cells, corners);
   for (let f = 0; f < cells.faces; f++) {
     if (isOfInner(f)) fans.add(f, false);
-    if (isOfOuter(f)) fans.add(f, true);
+    else if (isOfOuter(f)) fans.add(f, true);
   }
   return fans.shape();
+}
+
+/** The same where a plane cuts the cells that are shown: what is between them and others is beyond it, so that the border of all is left. */
+function borderOf(cells, shown) {
+  const { inner, outer, start } = cells;
+  cells.border ??= Uint32Array.from(outer.keys()).filter((f) => outer[f] < 0);
+  let corners = 0;
+  for (const f of cells.border) if (shown[inner[f]]) corners += start[f + 1] - start[f];
+  const fans = new Fans(cells, corners);
+  for (const f of cells.border) if (shown[inner[f]]) fans.add(f, false);
+  return fans.shape();
+}
+
+/**
+ * What fills the cut of a plane through cells, seen from beyond it from behind: of a cell that is whole, and so convex, its section, some four triangles; of
+ * one on the border, whose section may be anything, its inner faces, for where the plane opens it the backs of these are seen. (Faces for all were seven
+ * times the triangles, and two thirds of a frame's time and more where a processor draws 100,000 cells.)
+ */
+function filling(cells, through) {
+  const { start, outer, inner } = cells, { shown, isCut } = through, { first, list } = facesOfCells(cells);
+  let corners = 0;
+  for (let c = 0; c < cells.count; c++) if (isCut[c]) for (let k = first[c]; k < first[c + 1]; k++) corners += start[list[k] + 1] - start[list[k]];
+  const fans = new Fans(cells, corners);
+  for (let c = 0; c < cells.count; c++) {
+    if (!isCut[c]) continue;
+    const faces = list.subarray(first[c], first[c + 1]);
+    if (faces.every((f) => outer[f] >= 0)) {
+      section(fans, c, faces, through);
+    } else {
+      for (const f of faces) if (outer[f] >= 0 && shown[inner[f]] && shown[outer[f]]) fans.add(f, inner[f] !== c, false);
+    }
+  }
+  return fans.shape();
+}
+
+/** The section of a convex cell: triangles from an end of its first side to the others, which need no order. */
+function section(fans, c, faces, { axis, sign, at }) {
+  const { points, corners, start, inner } = fans.cells;
+  const beyond = (corner) => sign * points[3 * corners[corner] + axis] > sign * at;
+  // Where an edge meets the plane: the same to the last bit for all faces at it.
+  const meet = (one, other) => {
+    const p = 3 * Math.min(corners[one], corners[other]), q = 3 * Math.max(corners[one], corners[other]);
+    const share = (at - points[p + axis]) / (points[q + axis] - points[p + axis]);
+    return [0, 1, 2].map((k) => (k === axis ? at : points[p + k] + share * (points[q + k] - points[p + k])));
+  };
+  let top = null;
+  for (const f of faces) {
+    let leaves = null, returns = null;
+    for (let corner = start[f]; corner < start[f + 1]; corner++) {
+      const next = corner + 1 < start[f + 1] ? corner + 1 : start[f];
+      if (beyond(corner) === beyond(next)) continue;
+      if (beyond(next)) leaves = meet(corner, next);
+      else returns = meet(corner, next);
+    }
+    if (!leaves) continue;
+    const [from, to] = inner[f] === c ? [leaves, returns] : [returns, leaves];
+    if (top) fans.addTriangle(top, from, to, 2 * c + 1);
+    top ??= from;
+  }
 }
 
 /** Where each cell begins and ends along an axis; kept, as a slider asks again and again. */
@@ -85,7 +133,7 @@ function layers(cells, shown) {
   return order.subarray(0, count);
 }
 
-/** Triangles from the middle of each face to its edges. A code is twice the cell, and 1 more at the ends of an edge that is drawn. */
+/** Triangles from the middle of each face to its edges. A code is twice the cell, and 1 more at the ends of an edge that is drawn, or in the plane of a cut. */
 class Fans {
   constructor(cells, corners) {
     this.cells = cells;
@@ -94,7 +142,7 @@ class Fans {
     this.at = 0;
   }
 
-  add(f, isTurned) {
+  add(f, isTurned, hasEdges = true) {
     const { points, start, corners, soft, inner, outer } = this.cells;
     const from = start[f], to = start[f + 1], code = 2 * (isTurned ? outer[f] : inner[f]);
     let x = 0, y = 0, z = 0;
@@ -113,13 +161,21 @@ class Fans {
         position[other + k] = points[b + k];
       }
       this.code[this.at] = code;
-      this.code[this.at + 1] = this.code[this.at + 2] = code + 1 - soft[c];
+      this.code[this.at + 1] = this.code[this.at + 2] = hasEdges ? code + 1 - soft[c] : code;
       this.at += 3;
     }
   }
 
+  addTriangle(a, b, c, code) {
+    for (const corner of [a, b, c]) {
+      this.position.set(corner, 3 * this.at);
+      this.code[this.at++] = code;
+    }
+  }
+
+  /** Of room that was not needed nothing is left. */
   shape() {
-    return { position: this.position, code: this.code, index: null };
+    return { position: this.position.slice(0, 3 * this.at), code: this.code.slice(0, this.at), index: null };
   }
 }
 

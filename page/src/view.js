@@ -45,7 +45,9 @@ flat in vec4 tint;
 flat in uint cell;
 out vec4 color;
 void main() {
-  if (dot(plane.xyz, at) > plane.w || (fills && gl_FrontFacing)) discard;
+  // What lies in the plane is not beyond it, however it is rounded.
+  bool inPlane = fills && rim > 0.5;
+  if ((dot(plane.xyz, at) > plane.w && !inPlane) || (fills && gl_FrontFacing)) discard;
   if (picks) {
     uint number = cell + 1u;
     color = vec4(float(number & 255u), float(number >> 8u & 255u), float(number >> 16u & 255u), 255.0) / 255.0;
@@ -102,7 +104,7 @@ class View {
       return made;
     };
     this.mesh = mesh(false);
-    /** What fills a cut through cells: of their inner faces the backs. */
+    /** What fills a cut through cells: seen from behind. */
     this.filling = mesh(true);
     this.lines = this.outline();
     this.scene.add(this.mesh, this.filling, this.lines);
@@ -187,16 +189,20 @@ class View {
     this.draw();
   }
 
-  /**
-   * Which cells are shown, and how far they are moved from the middle, as a share of where they are; or `through`, where a plane cuts them: `isCut` of
-   * each cell, and the `plane`, four numbers: beyond it the first three times the place are more than the fourth.
-   */
-  setShown(shown, spread, through = null) {
-    const isApart = spread > 0;
-    const triangles = this.setTriangles(this.mesh, isApart ? apart(this.cells, shown) : hull(this.cells, shown));
-    this.setTriangles(this.filling, through ? filling(this.cells, shown, through.isCut) : null);
-    this.uniforms.plane.value = through ? through.plane : [0, 0, 0, 1];
-    this.vertices = triangles;
+  /** Which cells are shown, and how far they are moved from the middle, as a share of where they are. */
+  setShown(shown, spread) {
+    this.setShapes(spread > 0 ? apart(this.cells, shown) : hull(this.cells, shown), null, [0, 0, 0, 1], spread);
+  }
+
+  /** Cells that a plane cuts through: beyond it the first three numbers of `through.plane` times the place are more than the fourth. */
+  setThrough(through) {
+    this.setShapes(borderOf(this.cells, through.shown), filling(this.cells, through), through.plane, 0);
+  }
+
+  setShapes(shape, filling, plane, spread) {
+    this.vertices = this.setTriangles(this.mesh, shape);
+    this.setTriangles(this.filling, filling);
+    this.uniforms.plane.value = plane;
     this.uniforms.spread.value = spread;
     this.moved();
   }

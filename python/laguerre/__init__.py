@@ -11,8 +11,9 @@ Of points at one place, or nearer than the container's frame can tell apart, one
 """
 
 from ._backend import Backend, Device, devices
-from ._cells import Boundary, Cells, Diagram, Facets, Status, cells
+from ._cells import Boundary, Cells, Facets, Status
 from ._container import Box, Domain
+from ._diagram import Diagram, cells
 from ._fluid import Flow, fluid, scene
 from ._laguerre import __version__
 from ._page import page

@@ -1,10 +1,7 @@
-"""Diagrams and their cells."""
+"""Cells: what is computed of them, and from that."""
 
 from __future__ import annotations
 
-import contextlib
-import errno
-import os
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -14,10 +11,12 @@ import numpy as np
 from . import _laguerre
 from ._arrays import frozen, numbers
 from ._backend import Backend, opened
-from ._container import Box, Container, Domain, inner, taken
+from ._container import Box, Domain, inner
+from ._files import save
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    import os
+    from collections.abc import Callable
 
     import pyvista
     import scipy.sparse
@@ -239,30 +238,7 @@ class Cells:
         ``.csv`` has a row for each, ``.npz`` the arrays; ``.vtu`` (solids, for ParaView), ``.vtp``, ``.ply`` and ``.glb`` have the cells as the domain cuts
         them, ``.html`` a page for a browser that shows them, all in the one file. Without ``geometry=True``, and for ``.vtu``, these are computed once more.
         """
-        given, found, ending = self._given, self._found, os.path.splitext(os.fspath(path))[1].lower()
-        if ending == ".npz":
-            return self._save_npz(os.fspath(path))
-        if ending == ".vtu" or (ending in (".vtp", ".ply", ".glb", ".html", ".htm") and "geometry" not in found):
-            found = {**found, "geometry": given.evaluate(False, False, False, True, None, self._epsilon, ending == ".vtu")["geometry"]}
-        _laguerre.save(given.backend, given.points, given.weights, inner(given.container), found, path)
-
-    def _save_npz(self, path: str) -> None:
-        found = {"volume": self.volume, "barycenter": self.centroid, "status": self.status}
-        if "offsets" in self._found:
-            found["facets"] = np.diff(self.facets.offsets) + (self.boundary.area > 0)
-        found.update({name: getattr(self, name) for name in ("integral", "second_moment") if name in self._found})
-        folder = os.path.dirname(path) or "."
-        if not os.path.isdir(folder):
-            raise FileNotFoundError(errno.ENOENT, f"{path}: there is no folder '{folder}'; make it first")
-        # Whole or not at all.
-        part = f"{path}.{os.getpid()}.part"
-        try:
-            with open(part, "wb") as file:
-                np.savez(file, **found)
-            os.replace(part, path)
-        finally:
-            with contextlib.suppress(FileNotFoundError):
-                os.remove(part)
+        save(self, path)
 
     def to_pyvista(self) -> pyvista.PolyData:
         """Where geometry was asked for: the faces of all cells, with ``volume``, ``site`` and ``beyond`` (the point on the other side, -1 for the
@@ -319,118 +295,3 @@ def _matrices(packed: NDArray[np.float64] | None, option: str) -> NDArray[np.flo
     if packed is None:
         raise ValueError(f"these cells were evaluated without: ask laguerre.cells for {option}=True")
     return packed[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
-
-
-class Diagram:
-    """Points, weights and their container, to be evaluated again and again: the container's grid and the backend are kept.
-
-    ``weights``, (N,), are squared lengths, in whose place ``radii``, (N,), are lengths whose squares are the weights. ``domain`` is a :class:`Domain`,
-    a :class:`Box`, a mesh's file, a PyVista or trimesh mesh, or nothing: the box around these points. ``backend`` is ``"auto"`` (a GPU if there is one),
-    ``"cpu"``, ``"ocl"`` or a :class:`Backend`; ``devices`` are the numbers of OpenCL devices, ``threads`` the CPU's.
-    """
-
-    def __init__(
-        self,
-        points: ArrayLike,
-        weights: ArrayLike | None = None,
-        *,
-        radii: ArrayLike | None = None,
-        domain: Container = None,
-        backend: str | Backend = "auto",
-        devices: list[int] | None = None,
-        precision: str = "f64",
-        threads: int | None = None,
-    ) -> None:
-        points = numbers(points, "points", (None, 3))
-        weights = _weights(len(points), weights, radii)
-        self._given = Given(points, weights, taken(domain, points), opened(backend, devices, precision, threads))
-
-    def set(self, points: ArrayLike, weights: ArrayLike | None = None, *, radii: ArrayLike | None = None) -> None:
-        """Other points and weights (none given: all equal) in the same container. Cells that were evaluated stay those of theirs."""
-        points = numbers(points, "points", (None, 3))
-        weights = _weights(len(points), weights, radii)
-        self._given = Given(points, weights, self._given.container, self._given.backend)
-
-    @property
-    def points(self) -> NDArray[np.float64]:
-        """The points, (N, 3)."""
-        return self._given.points
-
-    @property
-    def weights(self) -> NDArray[np.float64] | None:
-        """The weights, (N,), or none where all are equal."""
-        return self._given.weights
-
-    @property
-    def domain(self) -> Domain | Box | None:
-        """What the cells are cut by; none where the points have no box."""
-        return self._given.container
-
-    @property
-    def backend(self) -> Backend:
-        """Where they are computed."""
-        return self._given.backend
-
-    def cells(
-        self,
-        *,
-        facets: bool = False,
-        second_moments: bool = False,
-        facet_second_moments: bool = False,
-        geometry: bool = False,
-        polynomial: Mapping[tuple[int, int, int], float] | None = None,
-        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-        epsilon: float | None = None,
-    ) -> Cells:
-        """Volumes and centroids of all cells, and what else is asked for.
-
-        ``polynomial`` maps exponents of x, y, z, counted from ``origin``, to coefficients. ``epsilon`` ends each search at a radius that is enlarged by
-        ``1 + epsilon`` instead of a proof.
-        """
-        terms = None
-        if polynomial is not None:
-            if not polynomial:
-                raise ValueError("polynomial: no terms; give one at least, as {(1, 0, 0): 1.0}")
-            terms = ([(list(e), float(c)) for e, c in polynomial.items()], [float(x) for x in origin])
-        given = self._given
-        found = given.evaluate(facets, second_moments, facet_second_moments, geometry, terms, epsilon)
-        return Cells(given, found, epsilon)
-
-
-def cells(
-    points: ArrayLike,
-    weights: ArrayLike | None = None,
-    *,
-    radii: ArrayLike | None = None,
-    domain: Container = None,
-    facets: bool = False,
-    second_moments: bool = False,
-    facet_second_moments: bool = False,
-    geometry: bool = False,
-    polynomial: Mapping[tuple[int, int, int], float] | None = None,
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    epsilon: float | None = None,
-    backend: str | Backend = "auto",
-    devices: list[int] | None = None,
-    precision: str = "f64",
-    threads: int | None = None,
-) -> Cells:
-    """The restricted cells of weighted points: :class:`Diagram` and :meth:`Diagram.cells` in one call."""
-    diagram = Diagram(
-        points, weights, radii=radii, domain=domain, backend=backend, devices=devices, precision=precision, threads=threads
-    )
-    return diagram.cells(
-        facets=facets, second_moments=second_moments, facet_second_moments=facet_second_moments, geometry=geometry,
-        polynomial=polynomial, origin=origin, epsilon=epsilon,
-    )  # fmt: skip
-
-
-def _weights(count: int, weights: Any, radii: Any) -> NDArray[np.float64] | None:
-    if radii is not None:
-        if weights is not None:
-            raise ValueError("weights and radii: give one of them")
-        lengths = numbers(radii, "radii", (count,))
-        if (lengths < 0).any():
-            raise ValueError(f"radii: that of point {int(np.argmax(lengths < 0))} is negative")
-        return frozen(np.square(lengths))
-    return None if weights is None else numbers(weights, "weights", (count,))

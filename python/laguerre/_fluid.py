@@ -10,8 +10,9 @@ import numpy as np
 
 from . import _laguerre
 from ._arrays import frozen, numbers
-from ._cells import Cells, Diagram, Given, freeze
+from ._cells import Cells, Given, freeze
 from ._container import Box, Container, inner, taken
+from ._diagram import Diagram
 from ._solvers import check
 
 if TYPE_CHECKING:

@@ -153,6 +153,7 @@ def page(
     container: Any,
     states: list[tuple[str, NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None]],
     has_speeds: bool,
+    curve: tuple[str, list[float]] | None,
     title: str,
     path: str | os.PathLike[str],
 ) -> None: ...

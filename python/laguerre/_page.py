@@ -10,8 +10,11 @@ import numpy as np
 
 from . import _laguerre
 from ._arrays import numbers
-from ._cells import Diagram
 from ._container import Container, inner
+from ._diagram import Diagram
+
+CURVES = ("kinetic", "gradient", "residual")
+"""What states of a run may be told that is drawn as its curve: of a fluid the first, which has residuals, too."""
 
 
 def page(
@@ -25,8 +28,8 @@ def page(
     """Writes a page, ``.html``, that shows the cells of a run in 3D over time, all in the one file.
 
     ``states`` are what callbacks of :func:`lloyd`, :func:`transport` and :func:`fluid` are told (``callback=states.append``), or other mappings with
-    ``points`` and, if need be, ``weights``; ``step`` and ``time`` are their names, ``velocities`` colour them by speed. The cells of each are computed once
-    more; of many some are taken, evenly, so that the page has no more than 200,000 cells in all. ``options`` are those of :class:`Diagram`.
+    ``points`` and, if need be, ``weights``; ``step`` and ``time`` are their names, ``velocities`` colour them by speed, and the page has the curve of
+    ``kinetic``, ``gradient`` or ``residual``, of which all have one. The cells of each are computed once more; of many some are taken, evenly, so that the page has no more than 200,000 cells in all. ``options`` are those of :class:`Diagram`.
     """
     if not len(states):
         raise ValueError("states: none is given; gather them by callback=states.append")
@@ -39,4 +42,6 @@ def page(
         label = f"step {int(state.get('step', row))}" + (f", time {state['time']:.4f}" if "time" in state else "")
         points = numbers(state["points"], "points", (count, 3))
         taken.append((label, points, None if weights is None else numbers(weights, "weights", (count,)), speeds))
-    _laguerre.page(given.backend, inner(given.container), taken, has_speeds, title, path)
+    name = next((name for name in CURVES if all(name in state for state in states)), None)
+    curve = None if name is None else (name, [float(state[name]) for state in states])
+    _laguerre.page(given.backend, inner(given.container), taken, has_speeds, curve, title, path)

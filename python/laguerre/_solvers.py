@@ -10,8 +10,9 @@ import numpy as np
 
 from . import _laguerre
 from ._arrays import numbers
-from ._cells import Cells, Diagram, Given, freeze
+from ._cells import Cells, Given, freeze
 from ._container import Container, inner
+from ._diagram import Diagram
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -8,7 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ._cells import Cells, Diagram
+from ._cells import Cells
+from ._diagram import Diagram
 from ._solvers import refuse_density, solved
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import torch
 from torch.autograd.function import once_differentiable
 
-from ._cells import Diagram
+from ._diagram import Diagram
 from ._solvers import refuse_density, solved
 
 

@@ -69,9 +69,10 @@ pub(crate) fn fluid<'py>(
         densities: densities.as_slice()?.to_vec(),
     };
     let (shake, period, swings) = shake.unwrap_or_default();
-    let gravity = Gravity { steady: gravity, shake, period, swings };
-    let epsilon = epsilon.unwrap_or_else(|| start.epsilon(&container, &gravity));
-    let settings = Settings { epsilon, viscosity, gravity, time_step };
+    let mut acting = Gravity::default();
+    (acting.steady, acting.shake, acting.period, acting.swings) = (gravity, shake, period, swings);
+    let mut settings = Settings::new(epsilon.unwrap_or_else(|| start.epsilon(&container, &acting)));
+    (settings.viscosity, settings.gravity, settings.time_step) = (viscosity, acting, time_step);
     let before = before.map(|before| state(&start, &before)).transpose()?;
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
@@ -97,7 +98,7 @@ pub(crate) fn fluid<'py>(
     let (fluid, history, ends, output) = callback.or_raise(done)?;
     let found = PyDict::new(py);
     put_state(py, &found, fluid.state())?;
-    found.set_item("epsilon", epsilon)?;
+    found.set_item("epsilon", settings.epsilon)?;
     found.set_item("end", if ends { "stopped" } else { "steps" })?;
     for (name, column) in COLUMNS {
         found.set_item(name, PyArray1::from_vec(py, history.iter().map(column).collect()))?;
@@ -130,9 +131,12 @@ fn put_state(py: Python<'_>, found: &Bound<'_, PyDict>, state: &State) -> PyResu
 fn state(start: &Start, before: &Before<'_>) -> PyResult<State> {
     let (steps, time, weights, rates, hamiltonian_at_start, brought_in) = before;
     let Start { positions, velocities, densities } = start.clone();
-    let (weights, weight_rates) = (weights.as_slice()?.to_vec(), rates.as_slice()?.to_vec());
-    let (steps, time, hamiltonian_at_start, brought_in) = (*steps, *time, *hamiltonian_at_start, *brought_in);
-    Ok(State { steps, time, positions, velocities, densities, weights, weight_rates, hamiltonian_at_start, brought_in })
+    let mut state = State::default();
+    (state.steps, state.time, state.hamiltonian_at_start, state.brought_in) =
+        (*steps, *time, *hamiltonian_at_start, *brought_in);
+    (state.positions, state.velocities, state.densities) = (positions, velocities, densities);
+    (state.weights, state.weight_rates) = (weights.as_slice()?.to_vec(), rates.as_slice()?.to_vec());
+    Ok(state)
 }
 
 /// A scene as the program's command `fluid` has it: the arguments of a fluid, but for its container, and the extent of the scene's box.
@@ -184,7 +188,7 @@ pub(crate) fn scene<'py>(
     found.set_item("densities", PyArray1::from_vec(py, start.densities))?;
     found.set_item("epsilon", settings.epsilon)?;
     found.set_item("viscosity", settings.viscosity)?;
-    let Gravity { steady, shake, period, swings } = settings.gravity;
+    let Gravity { steady, shake, period, swings, .. } = settings.gravity;
     found.set_item("gravity", steady)?;
     found.set_item("shake", (swings > 0.0).then_some((shake, period, swings)))?;
     found.set_item("extent", scene.extent())?;

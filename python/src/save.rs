@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use laguerre::io::{self, CELLS_ENDINGS, GEOMETRY_ENDINGS};
 use laguerre::{CellStatus, Output, PowerDiagram, Result};
-use laguerre_page::{ENDINGS, Moment, Page, Timeline, write_run, write_still};
+use laguerre_page::{ENDINGS, Moment, Page, Plot, Timeline, write_run, write_still};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -29,16 +29,16 @@ pub(crate) fn save<'py>(
     let has_geometry = io::ending(&path, ENDINGS).or_else(|_| io::ending(&path, GEOMETRY_ENDINGS)).is_ok();
     let output = output(cells, has_geometry)?;
     let backend = backend.get()?;
-    detached_in_pool(py, backend.info().threads, |_| {
+    detached_in_pool(py, backend.info().threads, |stop| {
         if io::ending(&path, ENDINGS).is_ok() {
             let title = format!("{} cells", output.sites());
             let facts = facts(&output, &diagram, backend)?;
-            return write_still(&path, &Page { title, facts, ..Page::default() }, &diagram, &output);
+            return write_still(&path, &Page { title, facts, ..Page::default() }, &diagram, &output, stop);
         }
         if io::ending(&path, GEOMETRY_ENDINGS).is_ok() {
-            return io::write_geometry(&path, &diagram, &output);
+            return io::write_geometry_watched(&path, &diagram, &output, stop);
         }
-        io::write_cells(&path, &diagram, &output)
+        io::write_cells_watched(&path, &diagram, &output, stop)
     })
 }
 
@@ -46,14 +46,17 @@ pub(crate) fn save<'py>(
 type State<'py> =
     (String, PyReadonlyArray2<'py, f64>, Option<PyReadonlyArray1<'py, f64>>, Option<PyReadonlyArray1<'py, f64>>);
 
-/// Writes the page of a run: its states, or some of them where they are many, with `values` of each point by a name and unit.
+/// Writes the page of a run: its states, or some of them where they are many, with speeds where they have them, and its `curve`: what its numbers are, and
+/// one for each state.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the function of Python has as many")]
 pub(crate) fn page<'py>(
     py: Python<'py>,
     backend: PyRef<'py, Backend>,
     container: Option<Container<'py>>,
     states: Vec<State<'py>>,
     has_speeds: bool,
+    curve: Option<(String, Vec<f64>)>,
     title: String,
     path: PathBuf,
 ) -> PyResult<()> {
@@ -73,7 +76,8 @@ pub(crate) fn page<'py>(
     let (moments, shown) = timeline.finish("states");
     let fields = if has_speeds { vec![("speed", "length/time")] } else { Vec::new() };
     let facts = vec![("sites", diagram.positions().len().to_string())];
-    let page = Page { title, facts, shown, fields, ..Page::default() };
+    let plot = curve.and_then(|(name, values)| Plot::of(&name, values));
+    let page = Page { title, facts, shown, plot, fields, ..Page::default() };
     let backend = backend.get()?;
     detached_in_pool(py, backend.info().threads, |stop| {
         write_run(&path, &page, &Stoppable { backend, stop }, &diagram, &moments)
@@ -82,8 +86,9 @@ pub(crate) fn page<'py>(
 
 /// What can be said before the work.
 fn check(path: &Path) -> Result<()> {
-    let known: Vec<&'static str> = CELLS_ENDINGS.iter().chain(GEOMETRY_ENDINGS).chain(ENDINGS).copied().collect();
-    io::check_output(path, &known)
+    // `.npz` is NumPy's own, and does not come here.
+    let known = CELLS_ENDINGS.iter().chain(&[".npz"]).chain(GEOMETRY_ENDINGS).chain(ENDINGS);
+    io::check_output(path, &known.copied().collect::<Vec<_>>())
 }
 
 /// The figures of a diagram.

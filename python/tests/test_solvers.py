@@ -1,6 +1,8 @@
 """Solvers and their callbacks; interrupts."""
 
+import json
 import os
+import re
 import signal
 import threading
 import time
@@ -37,6 +39,9 @@ def test_a_run_is_a_page(tmp_path):
         lg.page(tmp_path / f"{name}.html", states, domain=CUBE)
         page = (tmp_path / f"{name}.html").read_text()
         assert page.count('id="block-') == len(states) and ("speed" in page) >= (name == "fluid")
+        drawn = {"lloyd": "gradient", "transport": "residual", "fluid": "kinetic"}[name]
+        plot = json.loads(re.search(r'<script[^>]*id="meta"[^>]*>(.*?)</script>', page, re.DOTALL)[1])["plot"]
+        assert plot["values"] == [state[drawn] for state in states] and plot["y"].startswith(drawn)
 
 
 def test_without_a_domain_the_box_stays():
@@ -106,6 +111,30 @@ def test_ctrl_c_ends_the_work_and_others_go_on_meanwhile():
     assert time.perf_counter() - start < 30
     # Without the lock all others would have waited.
     assert len(ticks) > 10
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_ctrl_c_ends_the_writing_of_a_file(tmp_path):
+    cells, path = lg.cells(white(5_000), domain=CUBE), tmp_path / "cells.csv"
+    cells.save(path)
+    whole = len(path.read_bytes())
+    path.unlink()
+    # A pipe, which has room for a part of it until it is read.
+    os.mkfifo(path)
+    read = []
+
+    def reading():
+        with open(path, "rb") as pipe:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.5)
+            read.append(len(pipe.read()))
+
+    thread = threading.Thread(target=reading)
+    thread.start()
+    with pytest.raises(KeyboardInterrupt):
+        cells.save(path)
+    thread.join()
+    assert 0 < read[0] < whole
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")

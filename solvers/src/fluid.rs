@@ -37,6 +37,7 @@ pub use scene::{Scene, Start, lattice};
 
 /// What the fluid is moved by.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Settings {
     /// `ε`, the time scale of the springs: small is stiff.
     pub epsilon: f64,
@@ -48,8 +49,16 @@ pub struct Settings {
     pub time_step: Option<f64>,
 }
 
+impl Settings {
+    /// Springs of that time scale, without viscosity and gravity, and a time step that follows them and the particles.
+    pub fn new(epsilon: f64) -> Self {
+        Self { epsilon, viscosity: 0.0, gravity: Gravity::default(), time_step: None }
+    }
+}
+
 /// Acceleration that acts on density.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Gravity {
     /// The one that stays (length/time²).
     pub steady: [f64; 3],
@@ -72,6 +81,7 @@ impl Gravity {
 
 /// All that the motion depends on at one time, beside the container and [`Settings`]: what a checkpoint has to hold.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct State {
     /// Steps so far.
     pub steps: u64,
@@ -95,6 +105,7 @@ pub struct State {
 
 /// The parts of the Hamiltonian (mass·length²/time²).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Energy {
     /// `Σ ρ_i V ‖v_i‖²/2`.
     pub kinetic: f64,
@@ -113,6 +124,7 @@ impl Energy {
 
 /// What one step took.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StepReport {
     /// The time step.
     pub time_step: f64,

@@ -195,7 +195,8 @@ fn viscosity_takes_energy_and_no_momentum() {
     // One step from the same state, with and without.
     let state = with.state().clone();
     let mut others = [0.0, 0.5].map(|viscosity| {
-        let settings = Settings { viscosity, ..*with.settings() };
+        let mut settings = *with.settings();
+        settings.viscosity = viscosity;
         Fluid::resume(&cpu(), &Container::Box([0.0; 3], [2.0, 1.0, 0.25]), state.clone(), settings).unwrap()
     });
     for fluid in &mut others {
@@ -256,8 +257,10 @@ fn what_cannot_flow_is_refused() {
     let nan = vec![[0.0; 3], [0.0, f64::NAN, 0.0]];
     assert!(refused(Start { velocities: nan, ..good() }, settings).contains("particle 1: velocity"));
     assert!(refused(Start { positions: vec![[0.2; 3]; 2], ..good() }, settings).contains("same place"));
-    assert!(refused(good(), Settings { epsilon: 0.0, ..settings }).contains("epsilon 0"));
-    assert!(refused(good(), Settings { time_step: Some(-1.0), ..settings }).contains("-1"));
+    assert!(refused(good(), Settings::new(0.0)).contains("epsilon 0"));
+    let mut backwards = settings;
+    backwards.time_step = Some(-1.0);
+    assert!(refused(good(), backwards).contains("-1"));
     // A step that throws particles out of all range leaves the state as it was.
     let mut fluid = fluid(Scene::Beltrami, 8, |s| s.time_step = Some(1e9));
     let before = fluid.state().clone();

@@ -4,6 +4,7 @@
 mod browser;
 mod codegen;
 mod count;
+mod deny;
 mod features;
 mod fixtures;
 mod guide;
@@ -35,7 +36,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   count            the instructions that small inputs take on the CPU, counted by valgrind, which it needs, and held to benches/instructions.txt;
                    --write makes that anew
   check            formatting, clippy and documentation, warnings as errors; the fuzz workspace compiles; every crate packs;
-                   generated text as it should be; then `features`
+                   generated text as it should be; then `deny` and `features`
+  deny             the licences, versions and sources of all dependencies are those that deny.toml allows
   features         the library brings few crates, and compiles with each feature alone; its tests, documentation and examples with the default ones
   codegen          the OpenCL C of core/src/cell/ and of backend-ocl/src/interface/; with --check only says whether it is up to date
   fixtures         makes the CGAL fixtures anew (needs g++ and libcgal-dev) and fails if any changed; with --worst holds the
@@ -57,6 +59,7 @@ fn main() -> ExitCode {
         ["count"] => count::run(false),
         ["count", "--write"] => count::run(true),
         ["check"] => check(),
+        ["deny"] => deny::run(),
         ["features"] => features::run(),
         ["fixtures"] => fixtures::run(),
         ["fixtures", "--worst"] => fixtures::worst(),
@@ -118,5 +121,6 @@ fn check() -> Result<(), String> {
     let package = ["package", "--locked", "--offline", "--workspace", "--no-verify", "--allow-dirty", "--quiet"];
     cargo(&package, &[])?;
     codegen::run(true)?;
+    deny::run()?;
     features::run()
 }

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use laguerre::Container;
-use laguerre::solvers::fluid::{Fluid, Gravity, Scene, Settings, State};
+use laguerre::solvers::fluid::{Fluid, Scene, Settings, State};
 use laguerre::{Backend, Domain, Error, ErrorKind, Result, io};
 use serde::{Deserialize, Serialize};
 
@@ -149,28 +149,15 @@ impl Checkpoint {
         };
         let mut vectors = || take(3 * n).as_chunks().0.to_vec();
         let (positions, velocities) = (vectors(), vectors());
-        let state = State {
-            steps: header.steps,
-            time: scalars[0],
-            hamiltonian_at_start: scalars[1],
-            brought_in: scalars[2],
-            positions,
-            velocities,
-            densities: take(n).to_vec(),
-            weights: take(n).to_vec(),
-            weight_rates: take(n).to_vec(),
-        };
-        let settings = Settings {
-            epsilon: scalars[3],
-            viscosity: scalars[4],
-            time_step: Some(scalars[5]).filter(|&h| h != 0.0),
-            gravity: Gravity {
-                period: scalars[6],
-                swings: scalars[7],
-                steady: three(&scalars[8..]),
-                shake: three(&scalars[11..]),
-            },
-        };
+        let mut state = State::default();
+        (state.steps, state.time) = (header.steps, scalars[0]);
+        (state.hamiltonian_at_start, state.brought_in) = (scalars[1], scalars[2]);
+        (state.positions, state.velocities) = (positions, velocities);
+        (state.densities, state.weights, state.weight_rates) = (take(n).to_vec(), take(n).to_vec(), take(n).to_vec());
+        let mut settings = Settings::new(scalars[3]);
+        (settings.viscosity, settings.time_step) = (scalars[4], Some(scalars[5]).filter(|&h| h != 0.0));
+        (settings.gravity.period, settings.gravity.swings) = (scalars[6], scalars[7]);
+        (settings.gravity.steady, settings.gravity.shake) = (three(&scalars[8..]), three(&scalars[11..]));
         Ok(Self { scene, container, state, settings })
     }
 

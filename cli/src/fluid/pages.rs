@@ -62,7 +62,7 @@ impl Pages {
             title: format!("{}, a fluid of {} cells", self.scene.name(), grouped(fluid.state().positions.len() as u64)),
             facts: report.facts(),
             shown,
-            plot: Some(report.plot()),
+            plot: report.plot(),
             fields: vec![("speed", "length/time"), ("density", "")],
             first_field: Some(if self.scene.has_two_densities() { "density" } else { "speed" }),
         };

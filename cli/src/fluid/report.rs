@@ -171,9 +171,9 @@ impl Report {
     }
 
     /// The kinetic energy, step by step: its row 0 is the state at which this run began.
-    pub(super) fn plot(&self) -> Plot {
+    pub(super) fn plot(&self) -> Option<Plot> {
         let values = [self.first_kinetic].into_iter().chain(self.history.iter().map(|step| step.kinetic)).collect();
-        Plot { x: "step", y: "kinetic energy", log: false, values }
+        Plot::of("kinetic", values)
     }
 
     pub(super) fn summary(&self) -> String {

@@ -44,7 +44,8 @@ const WEIGHTS: [&str; 2] = ["weights", "weight"];
 /// # Errors
 /// As [`read_cells`].
 pub(crate) fn read_sites(path: &Path) -> Result<SitesFile> {
-    if io::ending(path, &[ENDING]).is_err() {
+    // Standard input is text.
+    if path.as_os_str() == "-" || io::input_ending(path, &with_npz(io::SITES_INPUT_ENDINGS))? != ENDING {
         return io::read_sites(path);
     }
     read(path).and_then(|bytes| sites(&bytes)).map_err(|e| e.at(path.display()))
@@ -61,7 +62,8 @@ fn sites(bytes: &[u8]) -> Result<SitesFile> {
     if positions.rows == 0 {
         return Err(Error::input("no sites in it; at least one is needed"));
     }
-    let mut sites = SitesFile { positions: memory::filled([0.0; 3], positions.rows, "sites")?, weights: Vec::new() };
+    let mut sites = SitesFile::default();
+    sites.positions = memory::filled([0.0; 3], positions.rows, "sites")?;
     for (i, position) in sites.positions.iter_mut().enumerate() {
         *position = [positions.finite(i, 0)?, positions.finite(i, 1)?, positions.finite(i, 2)?];
     }
@@ -85,16 +87,17 @@ fn cells(bytes: &[u8]) -> Result<CellsFile> {
     let barycenter = needed(&archive, "barycenter", 3)?.of(n)?;
     let facets = array(&archive, "facets", 1)?.map(|a| a.of(n)).transpose()?;
     let status = array(&archive, "status", 1)?.map(|a| a.of(n)).transpose()?;
-    let none = CellRow { site: 0, volume: 0.0, barycenter: [0.0; 3], facets: None, status: None };
-    let mut rows = memory::filled(none, n, "cells")?;
-    for (i, row) in rows.iter_mut().enumerate() {
+    let mut file = CellsFile::default();
+    file.single = volume.kind == "<f4" || barycenter.kind == "<f4";
+    file.rows = memory::filled(CellRow::default(), n, "cells")?;
+    for (i, row) in file.rows.iter_mut().enumerate() {
         row.site = i as u64;
         row.volume = volume.at(i, 0);
         row.barycenter = std::array::from_fn(|k| barycenter.at(i, k));
         row.facets = facets.as_ref().map(|a| a.whole(i, u64::MAX)).transpose()?;
         row.status = status.as_ref().map(|a| a.status(i)).transpose()?;
     }
-    Ok(CellsFile { rows, single: volume.kind == "<f4" || barycenter.kind == "<f4" })
+    Ok(file)
 }
 
 fn facets(bytes: &[u8]) -> Result<Vec<FacetRow>> {
@@ -105,18 +108,15 @@ fn facets(bytes: &[u8]) -> Result<Vec<FacetRow>> {
     let area = needed(&archive, "area", 1)?.of(m)?;
     let barycenter = needed(&archive, "barycenter", 3)?.of(m)?;
     let distance = needed(&archive, "distance", 1)?.of(m)?;
-    let none = FacetRow { site: 0, neighbor: None, area: 0.0, barycenter: [0.0; 3], distance: None, line: 0 };
-    let mut rows = memory::filled(none, m, "facets")?;
+    let mut rows = memory::filled(FacetRow::default(), m, "facets")?;
     for (k, row) in rows.iter_mut().enumerate() {
         let is_boundary = neighbor.at(k, 0) == -1.0;
-        *row = FacetRow {
-            site: site.whole(k, u64::from(u32::MAX))? as u32,
-            neighbor: if is_boundary { None } else { Some(neighbor.whole(k, u64::from(u32::MAX))? as u32) },
-            area: area.at(k, 0),
-            barycenter: std::array::from_fn(|axis| barycenter.at(k, axis)),
-            distance: Some(distance.at(k, 0)).filter(|d| !d.is_nan()),
-            line: k + 1,
-        };
+        row.site = site.whole(k, u64::from(u32::MAX))? as u32;
+        row.neighbor = if is_boundary { None } else { Some(neighbor.whole(k, u64::from(u32::MAX))? as u32) };
+        row.area = area.at(k, 0);
+        row.barycenter = std::array::from_fn(|axis| barycenter.at(k, axis));
+        row.distance = Some(distance.at(k, 0)).filter(|d| !d.is_nan());
+        row.line = k + 1;
     }
     Ok(rows)
 }
@@ -306,10 +306,10 @@ mod tests {
         let positions = vec![[0.5, 1.0, 2.0], [3.0, 4.0, 5.0]];
         for name in POSITIONS {
             let alone = write(&[("other", &[1], &[7.0]), (name, &[2, 3], &six)]).unwrap();
-            assert_eq!(alone, SitesFile { positions: positions.clone(), weights: vec![] });
+            assert_eq!((alone.positions, alone.weights), (positions.clone(), vec![]));
         }
         let both = write(&[("weights", &[2], &[7.0, 8.0]), ("points", &[2, 3], &six)]).unwrap();
-        assert_eq!(both, SitesFile { positions, weights: vec![7.0, 8.0] });
+        assert_eq!((both.positions, both.weights), (positions, vec![7.0, 8.0]));
         assert!(
             write(&[("x", &[2, 3], &six)]).unwrap_err().starts_with("there is none of the arrays positions, points")
         );

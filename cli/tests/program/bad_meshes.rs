@@ -210,6 +210,9 @@ fn meshes_that_are_no_files_are_refused() {
     let said = |mesh: &str| fails(folder, 2, &["integrate", "white.xyz", "--domain", mesh, "-o", "cells.csv"]);
     assert_eq!(said("d.stl"), "d.stl: it is a folder; name a file");
     assert!(said("gone.ply").starts_with("gone.ply: cannot open: "));
-    assert_eq!(said("white.xyz"), "white.xyz: unknown ending '.xyz'; known here: .obj, .off, .ply, .stl, .vtk, .vtp");
-    assert_eq!(said("-"), "-: no ending; known here: .obj, .off, .ply, .stl, .vtk, .vtp");
+    assert_eq!(
+        said("white.xyz"),
+        "white.xyz: unknown ending '.xyz'; known here: .obj, .off, .ply, .stl, .vtk, .vtp; also packed, as .obj.gz"
+    );
+    assert_eq!(said("-"), "-: no ending; known here: .obj, .off, .ply, .stl, .vtk, .vtp; also packed, as .obj.gz");
 }

@@ -149,7 +149,10 @@ fn weights_must_fit_the_sites() {
     assert_eq!(said("two.xyz", "nan.txt"), "nan.txt: line 2: 'nan' is not finite");
     assert_eq!(said("two.xyz", "rows.csv"), "rows.csv: line 1: more than one column; one weight a line is needed");
     assert_eq!(said("two.xyz", "none.txt"), "none.txt: no weights in it; one for each site is needed");
-    assert_eq!(said("two.xyz", "cube.off"), "cube.off: unknown ending '.off'; known here: .txt, .csv, .npy");
+    assert_eq!(
+        said("two.xyz", "cube.off"),
+        "cube.off: unknown ending '.off'; known here: .txt, .csv, .npy; also packed, as .txt.gz"
+    );
     assert!(said("two.xyz", "gone.txt").starts_with("gone.txt: cannot open: "));
 }
 
@@ -165,11 +168,11 @@ fn files_that_are_none_are_refused() {
     assert!(said("gone.xyz").starts_with("gone.xyz: cannot open: "));
     assert_eq!(
         said("sites"),
-        "sites: no ending; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, .vtk, .vtp"
+        "sites: no ending; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, .vtk, .vtp, .npz; also packed, as .xyz.gz"
     );
     assert_eq!(
         said("sites.las"),
-        "sites.las: unknown ending '.las'; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, .vtk, .vtp"
+        "sites.las: unknown ending '.las'; known here: .xyz, .txt, .csv, .npy, .ply, .dump, .lammpstrj, .vtk, .vtp, .npz; also packed, as .xyz.gz"
     );
     let args = ["integrate", "-", "--box", UNIT_BOX, "-o", "cells.csv"];
     let said = |input: &[u8]| failed(&laguerre_with(folder, &args, input), 2, &args);

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::{folder_of, io_error, is_standard};
-use crate::{Error, Result};
+use crate::{Error, ErrorKind, Observer, Result};
 
 /// Writes `path` through `body`: into a temporary file of the same folder, which is on the disk before it takes its name at the end, and
 /// removed on failure, so that also where the power fails there is the old file or the new one, whole. A file that is there keeps its mode
@@ -17,10 +17,46 @@ use crate::{Error, Result};
 /// # Errors
 /// `Io`, where `body` or the operating system failed.
 pub fn write_whole(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    if is_standard(path) {
-        return write_standard(body).map_err(|e| io_error(Path::new("standard output"), "write", e));
+    write_whole_watched(path, &(), body)
+}
+
+/// The same, watched: the observer is asked at every quarter of a megabyte and before the file takes its name, and where it ends the writing, there
+/// is the old file or none.
+///
+/// # Errors
+/// As [`write_whole`]; `Interrupted` where the observer ends it.
+pub fn write_whole_watched(
+    path: &Path,
+    observer: &dyn Observer,
+    body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    let (name, written) = match is_standard(path) {
+        true => (Path::new("standard output"), write_standard(observer, body)),
+        false => (path, try_write_whole(path, observer, body)),
+    };
+    written.map_err(|e| {
+        let was_ended = |error: &Error| error.kind() == ErrorKind::Interrupted;
+        let inner = e.get_ref().and_then(|inner| inner.downcast_ref::<Error>());
+        if inner.is_some_and(was_ended) { Error::interrupted() } else { io_error(name, "write", e) }
+    })
+}
+
+/// Asks an observer before everything that is written.
+struct Watched<'a, W> {
+    to: W,
+    observer: &'a dyn Observer,
+}
+
+impl<W: Write> Write for Watched<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Not of the kind `Interrupted`, after which writers try again.
+        self.observer.tell(0).map_err(io::Error::other)?;
+        self.to.write(bytes)
     }
-    try_write_whole(path, body).map_err(|e| io_error(path, "write", e))
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
+    }
 }
 
 /// Checks that a file could be written to `path`, by making the temporary file of [`write_whole`] and removing it again.
@@ -75,19 +111,24 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn try_write_whole(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+fn try_write_whole(
+    path: &Path,
+    observer: &dyn Observer,
+    body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let (target, old) = match Place::of(path)? {
         Place::AsItIs => {
-            let mut writer = BufWriter::new(File::options().write(true).open(path)?);
+            let to = File::options().write(true).open(path)?;
+            let mut writer = BufWriter::new(Watched { to, observer });
             body(&mut writer)?;
             return writer.flush();
         }
         Place::File(target, old) => (target, old),
     };
-    let (temporary, file) = Temporary::beside(&target, old.as_ref())?;
-    let mut writer = BufWriter::with_capacity(BUFFER, file);
+    let (temporary, to) = Temporary::beside(&target, old.as_ref())?;
+    let mut writer = BufWriter::with_capacity(BUFFER, Watched { to, observer });
     body(&mut writer)?;
-    let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+    let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?.to;
     where_known(file.sync_all())?;
     drop(file);
     temporary.rename(&target)?;
@@ -97,8 +138,8 @@ fn try_write_whole(path: &Path, body: impl FnOnce(&mut dyn Write) -> io::Result<
 /// Bytes that are written at once.
 const BUFFER: usize = 1 << 18;
 
-fn write_standard(body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut writer = BufWriter::with_capacity(BUFFER, io::stdout().lock());
+fn write_standard(observer: &dyn Observer, body: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(BUFFER, Watched { to: io::stdout().lock(), observer });
     let written = body(&mut writer).and_then(|()| writer.flush());
     // What is left would be written when this is dropped.
     drop(writer.into_parts());
@@ -210,6 +251,8 @@ pub(super) fn as_io(error: &Error) -> io::Error {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::super::scratch;
     use super::*;
 
@@ -233,6 +276,40 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(names(&folder), ["cells.csv"]);
         assert!(write_whole(&folder, |_| Ok(())).is_err(), "a folder cannot be written over");
+    }
+
+    /// Ends the writing when it is asked for the last of so many times.
+    struct Patient(AtomicU32);
+
+    impl Observer for Patient {
+        fn advance(&self, cells: usize) -> ControlFlow<()> {
+            assert_eq!(cells, 0);
+            let left = self.0.load(Ordering::Relaxed);
+            if left == 0 {
+                return ControlFlow::Break(());
+            }
+            self.0.store(left - 1, Ordering::Relaxed);
+            ControlFlow::Continue(())
+        }
+    }
+
+    #[test]
+    fn who_watches_may_end_it_and_nothing_is_left() {
+        let folder = scratch("atomic-watched");
+        let path = folder.join("cells.csv");
+        let body = |w: &mut dyn Write| (0..40).try_for_each(|_| w.write_all(&[b'x'; BUFFER / 4]));
+        let write = |times: u32| write_whole_watched(&path, &Patient(times.into()), body);
+        for times in [0, 1, 5, 9] {
+            assert_eq!(write(times).unwrap_err().kind(), ErrorKind::Interrupted, "{times}");
+            assert!(names(&folder).is_empty(), "{times}");
+        }
+        write(1000).unwrap();
+        assert_eq!(fs::read(&path).unwrap().len(), 10 * BUFFER);
+        // What is written at once at the end, too, and over a file that stays.
+        let small = write_whole_watched(&path, &Patient(0.into()), |w| w.write_all(b"new"));
+        assert_eq!(small.unwrap_err().kind(), ErrorKind::Interrupted);
+        assert_eq!(fs::read(&path).unwrap().len(), 10 * BUFFER);
+        assert_eq!(names(&folder), ["cells.csv"]);
     }
 
     #[cfg(unix)]

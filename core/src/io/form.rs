@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use super::ending;
+use super::find_ending;
 use crate::{Error, Result};
 
 /// The form of an input.
@@ -23,15 +23,16 @@ impl Form {
     pub(super) fn of(path: &Path, known: &[&'static str]) -> Result<Self> {
         let is_packed = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("gz"));
         let name = if is_packed { path.with_extension("") } else { path.to_path_buf() };
-        let form = Self { ending: ending(&name, known)?, is_packed };
+        let form = Self { ending: find_ending(&name, known, true)?, is_packed };
         if cfg!(not(feature = "packed")) && (is_packed || form.ending == ".vtp") {
             return Err(Error::input(format!(
                 "{}: packed files and .vtp are not part of this build: build with the feature `packed`",
                 path.display()
             )));
         }
-        if is_packed && form.ending == ".npy" {
-            return Err(Error::input(format!("{}: .npy is not read packed; unpack it by gunzip", path.display())));
+        if is_packed && [".npy", ".npz"].contains(&form.ending) {
+            let (name, ending) = (path.display(), form.ending);
+            return Err(Error::input(format!("{name}: {ending} is not read packed; unpack it by gunzip")));
         }
         Ok(form)
     }

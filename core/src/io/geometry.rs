@@ -8,7 +8,7 @@ use super::polyhedra::Polyhedra;
 use super::vtk::{Array, Put, array, write_xml};
 use super::{GEOMETRY_ENDINGS, atomic, ending, results};
 use crate::geometry::{Beyond, Face};
-use crate::{Error, Geometry, Output, PowerDiagram, Result};
+use crate::{Error, Geometry, Observer, Output, PowerDiagram, Result};
 use rayon::prelude::*;
 
 /// VTK's number for a polyhedron.
@@ -32,6 +32,19 @@ const VTK_TETRA: u8 = 10;
 /// `Input` for another ending, where the output has no geometry of this diagram, or for `.vtu` where a cell is not to be had as solids: its winding
 /// number is negative somewhere, or it has thousands of parts; where it is more than `.ply` or `.glb` can count; `Io` where writing failed.
 pub fn write_geometry(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+    write_geometry_watched(path, diagram, output, &())
+}
+
+/// The same, watched by `observer`, who is asked cell by cell while solids and triangles are made, and while the file is written.
+///
+/// # Errors
+/// As [`write_geometry`]; `Interrupted` where the observer ends it, which leaves nothing.
+pub fn write_geometry_watched(
+    path: impl AsRef<Path>,
+    diagram: &PowerDiagram,
+    output: &Output,
+    observer: &dyn Observer,
+) -> Result<()> {
     let path = path.as_ref();
     let kind = ending(path, GEOMETRY_ENDINGS)?;
     let sites = diagram.positions().len();
@@ -45,24 +58,24 @@ pub fn write_geometry(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &O
             "this output has no solids, which a .vtu consists of: ask for them with Request::with_solids",
         ));
     }
-    let mut cells = Cells { diagram, output, geometry, polyhedra: Vec::new() };
+    let mut cells = Cells { diagram, output, geometry, observer, polyhedra: Vec::new() };
     match kind {
         ".vtu" => {
-            cells.polyhedra = cells.find_polyhedra();
+            cells.polyhedra = cells.find_polyhedra()?;
             cells.check_solids()?;
-            atomic::write_whole(path, |w| cells.write_vtu(w))
+            atomic::write_whole_watched(path, observer, |w| cells.write_vtu(w))
         }
         ".glb" => {
-            let glb = Glb::new(geometry);
+            let glb = Glb::new(geometry, observer)?;
             let most = u32::MAX as usize;
             refuse_beyond(path, glb.bytes(sites), most, "bytes, and .glb has room for", ".vtu or .vtp")?;
-            atomic::write_whole(path, |w| glb.write(geometry, w))
+            atomic::write_whole_watched(path, observer, |w| glb.write(geometry, w))
         }
-        ".vtp" => atomic::write_whole(path, |w| cells.write_vtp(w)),
+        ".vtp" => atomic::write_whole_watched(path, observer, |w| cells.write_vtp(w)),
         _ => {
             let most = geometry.points().len().max(sites);
             refuse_beyond(path, most, i32::MAX as usize, "points, and .ply has numbers for", ".vtu or .vtp")?;
-            atomic::write_whole(path, |w| cells.write_ply(w))
+            atomic::write_whole_watched(path, observer, |w| cells.write_ply(w))
         }
     }
 }
@@ -91,6 +104,7 @@ struct Cells<'a> {
     diagram: &'a PowerDiagram,
     output: &'a Output,
     geometry: &'a Geometry,
+    observer: &'a dyn Observer,
     /// Of each site whether its cell stands as a polyhedron; for `.vtu`.
     polyhedra: Vec<bool>,
 }
@@ -150,13 +164,14 @@ impl Cells<'_> {
     }
 
     /// Of each site whether its cell can stand as a polyhedron.
-    fn find_polyhedra(&self) -> Vec<bool> {
+    fn find_polyhedra(&self) -> Result<Vec<bool>> {
         let is_one = |polyhedra: &mut Polyhedra, i: usize| {
+            self.observer.tell(0)?;
             let faces = self.geometry.faces(i);
             let mut solids = self.geometry.solids(i);
             let is_itself = solids.next().is_some() && solids.next().is_none();
             let meets_surface = faces.clone().any(|face| matches!(face.beyond, Beyond::Surface(_)));
-            is_itself && !meets_surface && polyhedra.keeps(self.geometry.points(), faces)
+            Ok(is_itself && !meets_surface && polyhedra.keeps(self.geometry.points(), faces))
         };
         (0..self.geometry.sites()).into_par_iter().map_init(Polyhedra::default, is_one).collect()
     }
@@ -187,6 +202,9 @@ impl Cells<'_> {
     fn check_solids(&self) -> Result<()> {
         let mean = self.output.volume().iter().map(|v| v.abs()).sum::<f64>() / self.output.volume().len().max(1) as f64;
         let failed = |i: usize| {
+            if let Err(ended) = self.observer.tell(0) {
+                return Some(ended);
+            }
             let volume = |solid| match solid {
                 Solid::Polyhedron(_) => self.output.volume()[i],
                 Solid::Tetrahedron([a, c, b, top]) => self.volume_of(top, [a, b, c]),
@@ -221,6 +239,7 @@ impl Cells<'_> {
         let (mut points, mut point_ends): (Vec<u32>, Vec<usize>) = (Vec::new(), Vec::new());
         let (mut words, mut word_ends): (usize, Vec<Option<usize>>) = (0, Vec::new());
         for i in 0..geometry.sites() {
+            self.observer.tell(0).map_err(io::Error::other)?;
             for (k, solid) in self.solids(i).into_iter().enumerate() {
                 match solid {
                     Solid::Polyhedron(faces) => {

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use crate::geometry::{Beyond, Geometry};
+use crate::{Observer, Result};
 
 /// The cells as triangles: of each cell its own corners, with a colour that none of its neighbours has.
 pub(super) struct Glb {
@@ -22,7 +23,11 @@ pub(super) struct Glb {
 const EXACT_SITES: usize = 1 << 24;
 
 impl Glb {
-    pub(super) fn new(geometry: &Geometry) -> Self {
+    /// The triangles of a geometry.
+    ///
+    /// # Errors
+    /// `Interrupted` where the observer, who is asked cell by cell, ends it.
+    pub(super) fn new(geometry: &Geometry, observer: &dyn Observer) -> Result<Self> {
         let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let points = geometry.points();
         for corner in (0..geometry.sites()).flat_map(|i| geometry.faces(i)).flat_map(|face| face.corners) {
@@ -34,6 +39,7 @@ impl Glb {
         let (mut cells, mut corners, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
         let mut numbers: HashMap<u32, u32> = HashMap::new();
         for (i, &color) in colors.iter().enumerate() {
+            observer.tell(0)?;
             numbers.clear();
             let first = corners.len();
             for face in geometry.faces(i) {
@@ -53,7 +59,7 @@ impl Glb {
         }
         let place = |x: f64, k: usize| (x - middle[k]) as f32;
         let (lo, hi) = ([0, 1, 2].map(|k| place(lo[k], k)), [0, 1, 2].map(|k| place(hi[k], k)));
-        Self { cells, corners, triangles, middle, lo, hi }
+        Ok(Self { cells, corners, triangles, middle, lo, hi })
     }
 
     /// Bytes of its numbers.
@@ -188,7 +194,7 @@ mod tests {
     fn chunks_are_as_long_as_they_say_and_triangles_enclose_the_box() {
         // So far away that 32 bits would have nothing left of a cell.
         let geometry = geometry(&[[0.2, 0.3, 0.4], [0.7, 0.6, 0.5], [0.4, 0.8, 0.1]], 1e8);
-        let glb = Glb::new(&geometry);
+        let glb = Glb::new(&geometry, &()).unwrap();
         let mut file = Vec::new();
         glb.write(&geometry, &mut file).unwrap();
         assert_eq!((&file[..4], number(&file, 4)), (&b"glTF"[..], 2));

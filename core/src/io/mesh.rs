@@ -8,6 +8,7 @@ use crate::{Domain, Error, Result, memory};
 
 /// A triangle mesh as a file holds it: not checked for anything but finite coordinates and indices that exist.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Mesh {
     /// Positions of the vertices.
     pub vertices: Vec<[f64; 3]>,

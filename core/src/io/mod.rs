@@ -1,5 +1,5 @@
 //! Files: sites, weights, meshes and results. Readers name file and line of what is wrong and never allocate from a number
-//! that a file merely claims; writers leave nothing half-written under the final name.
+//! that a file merely claims; writers leave nothing half-written under the final name, also where who watches one (`write_…_watched`) ends it.
 //!
 //! Whatever bytes they are given, [`parse_sites`], [`parse_weights`] and [`parse_mesh`] end with a value or one line of
 //! error, with memory of the order of the bytes: each binary form is held against its length, each text form read line by line.
@@ -39,13 +39,15 @@ use std::path::{Path, PathBuf};
 
 use crate::{Error, ErrorKind, Result};
 
-pub use atomic::{abandon_writing, destination, write_whole};
+pub use atomic::{abandon_writing, destination, write_whole, write_whole_watched};
 pub use columns::Columns;
 use form::Form;
-pub use geometry::write_geometry;
+pub use geometry::{write_geometry, write_geometry_watched};
 pub use mesh::{Mesh, parse_mesh, read_mesh};
 pub use read_results::{CellRow, CellsFile, FacetRow, parse_cells, parse_facets, read_cells, read_facets};
-pub use results::{FacetValues, facet_count, facet_rows, write_cells, write_facets};
+pub use results::{
+    FacetValues, facet_count, facet_rows, write_cells, write_cells_watched, write_facets, write_facets_watched,
+};
 pub use sites::{SitesFile, parse_sites, parse_sites_by_columns, read_sites, read_sites_by_columns, write_sites};
 pub use weights::{parse_weights, read_weights, write_weights};
 
@@ -73,13 +75,35 @@ const NPY_IS_OFF: &str = "NumPy's files are not part of this build: build with t
 /// # Errors
 /// `Input`, listing what is known; or saying that `.npy` takes the feature `npy`.
 pub fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
+    find_ending(path, known, false)
+}
+
+/// The same of an input, whose name may have a `.gz` behind its ending: that before it.
+///
+/// # Errors
+/// As [`ending`]; and where the name takes a feature that is not built, or what is never packed would be.
+pub fn input_ending(path: &Path, known: &[&'static str]) -> Result<&'static str> {
+    Form::of(path, known).map(|form| form.ending)
+}
+
+fn find_ending(path: &Path, known: &[&'static str], is_input: bool) -> Result<&'static str> {
     let found = path.extension().map(|e| format!(".{}", e.to_string_lossy().to_lowercase())).unwrap_or_default();
     if cfg!(not(feature = "npy")) && found == ".npy" && known.contains(&".npy") {
         return Err(Error::input(format!("{}: {NPY_IS_OFF}", path.display())));
     }
     known.iter().copied().find(|&k| k == found).ok_or_else(|| {
         let found = if found.is_empty() { "no ending".into() } else { format!("unknown ending '{found}'") };
-        Error::input(format!("{}: {found}; known here: {}", path.display(), known.join(", ")))
+        let is_built = |known: &&str| match *known {
+            ".npy" => cfg!(feature = "npy"),
+            ".vtp" => cfg!(feature = "packed") || !is_input,
+            _ => true,
+        };
+        let built: Vec<&str> = known.iter().copied().filter(is_built).collect();
+        let packed = match built.first() {
+            Some(first) if is_input && cfg!(feature = "packed") => format!("; also packed, as {first}.gz"),
+            _ => String::new(),
+        };
+        Error::input(format!("{}: {found}; known here: {}{packed}", path.display(), built.join(", ")))
     })
 }
 

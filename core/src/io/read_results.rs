@@ -10,7 +10,8 @@ use super::{CELLS_ENDINGS, FACETS_ENDINGS, ending, open};
 use crate::{CellStatus, Error, Result, memory};
 
 /// What a file says of one cell. Numbers stand as they were found: they may be negative, infinite or NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct CellRow {
     /// The site whose cell it says it is.
     pub site: u64,
@@ -26,6 +27,7 @@ pub struct CellRow {
 
 /// A file of cells.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct CellsFile {
     /// The rows in the order of the file.
     pub rows: Vec<CellRow>,
@@ -34,7 +36,8 @@ pub struct CellsFile {
 }
 
 /// What a file says of one facet. Numbers stand as they were found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct FacetRow {
     /// The site on this side.
     pub site: u32,
@@ -108,8 +111,7 @@ fn cells_npy(reader: impl BufRead, length: u64) -> Result<CellsFile> {
         _ => None,
     })?;
     let single = array.single;
-    let none = CellRow { site: 0, volume: 0.0, barycenter: [0.0; 3], facets: None, status: None };
-    let mut rows = memory::filled(none, array.rows, "cells")?;
+    let mut rows = memory::filled(CellRow::default(), array.rows, "cells")?;
     array.for_each_number(|row, column, x| {
         rows[row].site = row as u64;
         match column {
@@ -153,8 +155,7 @@ fn facets_npy(reader: impl BufRead, length: u64) -> Result<Vec<FacetRow>> {
         [rows, 7] => Some((rows, 7)),
         _ => None,
     })?;
-    let none = FacetRow { site: 0, neighbor: None, area: 0.0, barycenter: [0.0; 3], distance: None, line: 0 };
-    let mut rows = memory::filled(none, array.rows, "facets")?;
+    let mut rows = memory::filled(FacetRow::default(), array.rows, "facets")?;
     array.for_each_number(|row, column, x| {
         let site = || {
             let is_site = x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::{CELLS_ENDINGS, FACETS_ENDINGS, atomic, npy, output_ending};
-use crate::{Boundary, Error, Facet, Output, PowerDiagram, Result};
+use crate::{Boundary, Error, Facet, Observer, Output, PowerDiagram, Result};
 
 /// Writes one row for each site, in the caller's order, by the file's ending.
 ///
@@ -20,15 +20,28 @@ use crate::{Boundary, Error, Facet, Output, PowerDiagram, Result};
 /// # Errors
 /// `Input` for an unknown ending or an output of another diagram; `Io` where writing failed.
 pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+    write_cells_watched(path, diagram, output, &())
+}
+
+/// The same, watched by `observer`.
+///
+/// # Errors
+/// As [`write_cells`]; `Interrupted` where the observer ends it, which leaves nothing.
+pub fn write_cells_watched(
+    path: impl AsRef<Path>,
+    diagram: &PowerDiagram,
+    output: &Output,
+    observer: &dyn Observer,
+) -> Result<()> {
     let path = path.as_ref();
     let format = output_ending(path, CELLS_ENDINGS)?;
     check_fit(diagram, output)?;
     match format {
         ".npy" => {
             let rows = output.volume().iter().zip(output.barycenter()).flat_map(|(&v, &[x, y, z])| [v, x, y, z]);
-            atomic::write_whole(path, |w| npy::write(w, &[output.volume().len() as u64, 4], rows))
+            atomic::write_whole_watched(path, observer, |w| npy::write(w, &[output.volume().len() as u64, 4], rows))
         }
-        _ => atomic::write_whole(path, |w| cells_csv(w, output)),
+        _ => atomic::write_whole_watched(path, observer, |w| cells_csv(w, output)),
     }
 }
 
@@ -45,6 +58,19 @@ pub fn write_cells(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Outp
 /// # Errors
 /// `Input` for an unknown ending, an output of another diagram, or one without facets; `Io` where writing failed.
 pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
+    write_facets_watched(path, diagram, output, &())
+}
+
+/// The same, watched by `observer`.
+///
+/// # Errors
+/// As [`write_facets`]; `Interrupted` where the observer ends it, which leaves nothing.
+pub fn write_facets_watched(
+    path: impl AsRef<Path>,
+    diagram: &PowerDiagram,
+    output: &Output,
+    observer: &dyn Observer,
+) -> Result<()> {
     let path = path.as_ref();
     let format = output_ending(path, FACETS_ENDINGS)?;
     check_fit(diagram, output)?;
@@ -52,7 +78,7 @@ pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Out
         return Err(Error::input("this output has no facets: ask for them with Request::with_facets"));
     }
     let rows = || facet_rows(output);
-    atomic::write_whole(path, |w| match format {
+    atomic::write_whole_watched(path, observer, |w| match format {
         ".npy" => npy::write(w, &[rows().count() as u64, 7], rows().flat_map(FacetValues::numbers)),
         _ => facets_csv(w, rows()),
     })
@@ -60,6 +86,7 @@ pub fn write_facets(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Out
 
 /// A facet as files of facets have it, seen from one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FacetValues {
     /// The site on this side.
     pub site: usize,

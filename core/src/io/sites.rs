@@ -13,6 +13,7 @@ use crate::{Error, Result, memory};
 
 /// What a file of sites holds. Every number is finite.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct SitesFile {
     /// Positions of the sites.
     pub positions: Vec<[f64; 3]>,

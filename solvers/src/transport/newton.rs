@@ -58,6 +58,8 @@ pub(super) struct Problem<'a> {
     multigrid: Option<Multigrid>,
     /// The last step that was taken.
     pub(super) step: f64,
+    /// Where the end was that no mass came to a part from others: true for each of its sites.
+    pub(super) stuck: Option<Vec<bool>>,
     /// Limited steps that were tried.
     pub(super) limited_steps: usize,
     pub(super) evaluations: usize,
@@ -105,6 +107,7 @@ impl<'a> Problem<'a> {
             order,
             multigrid: None,
             step: 1.0,
+            stuck: None,
             limited_steps: 0,
             evaluations: 0,
             seconds: 0.0,
@@ -159,7 +162,11 @@ impl<'a> Problem<'a> {
                 self.multigrid = Some(system.multigrid);
                 next
             }
-            Direction::Apart(part) => Ok(bridge::bridge(self, state, &part)?.map(|next| (0.0, 0, next))),
+            Direction::Apart(part) => {
+                let next = bridge::bridge(self, state, &part)?;
+                self.stuck = next.is_none().then_some(part);
+                Ok(next.map(|next| (0.0, 0, next)))
+            }
         }
     }
 
@@ -177,6 +184,12 @@ impl<'a> Problem<'a> {
         let residual = each().map(|(m, t)| (m / t - 1.0).abs()).fold(0.0, f64::max);
         let error = sum(masses.len(), |i| (self.targets[i] - masses[i]).powi(2)).sqrt();
         Ok(State { weights, output, masses, least, residual, error })
+    }
+
+    /// The output of weights that were evaluated before.
+    pub(super) fn again(&mut self, weights: &[f64]) -> Result<Output> {
+        self.diagram.set_sites(&self.positions, weights)?;
+        self.backend.evaluate(self.diagram, &self.request)
     }
 
     /// Where to go from a state, whose facets are taken out to make room.

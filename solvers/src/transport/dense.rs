@@ -23,8 +23,8 @@ impl Dense {
         for i in 0..n {
             matrix.row(i).for_each(|(j, a)| l[i * n + j] += a);
         }
-        let mut diagonal: Vec<f64> = (0..n).map(|i| l[i * n + i]).collect();
-        let (_, &mut usual, _) = diagonal.select_nth_unstable_by(n / 2, f64::total_cmp);
+        // Not a pivot's own diagonal, which is stiff where its site has a near neighbour: what is left of it is not rounding.
+        let least = (0..n).map(|i| l[i * n + i]).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
         let is_laplacian = (0..n).all(|i| matrix.row(i).all(|(j, a)| j == i || a <= 0.0));
         for j in 0..n {
             let whole = l[j * n + j];
@@ -35,7 +35,7 @@ impl Dense {
                 sum -= rest;
             }
             let (pivot, size) = if is_laplacian {
-                (sum, whole.min(usual))
+                (sum, least)
             } else {
                 (whole - (0..j).map(|k| l[j * n + k] * l[j * n + k]).sum::<f64>(), whole)
             };

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::Args as ClapArgs;
 use laguerre::io::{self, CELLS_ENDINGS, WEIGHTS_ENDINGS};
 use laguerre::solvers::density::Density;
-use laguerre::solvers::transport::{self, End, Iteration, Options, Solution};
+use laguerre::solvers::transport::{self, Cause, End, Iteration, Options, Solution};
 use laguerre::{BackendInfo, Error, ErrorKind, Result};
 use serde::Serialize;
 
@@ -38,6 +38,10 @@ pub(crate) struct TransportArgs {
     /// The masses asked for, one for each site: .txt or .csv (one a line) or .npy; all equal unless given
     #[arg(long, value_name = "FILE")]
     masses: Option<PathBuf>,
+
+    /// Scale the masses, so that they sum to the domain's; without this they have to
+    #[arg(long, requires = "masses")]
+    normalize: bool,
 
     /// The density c + gx·x + gy·y + gz·z; 1 unless given
     #[arg(long, value_name = "c,gx,gy,gz", allow_hyphen_values = true, value_parser = parse_density)]
@@ -76,7 +80,8 @@ const EXAMPLES: &str = "\
 Examples:
   laguerre transport sites.xyz --domain out/swan.off -o weights.txt
   laguerre integrate sites.xyz --weights weights.txt --domain out/swan.off -o cells.csv
-  laguerre transport sites.npy --box 0,0,0,1,1,1 --density 1,0,0,0.5 --masses masses.npy --json";
+  laguerre transport sites.npy --box 0,0,0,1,1,1 --density 1,0,0,0.5 --masses masses.npy --json
+  laguerre transport sites.npy --box 0,0,0,1,1,1 --masses shares.txt --normalize -o weights.npy";
 
 /// The object of `--json`.
 #[derive(Debug, Serialize)]
@@ -121,9 +126,14 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
     let options =
         Options::default().of(args.density.unwrap_or_default()).until(args.iterations as usize, args.tolerance);
+    let options = if args.normalize { options.normalized() } else { options };
     options.density.check(&diagram.container().map_err(of_sites)?).map_err(|e| e.at("--density"))?;
     if let Some(path) = &args.masses {
-        transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
+        let aimed = transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
+        let factor = aimed[0] / masses[0];
+        if (factor - 1.0).abs() > args.tolerance {
+            note(&format!("{}: each mass is multiplied by {factor:?}: they then sum to the domain's", path.display()));
+        }
     }
     let with_bar = WithBar(backend.as_ref());
     let remembering = Remembering::new(&with_bar, diagram.positions().len());
@@ -166,15 +176,21 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     } else {
         print(&report.summary())?;
     }
-    let why = match solution.end {
+    let Solution { end, residual, worst, .. } = solution;
+    let why = match end {
         End::Converged => return Ok(Outcome::Done),
-        End::Stalled => {
-            "no shorter step makes it smaller: rounding is all that is left, or the masses are out of reach"
-        }
         End::Interrupted => return Ok(interrupted(report.iterations, "weights", args.output.as_ref())),
-        End::MostIterations => "give more --iterations, or these weights back with --weights",
+        End::Stalled => {
+            let advice = match worst.cause {
+                Some(Cause::Rounding { .. }) => "; give a larger --tolerance, or move or remove one of them",
+                _ => "",
+            };
+            format!("no shorter step makes it smaller: {worst}{advice}")
+        }
+        End::MostIterations => {
+            format!("{worst}; give more --iterations, or these weights back with --weights")
+        }
     };
-    let Solution { residual, .. } = solution;
     say(&format!("the residual is {residual:.1e} and not within the tolerance of {:.1e}; {why}", args.tolerance));
     Ok(Outcome::Uncertified)
 }

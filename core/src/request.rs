@@ -37,7 +37,7 @@ impl Request {
     /// times faster than facets.
     #[must_use]
     pub fn with_laplacian(self) -> Self {
-        Self { laplacian: true, ..self }
+        Self { laplacian: true, keeps_laplacian: false, ..self }
     }
 
     /// Also the Laplacian, which stays in the memory of a backend that has an [`algebra`](crate::Backend::algebra) and room for it: the output then says

@@ -103,6 +103,7 @@ def transport(
     density: Any,
     iterations: int,
     tolerance: float,
+    normalize: bool,
     callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
 def pull_back_cells(

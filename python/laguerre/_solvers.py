@@ -54,7 +54,9 @@ class Transport:
     cost: float | None
     """The integral of ``density * |x - p|**2`` over all cells; none where a callback stopped it and the density is not 1."""
     end: str
-    """``"converged"``, ``"iterations"`` (there were no more), ``"stalled"`` (rounding is all that is left) or ``"stopped"`` (by the callback)."""
+    """``"converged"``, ``"iterations"`` (there were no more), ``"stalled"`` (no step makes the error smaller) or ``"stopped"`` (by the callback)."""
+    reason: str | None
+    """Which point's mass is farthest from the one asked for, and what stands in its way, where that can be shown; none where it converged."""
     cells: Cells
     """The cells of these weights."""
     _density: tuple[float, Any] | None = None
@@ -120,12 +122,14 @@ def transport(
     density: tuple[float, ArrayLike] | None = None,
     iterations: int = 100,
     tolerance: float = 1e-9,
+    normalize: bool = False,
     callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
-    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``; without, it is 1. The masses sum to the domain's.
+    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``; without, it is 1. The masses have to sum to the
+    domain's; with ``normalize`` they are scaled so that they do, and ``Transport.masses`` are those of the domain.
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
     start included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
@@ -134,7 +138,7 @@ def transport(
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
     rho = None if density is None else (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
     found = _laguerre.transport(
-        given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, callback
+        given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, normalize, callback
     )
     cells = freeze(found.pop("cells"))
     freeze(found)
@@ -152,7 +156,7 @@ def solved(points: Any, masses: Any, options: dict[str, Any]) -> Transport:
     """A transport that is to be differentiated: it has converged."""
     found = transport(points, masses=masses, **options)
     if not found.converged:
-        raise ValueError(f"the residual is {found.residual:.1e} and not within the tolerance: give more iterations")
+        raise ValueError(f"the residual is {found.residual:.1e} and not within the tolerance ({found.end}): {found.reason}")
     return found
 
 

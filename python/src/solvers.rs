@@ -76,12 +76,14 @@ pub(crate) fn transport<'py>(
     density: Option<(f64, [f64; 3])>,
     iterations: usize,
     tolerance: f64,
+    normalize: bool,
     callback: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let masses = masses.as_ref().map(|masses| masses.as_slice().map(<[f64]>::to_vec)).transpose()?.unwrap_or_default();
     let density = linear(density);
     let options = solution::Options::default().of(density).until(iterations, tolerance);
+    let options = if normalize { options.normalized() } else { options };
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| -> Result<_> {
@@ -101,6 +103,7 @@ pub(crate) fn transport<'py>(
         _ => "stalled",
     };
     found.set_item("end", end)?;
+    found.set_item("reason", (solved.end != End::Converged).then(|| solved.worst.to_string()))?;
     found.set_item("weights", PyArray1::from_vec(py, solved.weights))?;
     found.set_item("masses", PyArray1::from_vec(py, solved.masses))?;
     found.set_item("residual", solved.residual)?;

@@ -63,8 +63,18 @@ def test_transport_equalizes():
     assert lg.cells(points, solved.weights, domain=CUBE).volume == pytest.approx(masses, rel=1e-9)
     again = lg.transport(points, domain=CUBE, masses=masses, weights=solved.weights)
     assert len(again.residuals) == 1 and again.cost == pytest.approx(solved.cost)
+    scaled = lg.transport(points, domain=CUBE, masses=7 * masses, normalize=True)
+    assert scaled.reason is None and scaled.masses == pytest.approx(masses, rel=2e-9)
     linear = lg.transport(points, domain=CUBE, density=(1.0, [0, 0, 2.0]))
     assert linear.masses == pytest.approx(np.full(300, 2 / 300), rel=1e-9)
+
+
+def test_what_transport_cannot_meet_is_named():
+    near = np.array([[0.2, 0.3, 0.4], [0.7, 0.6, 0.5], [0.7 + 1e-15, 0.6, 0.5]])
+    solved = lg.transport(near, domain=CUBE)
+    assert solved.end == "stalled" and "between sites" in solved.reason
+    short = lg.transport(white(30), domain=CUBE, iterations=1)
+    assert short.end == "iterations" and " has the mass " in short.reason
 
 
 @pytest.mark.parametrize("solve", [lg.transport, lambda *a, **o: lg.lloyd(*a, tolerance=0, **o)])

@@ -20,6 +20,7 @@ mod newton;
 mod sparse;
 mod start;
 mod system;
+mod worst;
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -31,6 +32,7 @@ use crate::density::Density;
 use newton::Problem;
 
 pub use implicit::{Cotangent, Gradient, pull_back};
+pub use worst::{Cause, Worst};
 
 /// How to solve.
 #[derive(Clone, Debug)]
@@ -49,6 +51,8 @@ pub struct Options {
     /// Sites from which on linear systems stay in the memory of a backend that has one of its own.
     #[doc(hidden)]
     pub kept_from: usize,
+    /// Whether masses whose sum is not the domain's are scaled to it, not refused.
+    pub normalize: bool,
 }
 
 /// Fewer sites are solved sooner by the host than kernels are begun.
@@ -63,6 +67,7 @@ impl Default for Options {
             second_moments: true,
             facets: false,
             kept_from: KEPT_FROM,
+            normalize: false,
         }
     }
 }
@@ -91,6 +96,12 @@ impl Options {
     pub fn without_cost(self) -> Self {
         Self { second_moments: false, ..self }
     }
+
+    /// The same for masses that are known up to a factor: they are scaled to sum to the domain's.
+    #[must_use]
+    pub fn normalized(self) -> Self {
+        Self { normalize: true, ..self }
+    }
 }
 
 /// One Newton step; number 0 is the start.
@@ -117,7 +128,7 @@ pub struct Iteration {
 pub enum End {
     /// The residual is within the tolerance.
     Converged,
-    /// There was no shorter step that made the error smaller: what is left is rounding, or the targets are out of reach.
+    /// There was no shorter step that made the error smaller: what is left is rounding, or the targets are out of reach ([`Solution::worst`]).
     Stalled,
     /// The number of steps was not enough.
     MostIterations,
@@ -138,6 +149,8 @@ pub struct Solution {
     pub iterations: Vec<Iteration>,
     /// Largest `|mass_i / target_i − 1|`.
     pub residual: f64,
+    /// The cell whose residual that is, with what stands in its way; where cells that touch no others lack mass, the worst of those.
+    pub worst: Worst,
     /// `Σ_i ∫_i ρ(x) ‖x − p_i‖² dx` (mass·length²), the transport cost; `None` where the options did not ask for second moments,
     /// and where it was interrupted with a density that takes another diagram.
     pub cost: Option<f64>,
@@ -154,8 +167,8 @@ pub struct Solution {
 /// `Break` from `on_iteration`, or a watched backend that says [`Interrupted`](laguerre_core::ErrorKind::Interrupted), ends it, with the weights of the last step.
 ///
 /// # Errors
-/// `Interrupted` where there are not even first weights; `Input` where the tolerance is no number from 0, the masses are not positive, or do not sum to the domain's (by more than the tolerance; by less they are scaled), where
-/// two sites coincide, the density is not positive, or no first weights without empty cells are found. What
+/// `Interrupted` where there are not even first weights; `Input` where the tolerance is no number from 0, the masses are not positive, or do not sum to the domain's (by more than the tolerance, where the options do not
+/// say that they are to be scaled; by less they are), where two sites coincide, the density is not positive, or no first weights without empty cells are found. What
 /// [`Backend::evaluate`] says.
 pub fn solve(
     backend: &dyn Backend,
@@ -176,15 +189,17 @@ pub fn solve(
         iterations.push(*iteration);
         on_iteration(iteration)
     })?;
-    let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
-    diagram.set_sites(&positions, &state.weights)?;
+    if (options.facets || end == End::Stalled) && state.output.facets().is_none() && end != End::Interrupted {
+        // A step has taken them apart, or they were not asked for, and are to say why it stalled.
+        state.output = problem.again(&state.weights)?;
+    }
+    let worst = Worst::new(&problem, &state, end);
     state.output.take_laplacian();
     if !options.facets {
         state.output.take_facets();
-    } else if state.output.facets().is_none() && end != End::Interrupted {
-        // A stalled step has taken them apart.
-        state.output = backend.evaluate(diagram, &request(options, positions.len()))?;
     }
+    let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
+    diagram.set_sites(&positions, &state.weights)?;
     let cost = match end {
         End::Interrupted => density.cost(diagram.positions(), &state.output),
         _ => density.transport_cost(backend, diagram, &state.output)?,
@@ -196,6 +211,7 @@ pub fn solve(
         masses: state.masses.iter().map(|mass| mass * unit).collect(),
         iterations,
         residual: state.residual,
+        worst,
         end,
     })
 }
@@ -203,7 +219,8 @@ pub fn solve(
 /// The masses that [`solve`] aims at: those asked for, checked, and scaled to sum to the domain's; all equal for an empty slice.
 ///
 /// # Errors
-/// `Input` where the density is not positive, or the masses are not one for each site, not positive, or do not sum to the domain's.
+/// `Input` where the density is not positive, or the masses are not one for each site, not positive, or do not sum to the domain's and the
+/// options do not say that they are to be scaled.
 pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Result<Vec<f64>> {
     let container = diagram.container()?;
     options.density.check(&container)?;
@@ -221,16 +238,20 @@ pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Res
     }
     let mut asked = Sum::default();
     asked.extend(masses.iter().copied());
-    let scale = total / asked.total();
-    // Scaling changes what each cell is asked for by as much, no more than the tolerance leaves open.
-    let is_near = (scale - 1.0).abs() <= options.tolerance;
-    if !is_near {
+    let (sum, scale) = (asked.total(), total / asked.total());
+    let scaled: Vec<f64> = masses.iter().map(|m| m * scale).collect();
+    if !scale.is_normal() || scaled.contains(&0.0) {
         return Err(Error::input(format!(
-            "the masses sum to {:?}, but the domain has {total:?}: multiply each by {scale:?}",
-            asked.total()
+            "the masses sum to {sum:?}, but the domain has {total:?}: no double is the factor between; give masses of its order"
         )));
     }
-    Ok(masses.iter().map(|m| m * scale).collect())
+    // Scaling changes what each cell is asked for by as much, no more than the tolerance leaves open.
+    if !options.normalize && (scale - 1.0).abs() > options.tolerance {
+        return Err(Error::input(format!(
+            "the masses sum to {sum:?}, but the domain has {total:?}: multiply each by {scale:?}, or have them normalized"
+        )));
+    }
+    Ok(scaled)
 }
 
 fn request(options: &Options, sites: usize) -> Request {

@@ -4,7 +4,7 @@ use laguerre_core::shapes;
 use laguerre_core::{Backend, Domain, PowerDiagram, Request};
 use laguerre_cpu::Cpu;
 use laguerre_solvers::density::Density;
-use laguerre_solvers::transport::{End, Iteration, Options, Solution, solve, targets};
+use laguerre_solvers::transport::{Cause, End, Iteration, Options, Solution, Worst, solve, targets};
 use std::ops::ControlFlow::Continue;
 
 /// Not in the package of this crate (`fixtures/meshes/README.md`).
@@ -278,11 +278,18 @@ fn what_cannot_be_is_said() {
     assert_eq!(said(&sites, &masses, &plain), "the mass of site 3 is NaN: masses must be positive numbers");
     assert_eq!(
         said(&sites, &[0.125; 10], &plain),
-        "the masses sum to 1.25, but the domain has 1.0: multiply each by 0.8"
+        "the masses sum to 1.25, but the domain has 1.0: multiply each by 0.8, or have them normalized"
     );
     assert!(said(&sites, &[], &plain.clone().until(5, f64::NAN)).starts_with("tolerance NaN: "));
-    // Sums that overflow are no sums.
-    assert!(said(&sites, &[1e308; 10], &plain).contains("but the domain has 1.0"));
+    // Sums that overflow are no sums, and what becomes 0 is no mass.
+    for masses in [[1e308; 10], [1e-310; 10]] {
+        for options in [plain.clone(), plain.clone().normalized()] {
+            assert!(said(&sites, &masses, &options).contains("no double is the factor"));
+        }
+    }
+    let mut masses = [1e200; 10];
+    masses[4] = 1e-200;
+    assert!(said(&sites, &masses, &plain.clone().normalized()).contains("no double is the factor"));
     let mut twice = sites.clone();
     twice[8] = twice[2];
     assert!(said(&twice, &[], &plain).starts_with("sites 2 and 8 are at the same place ["));
@@ -292,6 +299,76 @@ fn what_cannot_be_is_said() {
     let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let aimed = targets(&diagram, &[0.1 * (1.0 + 1e-10); 10], &plain).unwrap();
     assert!((aimed.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+    // And what is off by any factor, where the options say so.
+    let shares: Vec<f64> = (1..11).map(|i| 3.0 * f64::from(i)).collect();
+    let aimed = targets(&diagram, &shares, &plain.normalized()).unwrap();
+    assert!(aimed.iter().zip(&shares).all(|(a, share)| (a * 165.0 - share).abs() < 1e-12));
+}
+
+/// Masses of six decades.
+#[test]
+fn unequal_masses_are_met() {
+    let sites = white(300, [0.0; 3], [1.0; 3], 42);
+    let masses: Vec<f64> = white(300, [-6.0; 3], [0.0; 3], 43).iter().map(|p| 10_f64.powf(p[0])).collect();
+    let options = Options::default().normalized();
+    for domain in [None, Some(shapes::torus(0.6, 0.3, 24, 12).domain())] {
+        let diagram = PowerDiagram::new(&sites, &[]).unwrap();
+        let mut diagram = match &domain {
+            None => diagram.in_box([0.0; 3], [1.0; 3]).unwrap(),
+            Some(domain) => diagram.restricted_to(domain),
+        };
+        let aimed = targets(&diagram, &masses, &options).unwrap();
+        let solution = solved(&mut diagram, &masses, &options);
+        check(&diagram, &solution, &aimed, &Density::Uniform);
+    }
+}
+
+/// Pairs and fives of sites that are nearly at one place: solved where doubles can say the weights, else it is said which sites are too near, and how
+/// little could be moved between them.
+#[test]
+fn sites_nearly_at_one_place_are_solved_or_named() {
+    let run = |distance: f64| {
+        let mut sites = white(150, [0.0; 3], [1.0; 3], 44);
+        let mut others = white(150, [-distance; 3], [distance; 3], 45).into_iter();
+        let mut near = |of: usize, to: usize| {
+            let (p, way) = (sites[of], others.next().unwrap());
+            sites[to] = std::array::from_fn(|k| p[k] + way[k]);
+        };
+        (1..5).for_each(|to| near(0, to));
+        (10..20).step_by(2).for_each(|of| near(of, of + 1));
+        let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        solve(&cpu(), &mut diagram, &[], &Options::default(), &mut |_| Continue(())).unwrap()
+    };
+    let wide = run(1e-6);
+    assert_eq!((wide.end, &wide.worst.cause), (End::Converged, &None), "{}", wide.worst);
+    for distance in [1e-9, 1e-12, 1e-14] {
+        let solution = run(distance);
+        assert_eq!(solution.end, End::Stalled, "{distance}: {}", solution.worst);
+        let Worst { mass, target, cause, .. } = &solution.worst;
+        assert!(((mass / target - 1.0).abs() - solution.residual).abs() <= 1e-15 && *target == 1.0 / 150.0);
+        let Some(Cause::Rounding { sites: [a, b], distance: away, change }) = cause else {
+            panic!("{}", solution.worst)
+        };
+        let group = |site: usize| if site < 5 { 0 } else { site / 2 };
+        assert!(a != b && group(*a) == group(*b) && (*a < 5 || (10..20).contains(a)), "{}", solution.worst);
+        assert!(*away <= 4.0 * distance && *change > 0.0, "{}", solution.worst);
+        // What is left is in proportion to what rounding is of the distance.
+        assert!(solution.residual <= 1e-16 / distance * 10.0, "{distance}: {:e}", solution.residual);
+    }
+}
+
+/// The cells that lack mass, and which others do not reach, are named.
+#[test]
+fn the_worst_cell_is_named() {
+    let sites = white(300, [0.0; 3], [1.0; 3], 19);
+    let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let solution = solve(&cpu(), &mut diagram, &[], &Options::default().until(1, 1e-9), &mut |_| Continue(())).unwrap();
+    let worst = &solution.worst;
+    assert_eq!((worst.mass, worst.position, &worst.cause), (solution.masses[worst.site], sites[worst.site], &None));
+    assert!(((worst.mass * 300.0 - 1.0).abs() - solution.residual).abs() < 1e-12);
+    let line =
+        format!("site {} at {:?} has the mass {:?}, not {:?}", worst.site, worst.position, worst.mass, worst.target);
+    assert_eq!(worst.to_string(), line);
 }
 
 #[test]

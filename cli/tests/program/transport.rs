@@ -87,12 +87,51 @@ fn what_does_not_converge_is_written_and_said() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(4), "{said}");
     assert!(said.starts_with("laguerre: the residual is ") && said.contains("give more --iterations"), "{said}");
+    assert!(said.contains("; site ") && said.contains(" has the mass "), "{said}");
     assert_eq!(said.lines().count(), 1);
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(table.starts_with("iteration  residual") && table.contains("after 1 Newton steps"), "{table}");
     assert_eq!(fs::read_to_string(folder.join("w.txt")).unwrap().lines().count(), 2000);
     let said = notes(folder, &["transport", "white.xyz", "--tolerance", "0.5"]);
     assert_eq!(said, ["the weights are not kept; name a file with -o for them"]);
+    // Sites that are too near each other for weights to tell them apart are named.
+    fs::write(folder.join("near.xyz"), "0.2 0.3 0.4\n0.7 0.6 0.5\n0.700000000000001 0.6 0.5\n0.3 0.9 0.1\n").unwrap();
+    let output = laguerre(folder, &["transport", "near.xyz", "--box", UNIT_BOX, "-o", "w.txt"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), said.lines().count()), (Some(4), 1), "{said}");
+    assert!(
+        said.contains("between sites 1 and 2, at a distance of 1.0e-15") || said.contains("between sites 2 and 1"),
+        "{said}"
+    );
+}
+
+#[test]
+fn masses_known_up_to_a_factor_are_scaled() {
+    let folder = inputs();
+    let folder = folder.path();
+    fs::write(folder.join("shares.txt"), "1\n2\n".repeat(1000)).unwrap();
+    let args = [
+        "transport",
+        "white.xyz",
+        "--box",
+        UNIT_BOX,
+        "--masses",
+        "shares.txt",
+        "--normalize",
+        "--cells",
+        "c.csv",
+        "-o",
+        "w.txt",
+    ];
+    let said = notes(folder, &args);
+    assert_eq!(said.len(), 1);
+    assert!(said[0].starts_with("shares.txt: each mass is multiplied by 0.000333"), "{said:?}");
+    let volumes = column(&fs::read_to_string(folder.join("c.csv")).unwrap(), 1, 1);
+    for (i, v) in volumes.iter().enumerate() {
+        assert!((v * 3000.0 / (1 + i % 2) as f64 - 1.0).abs() <= 1e-9, "cell {i}: {v}");
+    }
+    let line = fails(folder, 2, &["transport", "white.xyz", "--normalize", "-o", "w.txt"]);
+    assert!(line.contains("--masses"), "{line}");
 }
 
 /// The weights that an interrupt leaves have the residual that was printed last.

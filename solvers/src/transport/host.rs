@@ -11,6 +11,9 @@ use crate::vectors::for_each;
 /// It: what it holds are [`Matrix`] and lists of numbers.
 pub(super) struct Host;
 
+/// The one that there is.
+pub(super) static HOST: Host = Host;
+
 fn numbers(x: &Held) -> Result<&[f64]> {
     Ok(x.own::<Vec<f64>>()?)
 }

@@ -10,7 +10,7 @@ use laguerre_core::{Backend, CellStatus, Error, Output, PowerDiagram, Result};
 use rayon::prelude::*;
 
 use super::conjugate_gradient;
-use super::host::Host;
+use super::host::HOST;
 use super::laplacian::of_masses;
 use super::multigrid::Multigrid;
 use super::sparse::{Matrix, center, center_parts, norm};
@@ -97,7 +97,7 @@ fn solved(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64])
     let order = sorted.order();
     let place = places(order, b.len());
     let matrix = of_masses(facets, density, order, &place, 1.0);
-    let mut multigrid = Multigrid::new(&Host, Host.matrix(matrix.clone().into_rows())?)?;
+    let mut multigrid = Multigrid::new(&HOST, HOST.matrix(matrix.clone().into_rows())?)?;
     let mut b: Vec<f64> = order.iter().map(|&i| b[i as usize]).collect();
     // Of each part that touches no other the mean is its own.
     let parts = multigrid.parts()?;

@@ -66,7 +66,7 @@ pub(super) fn state(problem: &mut Problem<'_>) -> Result<State> {
 
 /// The state of a level near the targets; `None` where two of its sites coincide, or a cell stays empty, so that the next is to begin from the one before.
 fn solved(problem: &mut Problem<'_>, level: &Level, weights: Vec<f64>) -> Result<Option<State>> {
-    let options = Options { density: problem.density, ..Options::default().until(MOST_STEPS, ENOUGH) };
+    let options = Options::default().of(problem.density).until(MOST_STEPS, ENOUGH);
     let targets = level.targets.iter().map(|target| target * problem.unit).collect();
     let mut diagram = problem.diagram.clone();
     let first = diagram.set_sites(&level.positions, &weights).and_then(|()| {

@@ -8,7 +8,7 @@ use laguerre_core::diagram::Container;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
 
-use super::host::Host;
+use super::host::HOST;
 use super::laplacian::{of_masses, of_volumes};
 use super::limited::Limits;
 use super::multigrid::Multigrid;
@@ -61,6 +61,8 @@ pub(super) struct Problem<'a> {
     multigrid: Option<Multigrid<'a>>,
     /// The last step that was taken.
     pub(super) step: f64,
+    /// Where the end was that no mass came to a part from others: true for each of its sites.
+    pub(super) stuck: Option<Vec<bool>>,
     /// Limited steps that were tried.
     pub(super) limited_steps: usize,
     pub(super) evaluations: usize,
@@ -105,6 +107,7 @@ impl<'a> Problem<'a> {
             place: Vec::new(),
             multigrid: None,
             step: 1.0,
+            stuck: None,
             limited_steps: 0,
             evaluations: 0,
             seconds: 0.0,
@@ -155,7 +158,11 @@ impl<'a> Problem<'a> {
     pub(super) fn next(&mut self, state: &mut State) -> Result<Option<(f64, usize, State)>> {
         match self.direction(state)? {
             Direction::Newton(system) => self.advance(state, *system),
-            Direction::Apart(part) => Ok(bridge::bridge(self, state, &part)?.map(|next| (0.0, 0, next))),
+            Direction::Apart(part) => {
+                let next = bridge::bridge(self, state, &part)?;
+                self.stuck = next.is_none().then_some(part);
+                Ok(next.map(|next| (0.0, 0, next)))
+            }
         }
     }
 
@@ -174,6 +181,12 @@ impl<'a> Problem<'a> {
         let residual = each().map(|(m, t)| (m / t - 1.0).abs()).fold(0.0, f64::max);
         let error = sum(masses.len(), |i| (self.targets[i] - masses[i]).powi(2)).sqrt();
         Ok(State { weights, output, masses, least, residual, error })
+    }
+
+    /// The output, with facets, of weights that were evaluated before.
+    pub(super) fn again(&mut self, weights: &[f64]) -> Result<Output> {
+        self.diagram.set_sites(&self.positions, weights)?;
+        self.backend.evaluate(self.diagram, &self.request.clone().with_facets())
     }
 
     /// Takes the order of a diagram's rows, which is the same for all of these sites; where it tells none, that along the curve.
@@ -206,7 +219,7 @@ impl<'a> Problem<'a> {
                 return Ok((algebra, matrix));
             }
             // Someone else has used the backend since.
-            let request = Request::moments().with_laplacian();
+            let request = self.request.clone().with_laplacian();
             state.output = self.backend.evaluate(self.diagram, &request)?;
         }
         let matrix = match (state.output.take_laplacian(), state.output.take_facets()) {
@@ -214,7 +227,7 @@ impl<'a> Problem<'a> {
             (None, Some(facets)) => of_masses(&facets, &self.density, &self.order, &self.place, self.unit),
             (None, None) => return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to")),
         };
-        Ok((&Host, Host.matrix(matrix.into_rows())?))
+        Ok((&HOST, HOST.matrix(matrix.into_rows())?))
     }
 
     /// Where to go from a state, whose facets are taken out.

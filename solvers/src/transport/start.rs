@@ -13,8 +13,7 @@ pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteTree) -> Res
     let Some(&i) = sorted.coincident().iter().min() else { return Ok(()) };
     let p = positions[i as usize];
     // The nearest, not the equal one: positions that differ by less than a rounding of the domain's coordinates coincide too.
-    let others = positions.iter().enumerate().filter(|&(j, _)| j != i as usize);
-    let other = others.min_by(|a, b| distance2(*a.1, p).total_cmp(&distance2(*b.1, p))).map_or(0, |(j, _)| j);
+    let (other, _) = nearest(positions, i as usize);
     Err(Error::input(format!(
         "sites {} and {} are at the same place {p:?}: one of their cells is empty whatever the weights; move or remove one",
         other.min(i as usize),
@@ -53,13 +52,24 @@ pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
     if state.least > 0.0 {
         return Ok(state);
     }
-    let empty = state.masses.iter().position(|&m| m <= 0.0).unwrap_or(0);
+    let is_empty = |mass: &f64| *mass <= 0.0;
+    let (empty, count) =
+        (state.masses.iter().position(is_empty).unwrap_or(0), state.masses.iter().filter(|m| is_empty(m)).count());
+    let place = problem.positions[empty];
+    let (other, away) = nearest(&problem.positions, empty);
     Err(Error::input(format!(
-        "no first weights were found that leave no cell empty (site {empty} at {:?} has none): give some, or move sites that are nearly \
-         at one place or far from the domain",
-        problem.positions[empty]
+        "no first weights were found that leave no cell empty: {count} of {n} are, first that of site {empty} at {place:?}, to which the nearest \
+         is site {other}, at a distance of {away:.1e}; give weights that leave none empty, or move or remove such sites"
     ))
     .of_site(empty))
+}
+
+/// The site nearest to another, and its distance.
+fn nearest(positions: &[[f64; 3]], site: usize) -> (usize, f64) {
+    let others = positions.iter().enumerate().filter(|&(j, _)| j != site);
+    let distances = others.map(|(j, q)| (j, distance2(*q, positions[site])));
+    let (other, away2) = distances.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((site, 0.0));
+    (other, away2.sqrt())
 }
 
 fn is_good(problem: &Problem<'_>, state: &State) -> bool {

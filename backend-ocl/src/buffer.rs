@@ -9,6 +9,7 @@ use opencl3::error_codes::{
 };
 use opencl3::memory::{Buffer, CL_MEM_READ_WRITE};
 use opencl3::types::CL_BLOCKING;
+use rayon::iter::ParallelIterator as _;
 use std::ptr;
 
 /// What OpenCL says where memory does not suffice: no such object can be allocated, the host is out of it, or a buffer cannot be so large.
@@ -24,7 +25,7 @@ pub(crate) struct Room<T> {
     length: usize,
 }
 
-impl<T: Copy> Room<T> {
+impl<T: Copy + Send + Sync> Room<T> {
     /// No room yet; `what` is for messages.
     pub(crate) const fn new(what: &'static str) -> Self {
         Self { what, buffer: None, length: 0 }
@@ -136,7 +137,12 @@ impl<T: Copy> Room<T> {
     where
         T: Default,
     {
-        data.resize(length.min(self.length - first.min(self.length)), T::default());
+        let length = length.min(self.length - first.min(self.length));
+        if length > data.capacity() {
+            // On all threads: to one alone new memory costs more than the copy (of 190 MB 0.14 s with it, 0.03 without; 16 cores).
+            *data = rayon::iter::repeat_n(T::default(), length).collect();
+        }
+        data.resize(length, T::default());
         self.read_into(queue, first, data)
     }
 

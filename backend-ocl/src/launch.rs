@@ -32,7 +32,7 @@ pub(crate) trait Arguments: Argument {
     type Kernel: 'static;
 }
 
-impl<T: Copy> Argument for &Room<T> {
+impl<T: Copy + Send + Sync> Argument for &Room<T> {
     fn set(&self, launch: &mut Launch<'_>) -> Result<()> {
         let buffer = self.get()?;
         // SAFETY: the kernel's parameter, which is next in the table, is a pointer to global memory.

@@ -117,7 +117,7 @@ fn params_of(world: &World) -> Params {
 }
 
 /// Memory with `data` in it.
-fn filled<T: Copy>(context: &Context, queue: &CommandQueue, data: &[T]) -> Result<Room<T>> {
+fn filled<T: Copy + Send + Sync>(context: &Context, queue: &CommandQueue, data: &[T]) -> Result<Room<T>> {
     let mut room = Room::new("the parity kernels");
     room.fill(context, queue, data)?;
     Ok(room)

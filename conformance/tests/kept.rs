@@ -160,8 +160,11 @@ fn transport_on_a_device_is_that_of_the_host() {
     let run = |backend: &dyn Backend, kept_from: usize| -> Solution {
         let mut options = Options::default();
         options.kept_from = kept_from;
+        options.laplacian = true;
         let mut diagram = start.clone();
         let found = solve(backend, &mut diagram, &[], &options, &mut |_| Continue(())).unwrap();
+        let again = backend.evaluate(&diagram, &Request::moments().with_laplacian()).unwrap();
+        assert_eq!(found.output.laplacian(), again.laplacian());
         assert_eq!(found.end, End::Converged, "{:?}", found.iterations);
         found
     };

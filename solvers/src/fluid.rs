@@ -245,7 +245,7 @@ impl Fluid {
         };
         let (positions, expected) = (moved(positions), moved(&self.cells.barycenters));
         let mut start: Vec<f64> = weights.iter().zip(weight_rates).map(|(w, rate)| w + h * rate).collect();
-        warm::mend(&mut start, &positions, &expected, &self.cells.facets, self.cell_size());
+        warm::mend(&mut start, &positions, &expected, &self.cells.laplacian, self.cell_size());
         check_places(&self.diagram.container()?, &positions)?;
         self.diagram.set_sites(&positions, &start)?;
         let (cells, report) = equal_volumes(backend, &mut self.diagram)?;
@@ -267,7 +267,7 @@ impl Fluid {
             let before = self.energy().kinetic;
             let masses: Vec<f64> = self.state.densities.iter().map(|d| d * self.volume).collect();
             let strength = h * self.mean_density * self.settings.viscosity;
-            viscosity::slow(&self.cells.facets, &masses, strength, &mut self.state.velocities)
+            viscosity::slow(&self.cells.laplacian, &masses, strength, &mut self.state.velocities)
                 .inspect_err(|_| self.cells = cells_before)?;
             self.state.brought_in -= before - self.energy().kinetic;
         }

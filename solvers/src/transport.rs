@@ -48,6 +48,8 @@ pub struct Options {
     pub second_moments: bool,
     /// Whether it has facets.
     pub facets: bool,
+    /// Whether it has the Laplacian, which no more than the last step is made of where the density is uniform.
+    pub laplacian: bool,
     /// Sites from which on linear systems stay in the memory of a backend that has one of its own.
     #[doc(hidden)]
     pub kept_from: usize,
@@ -66,6 +68,7 @@ impl Default for Options {
             most_iterations: 100,
             second_moments: true,
             facets: false,
+            laplacian: false,
             kept_from: KEPT_FROM,
             normalize: false,
         }
@@ -194,7 +197,11 @@ pub fn solve(
         state.output = problem.again(&state.weights)?;
     }
     let worst = Worst::new(&problem, &state, end);
-    state.output.take_laplacian();
+    if options.laplacian && end != End::Interrupted {
+        problem.bring_laplacian(&mut state)?;
+    } else {
+        state.output.take_laplacian();
+    }
     if !options.facets {
         state.output.take_facets();
     }

@@ -1,7 +1,7 @@
 //! Cells of equal volume.
 
 use laguerre_core::diagram::Container;
-use laguerre_core::{Backend, Error, ErrorKind, Facets, Output, OutputArrays, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, OutputArrays, PowerDiagram, Request, Result};
 use std::ops::ControlFlow::Continue;
 
 use super::StepReport;
@@ -44,8 +44,8 @@ pub fn settle(
 pub(super) struct Cells {
     /// `b_i`.
     pub(super) barycenters: Vec<[f64; 3]>,
-    /// Their facets.
-    pub(super) facets: Facets,
+    /// Their Laplacian.
+    pub(super) laplacian: Laplacian,
     /// The cost of transport, `Σ_i ∫_cell i ‖x − p_i‖² dx`.
     pub(super) cost: f64,
     /// Largest relative error of a volume.
@@ -59,7 +59,7 @@ impl Cells {
     /// # Errors
     /// `Input` where the weights do not give cells of `volume`.
     pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram, volume: f64) -> Result<Self> {
-        let output = backend.evaluate(diagram, &Request::moments().with_facets().with_second_moments())?;
+        let output = backend.evaluate(diagram, &Request::moments().with_laplacian().with_second_moments())?;
         let error = |v: &f64| (v / volume - 1.0).abs();
         if let Some(i) = output.volume().iter().position(|v| error(v) > VOLUME_TOLERANCE + OTHER_BACKEND) {
             return Err(Error::input(format!(
@@ -73,11 +73,14 @@ impl Cells {
     }
 
     fn of(output: Output, cost: Option<f64>, residual: f64) -> Result<Self> {
-        let OutputArrays { barycenter: barycenters, facets, .. } = output.into_arrays();
-        let (Some(facets), Some(cost)) = (facets, cost) else {
-            return Err(Error::new(ErrorKind::Device, "the backend gave no facets or second moments though asked to"));
+        let OutputArrays { barycenter: barycenters, laplacian, .. } = output.into_arrays();
+        let (Some(laplacian), Some(cost)) = (laplacian, cost) else {
+            return Err(Error::new(
+                ErrorKind::Device,
+                "the backend gave no Laplacian or second moments though asked to",
+            ));
         };
-        Ok(Self { barycenters, facets, cost, residual })
+        Ok(Self { barycenters, laplacian, cost, residual })
     }
 }
 
@@ -86,7 +89,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
     let options = transport::Options {
         tolerance: VOLUME_TOLERANCE,
         most_iterations: MOST_ITERATIONS,
-        facets: true,
+        laplacian: true,
         ..transport::Options::default()
     };
     let solved = solved(backend, diagram, &options)?;

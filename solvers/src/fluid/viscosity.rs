@@ -1,6 +1,6 @@
 //! Viscosity: velocities of neighbouring cells drawn together, by the implicit Euler method.
 
-use laguerre_core::{Error, Facet, Facets, Result};
+use laguerre_core::{Error, Laplacian, Result};
 use rayon::prelude::*;
 
 use crate::vectors::{add, dot};
@@ -10,18 +10,29 @@ const RELATIVE: f64 = 1e-12;
 /// Iterations of the conjugate gradient; the matrix is a diagonal and little more, and takes a dozen.
 const MOST_ITERATIONS: usize = 1000;
 
-/// Solves `m_i (u_i − v_i) = strength · Σ_j (A_ij / ‖p_i − p_j‖) (u_j − u_i)` and puts `u` in the place of `v`.
+/// Solves `m_i (u_i − v_i) = strength · Σ_j (A_ij / ‖p_i − p_j‖) (u_j − u_i)` and puts `u` in the place of `v`. What one cell loses the other has: the
+/// Laplacian is symmetric.
 ///
 /// # Errors
 /// `Input` where the solution is not found, as where the viscosity is so large that squares of momenta overflow.
-pub(super) fn slow(facets: &Facets, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
-    let ties = ties(facets, strength);
-    let diagonal: Vec<f64> = (0..masses.len()).map(|i| masses[i] + ties[facets.row(i)].iter().sum::<f64>()).collect();
+pub(super) fn slow(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
+    let order = laplacian.order();
+    let mut u: Vec<[f64; 3]> = order.iter().map(|&i| v[i as usize]).collect();
+    let masses: Vec<f64> = order.iter().map(|&i| masses[i as usize]).collect();
+    slow_rows(laplacian, &masses, strength, &mut u)?;
+    order.iter().zip(u).for_each(|(&i, u)| v[i as usize] = u);
+    Ok(())
+}
+
+/// The same in the order of the rows.
+fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
+    let ties = |i: usize| laplacian.values()[laplacian.row(i)].iter().map(|tie| strength * tie);
+    let diagonal: Vec<f64> = (0..masses.len()).map(|i| masses[i] + ties(i).sum::<f64>()).collect();
     let apply = |u: &[[f64; 3]]| -> Vec<[f64; 3]> {
         let product = |i: usize| {
             let mut sum = u[i].map(|x| diagonal[i] * x);
-            for facet in facets.of(i) {
-                let (tie, other) = (ties[facet.number], u[facet.neighbor]);
+            for (tie, &column) in ties(i).zip(&laplacian.columns()[laplacian.row(i)]) {
+                let other = u[column as usize];
                 (0..3).for_each(|c| sum[c] -= tie * other[c]);
             }
             sum
@@ -55,19 +66,6 @@ pub(super) fn slow(facets: &Facets, masses: &[f64], strength: f64, v: &mut [[f64
     Err(Error::input("the velocities after viscosity were not found: take a smaller viscosity or time step"))
 }
 
-/// `strength · A / distance` of each facet, the mean of both its sides, so that what one cell loses the other has; 0 where only
-/// one side has it, being below its rounding bound.
-fn ties(facets: &Facets, strength: f64) -> Vec<f64> {
-    let tie = |facet: Facet| strength * facet.area / facet.distance;
-    let of_row = |i: usize| {
-        facets.of(i).map(move |facet| {
-            let back = facets.between(facet.neighbor, i);
-            back.map_or(0.0, |back| (tie(facet) + tie(facets.get(back))) / 2.0)
-        })
-    };
-    (0..facets.sites()).flat_map(of_row).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::PI;
@@ -84,12 +82,12 @@ mod tests {
         let (n, strength) = (8, 0.3);
         let sites = lattice([1.0, 1.0, 0.25], n * n * n / 4);
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0, 1.0, 0.25]).unwrap();
-        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_facets()).unwrap();
+        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_laplacian()).unwrap();
         let h = 1.0 / n as f64;
         let masses = vec![h.powi(3); sites.len()];
         let wave = |p: &[f64; 3]| [(PI * p[1]).cos(), 0.0, 0.5];
         let mut v: Vec<[f64; 3]> = sites.iter().map(wave).collect();
-        slow(output.facets().unwrap(), &masses, strength, &mut v).unwrap();
+        slow(output.laplacian().unwrap(), &masses, strength, &mut v).unwrap();
         let factor = 1.0 + strength * (2.0 - 2.0 * (PI * h).cos()) / (h * h);
         for (p, v) in sites.iter().zip(&v) {
             let [x, y, z] = wave(p);
@@ -101,9 +99,9 @@ mod tests {
     fn what_overflows_is_refused() {
         let sites = lattice([1.0; 3], 27);
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_facets()).unwrap();
+        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_laplacian()).unwrap();
         let mut v: Vec<[f64; 3]> = sites.clone();
-        let error = slow(output.facets().unwrap(), &[1.0 / 27.0; 27], 1e300, &mut v).unwrap_err();
+        let error = slow(output.laplacian().unwrap(), &[1.0 / 27.0; 27], 1e300, &mut v).unwrap_err();
         assert!(error.kind() == ErrorKind::Input && error.to_string().contains("smaller viscosity"), "{error}");
     }
 }

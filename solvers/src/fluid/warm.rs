@@ -3,7 +3,7 @@
 //! Where two particles pass close by each other, their bisector turns quickly, and weights of a moment ago put it beyond one of the two
 //! cells. One empty cell makes transport start from nothing, at several times the cost.
 
-use laguerre_core::Facets;
+use laguerre_core::Laplacian;
 
 use crate::vectors::distance2;
 
@@ -13,14 +13,21 @@ const DEPTH: f64 = 0.1;
 /// Changes `weights` for sites at `positions` as little as it takes for `expected`, where the cells' barycenters are expected, to be in their cells: for
 /// each pair of neighbours of the last diagram the bisector is moved between the two, or to their middle where they are in the wrong
 /// order. `size` is a cell's.
-pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64; 3]], facets: &Facets, size: f64) {
+pub(super) fn mend(
+    weights: &mut [f64],
+    positions: &[[f64; 3]],
+    expected: &[[f64; 3]],
+    neighbors: &Laplacian,
+    size: f64,
+) {
     let found = weights.to_vec();
     let depth = |i: usize, j: usize, distance: f64| {
         let power = |k: usize| distance2(expected[i], positions[k]) - found[k];
         (power(j) - power(i)) / (2.0 * distance)
     };
-    for i in 0..positions.len() {
-        for j in facets.of(i).map(|facet| facet.neighbor) {
+    for (row, i) in neighbors.order().iter().map(|&i| i as usize).enumerate() {
+        for &column in &neighbors.columns()[neighbors.row(row)] {
+            let j = neighbors.order()[column as usize] as usize;
             let distance = distance2(positions[i], positions[j]).sqrt();
             let [mine, theirs] = [depth(i, j, distance), depth(j, i, distance)];
             // Both have it where there is room for both, else half of what there is.
@@ -37,23 +44,17 @@ pub(super) fn mend(weights: &mut [f64], positions: &[[f64; 3]], expected: &[[f64
 
 #[cfg(test)]
 mod tests {
-    use laguerre_core::{Boundary, FacetArrays};
-
     use super::*;
 
     #[test]
     fn a_bisector_is_put_between_the_barycenters() {
-        let mut facets = FacetArrays::default();
-        (facets.offsets, facets.neighbor) = (vec![0, 1, 2], vec![1, 0]);
-        (facets.area, facets.barycenter, facets.distance) = (vec![1.0; 2], vec![[0.0; 3]; 2], vec![0.01; 2]);
-        facets.boundary = vec![Boundary::default(); 2];
-        let facets = Facets::new(facets).unwrap();
+        let neighbors = Laplacian::of_fitting(vec![0, 1], (vec![0, 1, 2], vec![1, 0], vec![100.0; 2]));
         let positions = [[0.0; 3], [0.01, 0.0, 0.0]];
         // Where along x the bisector is.
         let at = |w: &[f64]| (w[0] - w[1] + 0.01 * 0.01) / (2.0 * 0.01);
         let mended = |first: f64, second: f64, weight: f64| {
             let mut weights = [weight, 0.0];
-            mend(&mut weights, &positions, &[[first, 0.0, 0.0], [second, 0.0, 0.0]], &facets, 1.0);
+            mend(&mut weights, &positions, &[[first, 0.0, 0.0], [second, 0.0, 0.0]], &neighbors, 1.0);
             at(&weights)
         };
         // Deep enough on both sides: as it was. Too near to one: as far as it must be. No room: between.

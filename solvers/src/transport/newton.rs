@@ -9,7 +9,7 @@ use laguerre_core::rows::places;
 use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
 
 use super::host::HOST;
-use super::laplacian::{of_masses, of_volumes};
+use super::laplacian::{of_masses, of_volumes, without_diagonal};
 use super::limited::Limits;
 use super::multigrid::Multigrid;
 use super::sparse::{center, center_parts};
@@ -187,6 +187,28 @@ impl<'a> Problem<'a> {
     pub(super) fn again(&mut self, weights: &[f64]) -> Result<Output> {
         self.diagram.set_sites(&self.positions, weights)?;
         self.backend.evaluate(self.diagram, &self.request.clone().with_facets())
+    }
+
+    /// Brings the Laplacian of the last state that was evaluated to its output, from where it is kept, or anew.
+    pub(super) fn bring_laplacian(&mut self, state: &mut State) -> Result<()> {
+        if state.output.laplacian().is_some() {
+            return Ok(());
+        }
+        let mut arrays = std::mem::take(&mut state.output).into_arrays();
+        arrays.laplacian = match (arrays.kept.take(), self.backend.algebra()) {
+            (Some(kept), Some(algebra)) => {
+                let matrix = algebra.laplacian(&kept, 1.0)?.map(|matrix| algebra.rows(&matrix)).transpose()?;
+                matrix.map(|rows| without_diagonal(kept.order, &rows))
+            }
+            _ => None,
+        };
+        if arrays.laplacian.is_none() {
+            self.diagram.set_sites(&self.positions, &state.weights)?;
+            arrays.laplacian =
+                self.backend.evaluate(self.diagram, &Request::moments().with_laplacian())?.take_laplacian();
+        }
+        state.output = Output::new(arrays)?;
+        Ok(())
     }
 
     /// Takes the order of a diagram's rows, which is the same for all of these sites; where it tells none, that along the curve.

@@ -93,6 +93,23 @@ impl Laplacian {
         self.offsets[row]..self.offsets[row + 1]
     }
 
+    /// The whole matrix of so many sites, in the caller's order: where rows begin, columns, which are sorted in each, and values, `−A_ij / d_ij` and the sum of
+    /// these ratios on the diagonal. The row of a site without a cell is empty, but for a zero there.
+    pub fn whole(&self, sites: usize) -> Rows {
+        let place = rows::places(&self.order, sites);
+        gather(sites, Vec::new, |i, entries: &mut Vec<(u32, f64)>, columns, values| {
+            entries.clear();
+            let row = place[i] as usize;
+            let own = if row < self.order.len() { self.row(row) } else { 0..0 };
+            entries.extend(own.map(|k| (self.order[self.columns[k] as usize], -self.values[k])));
+            let sum = -entries.iter().map(|(_, value)| value).sum::<f64>();
+            entries.push((i as u32, sum + 0.0));
+            entries.sort_unstable_by_key(|(column, _)| *column);
+            columns.extend(entries.iter().map(|(column, _)| *column));
+            values.extend(entries.iter().map(|(_, value)| *value));
+        })
+    }
+
     /// Its arrays: the order, where rows begin, columns and values.
     pub fn into_arrays(self) -> (Vec<u32>, Vec<usize>, Vec<u32>, Vec<f64>) {
         (self.order, self.offsets, self.columns, self.values)
@@ -109,6 +126,9 @@ mod tests {
         let of_site: [&[(u32, f64)]; 4] = [&[(1, 2.0), (3, 1.0)], &[(0, 4.0)], &[], &[(0, 1.0), (1, 0.5)]];
         let areas = |i: usize| of_site[i].iter().copied();
         let found = Laplacian::of_areas(&[3, 0, 1], 4, areas, |i, j, area| (10 * i.min(j) + i.max(j)) as f64 + area);
+        let whole =
+            (vec![0, 3, 5, 6, 8], vec![0, 1, 3, 0, 1, 2, 0, 3], vec![8.0, -4.0, -4.0, -4.0, 4.0, 0.0, -4.0, 4.0]);
+        assert_eq!(found.whole(4), whole);
         assert_eq!(found.into_arrays(), (vec![3, 0, 1], vec![0, 1, 3, 4], vec![1, 0, 2, 1], vec![4.0, 4.0, 4.0, 4.0]));
     }
 }

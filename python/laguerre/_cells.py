@@ -40,9 +40,12 @@ class Given:
     container: Domain | Box | None
     backend: Backend
 
-    def evaluate(self, facets: bool, seconds: bool, facet_seconds: bool, geometry: bool, terms: Any, epsilon: Any, solids: bool = False) -> dict[str, Any]:
+    def evaluate(
+        self, facets: bool, seconds: bool, facet_seconds: bool, geometry: bool, terms: Any, epsilon: Any, solids: bool = False, laplacian: bool = False
+    ) -> dict[str, Any]:
+        container = inner(self.container)
         found = _laguerre.evaluate(
-            self.backend, self.points, self.weights, inner(self.container), facets, seconds, facet_seconds, geometry, solids, terms, epsilon
+            self.backend, self.points, self.weights, container, facets, laplacian, seconds, facet_seconds, geometry, solids, terms, epsilon
         )
         return freeze(found)
 
@@ -199,6 +202,9 @@ class Cells:
         row sums to 0. (For Voronoi cells it is the two-point flux Laplacian of finite volumes.)"""
         import scipy.sparse
 
+        if "laplacian" in self._found:
+            return self._csr(*(self._found[name] for name in ("laplacian", "laplacian_columns", "laplacian_offsets")))
+        self._asked("offsets", "laplacian=True or facets=True")
         facets = self.facets
         rate = self._csr(facets.area / facets.distance, facets.neighbor, facets.offsets)
         # To the last bit: each side rounds for itself.

@@ -58,6 +58,7 @@ def evaluate(
     weights: NDArray[np.float64] | None,
     container: Any,
     facets: bool,
+    laplacian: bool,
     second_moments: bool,
     facet_second_moments: bool,
     geometry: bool,

@@ -112,7 +112,7 @@ type Terms = Vec<([u32; 3], f64)>;
 
 /// The cells of a diagram, as a dictionary of arrays.
 #[pyfunction]
-#[pyo3(signature = (backend, points, weights, container, facets, second_moments, facet_second_moments, geometry, solids, polynomial, epsilon))]
+#[pyo3(signature = (backend, points, weights, container, facets, laplacian, second_moments, facet_second_moments, geometry, solids, polynomial, epsilon))]
 #[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
 pub(crate) fn evaluate<'py>(
     py: Python<'py>,
@@ -121,6 +121,7 @@ pub(crate) fn evaluate<'py>(
     weights: Option<PyReadonlyArray1<'py, f64>>,
     container: Option<Container<'py>>,
     facets: bool,
+    laplacian: bool,
     second_moments: bool,
     facet_second_moments: bool,
     geometry: bool,
@@ -132,6 +133,7 @@ pub(crate) fn evaluate<'py>(
     let mut request = Request::moments();
     for (is_wanted, with) in [
         (facets, Request::with_facets as fn(Request) -> Request),
+        (laplacian, Request::with_laplacian),
         (second_moments, Request::with_second_moments),
         (facet_second_moments, Request::with_facet_second_moments),
         (geometry, Request::with_geometry),
@@ -153,12 +155,19 @@ pub(crate) fn evaluate<'py>(
 /// An output as a dictionary, which takes its memory.
 pub(crate) fn arrays(py: Python<'_>, output: OutputArrays) -> PyResult<Bound<'_, PyDict>> {
     let found = PyDict::new(py);
+    let sites = output.status.len();
     let status: Vec<u8> = output.status.into_iter().map(CellStatus::number).collect();
     found.set_item("status", PyArray1::from_vec(py, status))?;
     found.set_item("volume", PyArray1::from_vec(py, output.volume))?;
     found.set_item("centroid", table(py, output.barycenter)?)?;
     if let Some(moments) = output.second_moment {
         found.set_item("second_moment", table(py, moments)?)?;
+    }
+    if let Some(laplacian) = &output.laplacian {
+        let (offsets, columns, values) = laplacian.whole(sites);
+        found.set_item("laplacian_offsets", PyArray1::from_vec(py, offsets))?;
+        found.set_item("laplacian_columns", PyArray1::from_vec(py, columns))?;
+        found.set_item("laplacian", PyArray1::from_vec(py, values))?;
     }
     if let Some(integral) = output.integral {
         found.set_item("integral", PyArray1::from_vec(py, integral))?;

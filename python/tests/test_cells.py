@@ -56,6 +56,11 @@ def test_the_laplacian_is_one(thousand):
     x = np.random.default_rng(3).standard_normal(1000)
     assert x @ (matrix @ x) >= 0
     assert thousand.adjacency().nnz == len(thousand.facets)
+    alone = lg.cells(thousand.points, 1e-3 * np.random.default_rng(2).random(1000), domain=CUBE, laplacian=True)
+    assert abs(alone.laplacian() - matrix).max() < 1e-14 and abs(alone.laplacian() - alone.laplacian().T).max() == 0
+    assert alone.laplacian().has_sorted_indices and alone.mass_jacobian_weights().nnz == alone.laplacian().nnz
+    with pytest.raises(ValueError, match="laplacian=True or facets=True"):
+        lg.cells(thousand.points, domain=CUBE).laplacian()
 
 
 @pytest.mark.parametrize("by", ["weights", "points"])

@@ -6,6 +6,7 @@
 //! the error falls enough, which it does for some length wherever all cells have mass, so that the error goes to zero, at the end
 //! quadratically. On the way there, a number of steps may be limited facet by facet instead (`limited.rs`).
 
+mod aggregation;
 mod bridge;
 mod conjugate_gradient;
 mod dense;

@@ -9,17 +9,14 @@
 
 use laguerre_core::Result;
 use laguerre_core::algebra::{Algebra, Held};
-use rayon::prelude::*;
 use std::borrow::Cow;
 
+use super::aggregation::{Coarse, coarser};
 use super::dense::Dense;
 use super::sparse::Matrix;
-use crate::vectors::for_each;
 
 /// Levels end where a dense factorisation is cheaper than another level.
-const COARSEST: usize = 300;
-/// `|a_ij| ≥ STRONG·√(a_ii a_jj)` makes j a strong neighbour of i. Cells of white noise have 15 neighbours, whose mean is 1/15.
-const STRONG: f64 = 0.02;
+pub(super) const COARSEST: usize = 300;
 /// Power iterations for the largest eigenvalue of `D⁻¹A`, and what is added to their estimate, which is from below.
 const POWER_ITERATIONS: usize = 8;
 const POWER_MARGIN: f64 = 1.1;
@@ -27,8 +24,6 @@ const POWER_MARGIN: f64 = 1.1;
 const SMOOTHED_SHARE: f64 = 0.25;
 /// Degree of the smoother's polynomial.
 const DEGREE: usize = 2;
-/// Unknowns whose aggregates one thread makes; fixed, for these depend on it.
-const BLOCK: usize = 1 << 15;
 const NONE: u32 = u32::MAX;
 
 /// A hierarchy of matrices, in the memory of some algebra.
@@ -250,117 +245,6 @@ impl Smoother {
     fn update_residual(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
         algebra.subtract(&self.matrix, &scratch.step, &mut scratch.residual)
     }
-}
-
-/// The next level of a matrix, and the transfers to and from it.
-struct Coarse {
-    prolongation: Matrix,
-    restriction: Matrix,
-    matrix: Matrix,
-}
-
-/// The next level; `None` where there is to be none. It is made on the host.
-fn coarser(matrix: &Matrix, inverse_diagonal: &[f64], largest: f64) -> Option<Coarse> {
-    if matrix.rows() <= COARSEST {
-        return None;
-    }
-    let (aggregate, aggregates) = aggregates(matrix, inverse_diagonal);
-    if aggregates == 0 || aggregates >= matrix.rows() {
-        return None;
-    }
-    let prolongation = prolongation(matrix, inverse_diagonal, largest, &aggregate);
-    let restriction = prolongation.transposed(aggregates);
-    let mut coarse = restriction.times(&matrix.times(&prolongation));
-    coarse.balance();
-    Some(Coarse { prolongation, restriction, matrix: coarse })
-}
-
-/// `(I − ω D⁻¹ A) T`, `T` the piecewise constants; weak entries of `A` are added to the diagonal.
-fn prolongation(matrix: &Matrix, inverse: &[f64], largest: f64, aggregate: &[u32]) -> Matrix {
-    let omega = 4.0 / 3.0 / largest;
-    Matrix::from_rows(
-        matrix.rows(),
-        || (),
-        |i, (), columns, values| {
-            let begin = columns.len();
-            let mut add = |column: u32, value: f64| {
-                if column != NONE {
-                    match columns[begin..].iter().position(|&c| c == column) {
-                        Some(at) => values[begin + at] += value,
-                        None => {
-                            columns.push(column);
-                            values.push(value);
-                        }
-                    }
-                }
-            };
-            add(aggregate[i], 1.0);
-            let mut strong = 0.0;
-            for (j, a) in matrix.row(i) {
-                if j != i && is_strong(i, j, a, inverse) {
-                    strong -= a;
-                }
-            }
-            if strong > 0.0 {
-                // The filtered row sums to zero, as the row does.
-                let scale = omega / strong;
-                for (j, a) in matrix.row(i) {
-                    if j != i && is_strong(i, j, a, inverse) {
-                        add(aggregate[j], -scale * a);
-                    }
-                }
-                add(aggregate[i], -omega);
-            }
-        },
-    )
-}
-
-fn is_strong(i: usize, j: usize, a: f64, inverse_diagonal: &[f64]) -> bool {
-    a < 0.0 && a * a * inverse_diagonal[i] * inverse_diagonal[j] >= STRONG * STRONG
-}
-
-/// The aggregate of each unknown, and their number: first unknowns with all their strong neighbours where all are free, then what is
-/// left joins the aggregate it is most strongly tied to. An unknown without a strong neighbour has no part in the coarse levels:
-/// smoothing alone settles it. Blocks of unknowns are put together each for itself, on all threads, at first without ties between blocks.
-fn aggregates(matrix: &Matrix, inverse_diagonal: &[f64]) -> (Vec<u32>, usize) {
-    let n = matrix.rows();
-    let strong = |i: usize| matrix.row(i).filter(move |&(j, a)| j != i && is_strong(i, j, a, inverse_diagonal));
-    let mut first = vec![NONE; n];
-    let blocks = first.par_chunks_mut(BLOCK).enumerate();
-    let counts: Vec<u32> = blocks
-        .map(|(block, aggregate)| {
-            let begin = block * BLOCK;
-            let is_inside = |j: &usize| j.wrapping_sub(begin) < BLOCK;
-            let of_block = |i: usize| strong(i).map(|(j, _)| j).filter(is_inside).map(|j| j - begin);
-            let mut count = 0;
-            for k in 0..aggregate.len() {
-                let i = begin + k;
-                if aggregate[k] == NONE && strong(i).next().is_some() && of_block(i).all(|j| aggregate[j] == NONE) {
-                    of_block(i).for_each(|j| aggregate[j] = count);
-                    aggregate[k] = count;
-                    count += 1;
-                }
-            }
-            count
-        })
-        .collect();
-    let mut sum = 0;
-    let mut base = Vec::with_capacity(counts.len());
-    for count in counts {
-        base.push(sum);
-        sum += count;
-    }
-    let name = |i: usize| if first[i] == NONE { NONE } else { base[i / BLOCK] + first[i] };
-    // Whoever is left has a strong neighbour that is taken, else it would have begun an aggregate.
-    let mut aggregate = vec![NONE; n];
-    for_each(&mut aggregate, |i, own| {
-        *own = name(i);
-        if *own == NONE {
-            let tied = strong(i).filter(|&(j, _)| first[j] != NONE).min_by(|x, y| x.1.total_cmp(&y.1));
-            *own = tied.map_or(NONE, |(j, _)| name(j));
-        }
-    });
-    (aggregate, sum as usize)
 }
 
 /// An upper estimate of the largest eigenvalue of `D⁻¹A`.

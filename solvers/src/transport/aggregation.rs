@@ -1,0 +1,124 @@
+//! The next level of a multigrid, made on the host: aggregates of unknowns and their strong neighbours, and the matrix between them.
+
+use rayon::prelude::*;
+
+use super::multigrid::COARSEST;
+use super::sparse::Matrix;
+use crate::vectors::for_each;
+
+/// `|a_ij| ≥ STRONG·√(a_ii a_jj)` makes j a strong neighbour of i. Cells of white noise have 15 neighbours, whose mean is 1/15.
+const STRONG: f64 = 0.02;
+/// Unknowns whose aggregates one thread makes; fixed, for these depend on it.
+const BLOCK: usize = 1 << 15;
+const NONE: u32 = u32::MAX;
+
+/// The next level of a matrix, and the transfers to and from it.
+pub(super) struct Coarse {
+    pub(super) prolongation: Matrix,
+    pub(super) restriction: Matrix,
+    pub(super) matrix: Matrix,
+}
+
+/// The next level; `None` where there is to be none. It is made on the host.
+pub(super) fn coarser(matrix: &Matrix, inverse_diagonal: &[f64], largest: f64) -> Option<Coarse> {
+    if matrix.rows() <= COARSEST {
+        return None;
+    }
+    let (aggregate, aggregates) = aggregates(matrix, inverse_diagonal);
+    if aggregates == 0 || aggregates >= matrix.rows() {
+        return None;
+    }
+    let prolongation = prolongation(matrix, inverse_diagonal, largest, &aggregate);
+    let restriction = prolongation.transposed(aggregates);
+    let mut coarse = restriction.times(&matrix.times(&prolongation));
+    coarse.balance();
+    Some(Coarse { prolongation, restriction, matrix: coarse })
+}
+
+/// `(I − ω D⁻¹ A) T`, `T` the piecewise constants; weak entries of `A` are added to the diagonal.
+fn prolongation(matrix: &Matrix, inverse: &[f64], largest: f64, aggregate: &[u32]) -> Matrix {
+    let omega = 4.0 / 3.0 / largest;
+    Matrix::from_rows(
+        matrix.rows(),
+        || (),
+        |i, (), columns, values| {
+            let begin = columns.len();
+            let mut add = |column: u32, value: f64| {
+                if column != NONE {
+                    match columns[begin..].iter().position(|&c| c == column) {
+                        Some(at) => values[begin + at] += value,
+                        None => {
+                            columns.push(column);
+                            values.push(value);
+                        }
+                    }
+                }
+            };
+            add(aggregate[i], 1.0);
+            let mut strong = 0.0;
+            for (j, a) in matrix.row(i) {
+                if j != i && is_strong(i, j, a, inverse) {
+                    strong -= a;
+                }
+            }
+            if strong > 0.0 {
+                // The filtered row sums to zero, as the row does.
+                let scale = omega / strong;
+                for (j, a) in matrix.row(i) {
+                    if j != i && is_strong(i, j, a, inverse) {
+                        add(aggregate[j], -scale * a);
+                    }
+                }
+                add(aggregate[i], -omega);
+            }
+        },
+    )
+}
+
+fn is_strong(i: usize, j: usize, a: f64, inverse_diagonal: &[f64]) -> bool {
+    a < 0.0 && a * a * inverse_diagonal[i] * inverse_diagonal[j] >= STRONG * STRONG
+}
+
+/// The aggregate of each unknown, and their number: first unknowns with all their strong neighbours where all are free, then what is
+/// left joins the aggregate it is most strongly tied to. An unknown without a strong neighbour has no part in the coarse levels:
+/// smoothing alone settles it. Blocks of unknowns are put together each for itself, on all threads, at first without ties between blocks.
+fn aggregates(matrix: &Matrix, inverse_diagonal: &[f64]) -> (Vec<u32>, usize) {
+    let n = matrix.rows();
+    let strong = |i: usize| matrix.row(i).filter(move |&(j, a)| j != i && is_strong(i, j, a, inverse_diagonal));
+    let mut first = vec![NONE; n];
+    let blocks = first.par_chunks_mut(BLOCK).enumerate();
+    let counts: Vec<u32> = blocks
+        .map(|(block, aggregate)| {
+            let begin = block * BLOCK;
+            let is_inside = |j: &usize| j.wrapping_sub(begin) < BLOCK;
+            let of_block = |i: usize| strong(i).map(|(j, _)| j).filter(is_inside).map(|j| j - begin);
+            let mut count = 0;
+            for k in 0..aggregate.len() {
+                let i = begin + k;
+                if aggregate[k] == NONE && strong(i).next().is_some() && of_block(i).all(|j| aggregate[j] == NONE) {
+                    of_block(i).for_each(|j| aggregate[j] = count);
+                    aggregate[k] = count;
+                    count += 1;
+                }
+            }
+            count
+        })
+        .collect();
+    let mut sum = 0;
+    let mut base = Vec::with_capacity(counts.len());
+    for count in counts {
+        base.push(sum);
+        sum += count;
+    }
+    let name = |i: usize| if first[i] == NONE { NONE } else { base[i / BLOCK] + first[i] };
+    // Whoever is left has a strong neighbour that is taken, else it would have begun an aggregate.
+    let mut aggregate = vec![NONE; n];
+    for_each(&mut aggregate, |i, own| {
+        *own = name(i);
+        if *own == NONE {
+            let tied = strong(i).filter(|&(j, _)| first[j] != NONE).min_by(|x, y| x.1.total_cmp(&y.1));
+            *own = tied.map_or(NONE, |(j, _)| name(j));
+        }
+    });
+    (aggregate, sum as usize)
+}

@@ -190,6 +190,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
         End::MostIterations => {
             format!("{worst}; give more --iterations, or these weights back with --weights")
         }
+        _ => worst.to_string(),
     };
     say(&format!("the residual is {residual:.1e} and not within the tolerance of {:.1e}; {why}", args.tolerance));
     Ok(Outcome::Uncertified)

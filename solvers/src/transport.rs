@@ -110,6 +110,7 @@ impl Options {
 
 /// One Newton step; number 0 is the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Iteration {
     /// Number of the step, from 1.
     pub number: usize,
@@ -129,6 +130,7 @@ pub struct Iteration {
 
 /// How the iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum End {
     /// The residual is within the tolerance.
     Converged,
@@ -142,6 +144,7 @@ pub enum End {
 
 /// Weights, and the cells that they make.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Solution {
     /// One for each site (length²); their mean is 0.
     pub weights: Vec<f64>,

@@ -35,6 +35,7 @@ pub struct Cotangent {
 
 /// What it changes with by what was given.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Gradient {
     /// By each position.
     pub positions: Vec<[f64; 3]>,

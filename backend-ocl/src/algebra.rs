@@ -4,14 +4,16 @@ use crate::buffer::Room;
 use crate::device::Device;
 use crate::evaluate::Ocl;
 use crate::grid::GROUP;
-use crate::interface::data::SUM_EACH;
+use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
 use crate::interface::kernels::{
     Combine, DotParts, FillLaplacian, FindBeyond, FindRisen, GatherCells, InvertDiagonal, Multiply, SubtractNumber,
     SumParts,
 };
+use crate::laplacian::MadeLaplacian;
 use laguerre_core::algebra::{Algebra, CELL, Held, Kept};
 use laguerre_core::rows::Rows;
-use laguerre_core::{Error, ErrorKind, Result};
+use laguerre_core::{Error, ErrorKind, Laplacian, Result};
+use rayon::prelude::*;
 use std::sync::PoisonError;
 
 /// Numbers that one group adds up.
@@ -28,15 +30,28 @@ struct Matrix {
     values: Room<f64>,
     rows: usize,
     entries: usize,
+    /// More than any column.
+    width: usize,
 }
 
 /// What is held by who may be on another thread.
 struct OnDevice<T>(T);
 
 // SAFETY: OpenCL objects may be used from any thread, and what is done with these, through `Ocl`, is done while its devices are locked.
-unsafe impl<T> Send for OnDevice<T> {}
+unsafe impl Send for OnDevice<Vector> {}
 // SAFETY: as above; a shared reference gives no more than the object's handle.
-unsafe impl<T> Sync for OnDevice<T> {}
+unsafe impl Sync for OnDevice<Vector> {}
+// SAFETY: as of vectors.
+unsafe impl Send for OnDevice<Matrix> {}
+// SAFETY: as of vectors.
+unsafe impl Sync for OnDevice<Matrix> {}
+
+const _: () = assert!(CELL_NUMBERS as usize == CELL);
+
+/// Kernels are told lengths, and trust them.
+fn check(fits: bool) -> Result<()> {
+    if fits { Ok(()) } else { Err(Error::input("linear algebra: the lengths of vectors and matrices do not fit")) }
+}
 
 /// What sums and questions come back in.
 pub(crate) struct Answers {
@@ -59,6 +74,13 @@ fn matrix(a: &Held) -> Result<&Matrix> {
     Ok(&a.own::<OnDevice<Matrix>>()?.0)
 }
 
+impl Device {
+    /// The Laplacian that is there, if it is this one.
+    fn kept(&self, kept: &Kept) -> Option<MadeLaplacian> {
+        self.made.filter(|made| made.evaluation == kept.evaluation())
+    }
+}
+
 impl Ocl {
     fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
@@ -68,19 +90,23 @@ impl Ocl {
     }
 
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
-        let (a, x, y) = (matrix(a)?, &vector(x)?.numbers, &vector(y)?.numbers);
+        let (a, x, y) = (matrix(a)?, vector(x)?, vector(y)?);
+        check(x.length >= a.width && y.length == a.rows)?;
         self.on_first(|device| {
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
+            let (x, y) = (&x.numbers, &y.numbers);
             let arguments = Multiply { count, offsets, columns, values, x, y, subtracts };
             device.grid_kernels.multiply.run(&device.queue, a.rows, GROUP, arguments)
         })
     }
 
     fn combined(&self, alpha: f64, scales: Option<&Held>, x: &Held, beta: f64, y: &Held) -> Result<()> {
-        let (x, y) = (vector(x)?, &vector(y)?.numbers);
+        let (x, y) = (vector(x)?, vector(y)?);
         let has_scales = u32::from(scales.is_some());
-        let scales = &scales.map_or(Ok(x), vector)?.numbers;
+        let scales = scales.map_or(Ok(x), vector)?;
+        check(x.length == y.length && x.length == scales.length)?;
         self.on_first(|device| {
+            let (scales, y) = (&scales.numbers, &y.numbers);
             let arguments = Combine { count: x.length as u32, alpha, has_scales, scales, x: &x.numbers, beta, y };
             device.grid_kernels.combine.run(&device.queue, x.length, GROUP, arguments)
         })
@@ -125,13 +151,18 @@ impl Algebra for Ocl {
 
     fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
         let x = &mut x.own_mut::<OnDevice<Vector>>()?.0;
+        check(values.len() == x.length)?;
         self.on_first(|device| x.numbers.write_at(&device.queue, 0, values))
     }
 
     fn matrix(&self, (offsets, columns, values): Rows) -> Result<Held> {
+        let ends = offsets.first() == Some(&0) && offsets.last() == Some(&columns.len());
+        let most = u32::MAX as usize;
+        check(ends && offsets.is_sorted() && columns.len() == values.len() && columns.len().max(offsets.len()) < most)?;
+        let width = columns.par_iter().max().map_or(0, |&column| column as usize + 1);
         self.on_first(|device| {
             let (context, queue) = (&device.context, &device.queue);
-            let mut made = Matrix::unset(device, offsets.len() - 1, columns.len())?;
+            let mut made = Matrix::unset(device, offsets.len() - 1, columns.len(), width)?;
             let begins: Vec<u32> = offsets.iter().map(|&begin| begin as u32).collect();
             made.offsets.fill(context, queue, &begins)?;
             made.columns.fill(context, queue, &columns)?;
@@ -153,17 +184,15 @@ impl Algebra for Ocl {
 
     fn laplacian(&self, kept: &Kept, scale: f64) -> Result<Option<Held>> {
         self.on_first(|device| {
-            if device.made_laplacian != kept.evaluation {
-                return Ok(None);
-            }
-            let rows = kept.order.len();
-            let made = Matrix::unset(device, rows, device.results.entries + rows)?;
+            let Some(there) = device.kept(kept) else { return Ok(None) };
+            let rows = there.rows;
+            let made = Matrix::unset(device, rows, there.entries + rows, rows)?;
             let Matrix { offsets, columns, values, .. } = &made;
             let arguments = FillLaplacian {
                 count: rows as u32,
-                starts: &device.ties.packed_offsets,
-                packed_columns: &device.ties.packed_columns,
-                packed_values: &device.ties.packed_values,
+                starts: &device.laplacian.packed_offsets,
+                packed_columns: &device.laplacian.packed_columns,
+                packed_values: &device.laplacian.packed_values,
                 scale,
                 offsets,
                 columns,
@@ -174,12 +203,16 @@ impl Algebra for Ocl {
         })
     }
 
+    fn read_laplacian(&self, kept: &Kept) -> Result<Option<Laplacian>> {
+        self.on_first(|device| device.kept(kept).map(|made| device.read_laplacian(made)).transpose())
+    }
+
     fn cells(&self, kept: &Kept, density: f64) -> Result<Option<Held>> {
         self.on_first(|device| {
-            if device.evaluations != kept.evaluation {
+            // (Sums of the host's cells are not there.)
+            let Some(rows) = device.kept(kept).filter(|made| made.is_without_host).map(|made| made.rows) else {
                 return Ok(None);
-            }
-            let rows = kept.order.len();
+            };
             let made = Vector::unset(device, CELL * rows)?;
             let Device { queue, grid_kernels, memory, sites, shared, .. } = device;
             let unit = shared.params.frame_unit;
@@ -215,7 +248,9 @@ impl Algebra for Ocl {
     }
 
     fn dot(&self, x: &Held, y: &Held) -> Result<f64> {
-        let (x, y) = (vector(x)?, &vector(y)?.numbers);
+        let (x, y) = (vector(x)?, vector(y)?);
+        check(x.length == y.length)?;
+        let y = &y.numbers;
         self.on_first(|device| {
             let groups = x.length.div_ceil(SUMMED);
             device.answers.parts.grow(&device.context, groups)?;
@@ -257,7 +292,9 @@ impl Algebra for Ocl {
     }
 
     fn is_within(&self, x: &Held, factor: f64, bound: &Held) -> Result<bool> {
-        let (x, bounds) = (vector(x)?, &vector(bound)?.numbers);
+        let (x, bound) = (vector(x)?, vector(bound)?);
+        check(x.length == bound.length)?;
+        let bounds = &bound.numbers;
         let found = self.finds(|device, is_found| {
             let arguments = FindBeyond { count: x.length as u32, x: &x.numbers, factor, bounds, is_found };
             device.grid_kernels.find_beyond.run(&device.queue, x.length, GROUP, arguments)
@@ -266,7 +303,10 @@ impl Algebra for Ocl {
     }
 
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool> {
-        let (a, x, cells) = (matrix(a)?, &vector(x)?.numbers, &vector(cells)?.numbers);
+        let (a, x, cells) = (matrix(a)?, vector(x)?, vector(cells)?);
+        let most = a.rows.max(a.width);
+        check(x.length >= most && cells.length >= CELL * most)?;
+        let (x, cells) = (&x.numbers, &cells.numbers);
         self.finds(|device, is_found| {
             let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
             let arguments = FindRisen { count, offsets, columns, x, cells, share, flattest, is_found };
@@ -276,11 +316,10 @@ impl Algebra for Ocl {
 }
 
 impl Matrix {
-    /// Of so many rows and entries, which are not set.
-    fn unset(device: &Device, rows: usize, entries: usize) -> Result<Self> {
-        let what = "a matrix";
-        let mut made =
-            Self { offsets: Room::new(what), columns: Room::new(what), values: Room::new(what), rows, entries };
+    /// Of so many rows, entries and columns, which are not set.
+    fn unset(device: &Device, rows: usize, entries: usize, width: usize) -> Result<Self> {
+        let (offsets, columns, values) = (Room::new("a matrix"), Room::new("a matrix"), Room::new("a matrix"));
+        let mut made = Self { offsets, columns, values, rows, entries, width };
         made.offsets.grow(&device.context, rows + 1)?;
         made.columns.grow(&device.context, entries)?;
         made.values.grow(&device.context, entries)?;

@@ -13,7 +13,7 @@ use crate::handle::Handle;
 use crate::interface::data::{Counters, Params};
 use crate::interface::kernels::MeasureClearances;
 use crate::lanes;
-use crate::laplacian::Ties;
+use crate::laplacian::{LaplacianMemory, MadeLaplacian};
 use crate::params::Shared;
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
@@ -31,7 +31,11 @@ use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
+
+/// Evaluations of all devices, and one.
+static EVALUATIONS: AtomicU64 = AtomicU64::new(1);
 
 /// A device that is open.
 pub(crate) struct Device {
@@ -55,10 +59,11 @@ pub(crate) struct Device {
     /// Time that kernels took in this call.
     seconds: f64,
     pub(crate) results: Results,
-    pub(crate) ties: Ties,
-    /// Evaluations so far, and which of them the Laplacian is of that is on the device.
-    pub(crate) evaluations: u64,
-    pub(crate) made_laplacian: u64,
+    pub(crate) laplacian: LaplacianMemory,
+    /// The number of the last evaluation, which no other device has.
+    pub(crate) evaluation: u64,
+    /// The Laplacian that is on the device.
+    pub(crate) made: Option<MadeLaplacian>,
     pub(crate) answers: Answers,
     /// The domain whose grid is on the device.
     domain: Option<Arc<DomainGrid>>,
@@ -142,9 +147,9 @@ impl Device {
             counters: Counters::default(),
             seconds: 0.0,
             results: Results::default(),
-            ties: Ties::new(),
-            evaluations: 0,
-            made_laplacian: 0,
+            laplacian: LaplacianMemory::new(),
+            evaluation: 0,
+            made: None,
             answers: Answers::new(),
             domain: None,
             most_cells: 0,
@@ -189,7 +194,8 @@ impl Device {
         request: &Request,
         integrand: Option<&FramedIntegrand>,
     ) -> Result<()> {
-        self.evaluations += 1;
+        self.evaluation = EVALUATIONS.fetch_add(1, Ordering::Relaxed);
+        self.made = None;
         self.shared.params = Params::new(container, request, integrand);
         let Self { context, queue, memory, shared, grid_kernels, .. } = self;
         memory.integrand.fill(context, queue, &integrand.map_or(Vec::new(), FramedIntegrand::table))?;

@@ -171,11 +171,13 @@ impl Ocl {
         drop(computed);
         let mut order = Vec::new();
         if let (true, [first, ..]) = (request.laplacian(), &mut *devices) {
+            let first_name = first.name.clone();
             let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
-            match first.laplacian(request, sites, &of_host)? {
+            let named = |error| on_device(error, &first_name);
+            match first.assemble_laplacian(request, sites, &of_host).map_err(named)? {
                 Some(Made::Kept(kept)) => assembler.keep(kept),
                 Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
-                None => order = first.order()?,
+                None => order = first.order().map_err(named)?,
             }
         }
         let results: Vec<_> = devices.iter().map(|device| &device.results).collect();

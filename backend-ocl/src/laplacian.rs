@@ -1,6 +1,6 @@
 //! The Laplacian on one device, from the records of facets that stay there.
 
-use crate::buffer::{Room, rooms};
+use crate::buffer::rooms;
 use crate::device::Device;
 use crate::grid::{self, GROUP};
 use crate::interface::kernels::{CountFacets, MatchFacets, PackFacets, SortFacets};
@@ -12,7 +12,7 @@ use laguerre_core::{Laplacian, Request, Result};
 const MOST_OF_HOST: usize = 4096;
 
 rooms! {
-    pub(crate) struct Ties {
+    pub(crate) struct LaplacianMemory {
         place: u32 = "the Laplacian's order",
         is_long: u32 = "the Laplacian's rows",
         offsets: u32 = "the Laplacian's rows",
@@ -32,21 +32,33 @@ pub(crate) enum Made {
     Read(Laplacian),
 }
 
+/// Which one is on a device.
+#[derive(Clone, Copy)]
+pub(crate) struct MadeLaplacian {
+    pub(crate) evaluation: u64,
+    pub(crate) rows: usize,
+    pub(crate) entries: usize,
+    /// Whether the device computed all of the cells.
+    pub(crate) is_without_host: bool,
+}
+
 impl Device {
     /// The Laplacian of the cells whose facets have stayed on the device, and of those of the host's, which are few; `None` where the host has to
     /// make it, for which the facets then have been read back.
-    pub(crate) fn laplacian(
+    pub(crate) fn assemble_laplacian(
         &mut self,
         request: &Request,
         sites: usize,
         of_host: &[(u32, Row<'_>)],
     ) -> Result<Option<Made>> {
-        let is_made = self.results.are_kept && self.bring(of_host)? && self.make_laplacian(sites)?;
-        if is_made {
-            self.made_laplacian = self.evaluations;
-            let kept = || Ok(Made::Kept(Kept { order: self.order()?, evaluation: self.evaluations }));
-            let made = if request.keeps_laplacian() { kept() } else { self.read_laplacian().map(Made::Read) };
-            return made.map(Some);
+        let is_made = self.results.are_kept && self.bring(of_host)?;
+        if let Some(entries) = if is_made { self.make_laplacian(sites)? } else { None } {
+            let (evaluation, rows) = (self.evaluation, self.shared.params.tree_sites as usize);
+            let made = MadeLaplacian { evaluation, rows, entries, is_without_host: of_host.is_empty() };
+            self.made = Some(made);
+            let kept = || Ok(Made::Kept(Kept::new(self.order()?, evaluation)));
+            let found = if request.keeps_laplacian() { kept() } else { self.read_laplacian(made).map(Made::Read) };
+            return found.map(Some);
         }
         if self.results.are_kept {
             self.read_facets(request)?;
@@ -79,10 +91,11 @@ impl Device {
         Ok(true)
     }
 
-    /// Whether it could be made: there is memory for it, and no row is long.
-    fn make_laplacian(&mut self, sites: usize) -> Result<bool> {
-        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, counters, ties, results, .. } = self;
-        let (count, most) = (shared.params.tree_sites, counters.facets as usize);
+    /// Its entries, if it could be made: there is memory for it, and no row is long.
+    fn make_laplacian(&mut self, sites: usize) -> Result<Option<usize>> {
+        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, laplacian: ties, .. } = self;
+        // As much as for their records, so that nothing is allocated where there are a few more.
+        let (count, most) = (shared.params.tree_sites, shared.params.facet_room as usize);
         let rows = count as usize;
         let fits = ties.place.grow_if_possible(context, sites)?
             && ties.offsets.grow_if_possible(context, rows + 1)?
@@ -93,19 +106,28 @@ impl Device {
             && ties.packed_columns.grow_if_possible(context, most)?
             && ties.packed_values.grow_if_possible(context, most)?;
         if !fits {
-            return Ok(false);
+            return Ok(None);
         }
         ties.offsets.fill_with(context, queue, 0, rows + 1)?;
         ties.packed_offsets.fill_with(context, queue, 0, rows + 1)?;
         ties.is_long.fill_with(context, queue, 0, 1)?;
-        let Ties { place, is_long, offsets, columns, areas, values, packed_offsets, packed_columns, packed_values } =
-            &*ties;
+        let LaplacianMemory {
+            place,
+            is_long,
+            offsets,
+            columns,
+            areas,
+            values,
+            packed_offsets,
+            packed_columns,
+            packed_values,
+        } = &*ties;
         let (order, rooms) = (&sorted.order, &memory.rows);
         let counting =
             CountFacets { order, count, outcome: &memory.outcome, rows: rooms, place, counts: offsets, is_long };
         grid_kernels.count_facets.run(queue, rows, GROUP, counting)?;
         if is_long.first(queue)? != 0 {
-            return Ok(false);
+            return Ok(None);
         }
         grid::scan(context, queue, grid_kernels, offsets, rows + 1, &mut sorted.sums)?;
         let sorting = SortFacets { order, count, rows: rooms, records: &memory.facets, place, offsets, columns, areas };
@@ -119,18 +141,17 @@ impl Device {
         grid_kernels.pack_facets.run(queue, rows, GROUP, packing)?;
         let mut ends = Vec::new();
         packed_offsets.read_from(queue, rows, 1, &mut ends)?;
-        results.entries = ends.first().map_or(0, |&end| end as usize);
-        Ok(true)
+        Ok(Some(ends.first().map_or(0, |&end| end as usize)))
     }
 
-    fn read_laplacian(&self) -> Result<Laplacian> {
+    /// The Laplacian that is on the device, of its last evaluation.
+    pub(crate) fn read_laplacian(&self, made: MadeLaplacian) -> Result<Laplacian> {
         let (mut offsets, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        let (order, entries) = (self.order()?, self.results.entries);
-        let read_offsets: &Room<u32> = &self.ties.packed_offsets;
-        read_offsets.read(&self.queue, order.len() + 1, &mut offsets)?;
-        self.ties.packed_columns.read(&self.queue, entries, &mut columns)?;
-        self.ties.packed_values.read(&self.queue, entries, &mut values)?;
+        let LaplacianMemory { packed_offsets, packed_columns, packed_values, .. } = &self.laplacian;
+        packed_offsets.read(&self.queue, made.rows + 1, &mut offsets)?;
+        packed_columns.read(&self.queue, made.entries, &mut columns)?;
+        packed_values.read(&self.queue, made.entries, &mut values)?;
         let offsets = offsets.iter().map(|&offset| offset as usize).collect();
-        Ok(Laplacian::of_fitting(order, (offsets, columns, values)))
+        Ok(Laplacian::of_fitting(self.order()?, (offsets, columns, values)))
     }
 }

@@ -3,14 +3,17 @@
 //! call (`backend-ocl/faults`).
 #![cfg(feature = "test-util")]
 
+mod loader;
+
 use std::env;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use laguerre_core::required::is_required;
 use laguerre_core::shapes::icosphere;
 use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Precision, Request};
 use laguerre_ocl::Ocl;
+use loader::loader;
 
 const SITES: usize = 3000;
 
@@ -31,20 +34,6 @@ const NOT_AGAIN: [&str; 8] = [
     "clBuildProgram",
     "clCreateKernel",
 ];
-
-/// The loader that notes calls: cargo puts it beside this test when it builds the whole workspace, else one folder up.
-fn loader() -> Option<PathBuf> {
-    let name = format!("{}laguerre_ocl_faults{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
-    let test = env::current_exe().unwrap();
-    let found = test.ancestors().skip(1).take(2).map(|folder| folder.join(&name)).find(|path| path.exists());
-    if found.is_none() {
-        let message =
-            format!("{name} is not beside {}: run `cargo build -p laguerre-ocl-faults` first", test.display());
-        assert!(!is_required("ocl"), "{message}");
-        eprintln!("not run: {message}");
-    }
-    found
-}
 
 /// Sites and weights of a step, and what is asked for.
 struct Case {
@@ -87,12 +76,16 @@ fn no_weights(_: usize) -> Vec<f64> {
     Vec::new()
 }
 
+fn moving_weights(step: usize) -> Vec<f64> {
+    (0..SITES).map(|i| 1e-3 * (i as f64 * 0.618 + 0.05 * step as f64).fract()).collect()
+}
+
 fn everything() -> Request {
     Request::moments().with_facets().with_second_moments()
 }
 
 /// The loops: from fluids to optimal transport.
-fn cases() -> [Case; 7] {
+fn cases() -> [Case; 8] {
     let ball = Some(icosphere(3).domain());
     let moving = |step| sites([0.8; 3], 0.02 * step as f64);
     [
@@ -114,10 +107,18 @@ fn cases() -> [Case; 7] {
         },
         Case {
             name: "other weights",
+            domain: ball.clone(),
+            sites: |_| sites([0.8; 3], 0.0),
+            weights: moving_weights,
+            request: Request::moments,
+            is_crowded: false,
+        },
+        Case {
+            name: "other weights, the Laplacian stays",
             domain: ball,
             sites: |_| sites([0.8; 3], 0.0),
-            weights: |step| (0..SITES).map(|i| 1e-3 * (i as f64 * 0.618 + 0.05 * step as f64).fract()).collect(),
-            request: Request::moments,
+            weights: moving_weights,
+            request: || Request::moments().with_laplacian_kept(),
             is_crowded: false,
         },
         Case {

@@ -127,6 +127,9 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     let options =
         Options::default().of(args.density.unwrap_or_default()).until(args.iterations as usize, args.tolerance);
     let options = if args.normalize { options.normalized() } else { options };
+    // (Text counts them.)
+    let is_text = args.cells.as_ref().is_some_and(|path| path.extension().is_none_or(|ending| ending != "npy"));
+    let options = if is_text { options.with_facets() } else { options };
     options.density.check(&diagram.container().map_err(of_sites)?).map_err(|e| e.at("--density"))?;
     if let Some(path) = &args.masses {
         let aimed = transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;

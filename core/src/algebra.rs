@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use crate::rows::Rows;
-use crate::{Error, ErrorKind, Result};
+use crate::{Error, ErrorKind, Laplacian, Result};
 
 /// A vector or a matrix in some backend's memory.
 pub struct Held(Box<dyn Any + Send + Sync>);
@@ -41,12 +41,28 @@ fn strange() -> Error {
 }
 
 /// The Laplacian of an evaluation that its backend keeps to itself: what an output has of it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Kept {
+    order: Vec<u32>,
+    evaluation: u64,
+}
+
+impl Kept {
+    /// Of an evaluation that has a number, which no other in the process has. For backends.
+    #[doc(hidden)]
+    pub fn new(order: Vec<u32>, evaluation: u64) -> Self {
+        Self { order, evaluation }
+    }
+
     /// The site that each row is of.
-    pub order: Vec<u32>,
-    /// Which evaluation it was: the next one takes its place.
-    pub evaluation: u64,
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Which evaluation it was: the next one of its backend takes its place.
+    pub fn evaluation(&self) -> u64 {
+        self.evaluation
+    }
 }
 
 /// Numbers of a row's cell that [`Algebra::rises_too_far`] reads: its site, weight, barycenter, and the cube root of its volume. Where the origin is does not
@@ -54,10 +70,10 @@ pub struct Kept {
 pub const CELL: usize = 8;
 
 /// Vectors and sparse matrices in a backend's memory, and what an iterative solver does with them. Everything has the same bits whenever it is
-/// computed. Lengths fit each other: whoever calls sees to it.
+/// computed.
 ///
 /// # Errors
-/// Those of the device, and `Device` for what another algebra holds.
+/// Those of the device, `Device` for what another algebra holds, and `Input` for lengths that do not fit each other.
 pub trait Algebra: Send + Sync {
     /// A vector of these numbers.
     fn vector(&self, values: &[f64]) -> Result<Held>;
@@ -74,8 +90,12 @@ pub trait Algebra: Send + Sync {
     /// The rows of a matrix.
     fn rows(&self, a: &Held) -> Result<Rows>;
 
-    /// The Laplacian that was kept, `scale·∂V/∂w` with its diagonal first in each row; `None` where it is not there any more.
+    /// The Laplacian that was kept, times `scale`, as a matrix: the diagonal first in each row, then `−scale·A_ij / d_ij` of facets with some area. (With a half it is `∂V/∂w`.)
+    /// `None` where it is not there any more.
     fn laplacian(&self, kept: &Kept, scale: f64) -> Result<Option<Held>>;
+
+    /// The same as it would have come back.
+    fn read_laplacian(&self, kept: &Kept) -> Result<Option<Laplacian>>;
 
     /// The cells of the evaluation whose Laplacian was kept, [`CELL`] numbers a row, volumes being over `density`; `None` where they are not there any more.
     fn cells(&self, kept: &Kept, density: f64) -> Result<Option<Held>>;

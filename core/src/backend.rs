@@ -32,7 +32,7 @@ impl Capabilities {
         let wants_function = request.integral().is_some_and(crate::Integrand::is_function);
         if !self.further && (request.needs_facets() || request.second_moments() || request.integral().is_some()) {
             return Err(Error::input(
-                "in f32 there are volumes, barycenters and geometry only: compute facets, second moments and integrals in f64",
+                "in f32 there are volumes, barycenters and geometry only: compute facets, Laplacians, second moments and integrals in f64",
             ));
         }
         if !self.functions && wants_function {

@@ -95,6 +95,9 @@ impl Laplacian {
 
     /// The whole matrix of so many sites, in the caller's order: where rows begin, columns, which are sorted in each, and values, `−A_ij / d_ij` and the sum of
     /// these ratios on the diagonal. The row of a site without a cell is empty, but for a zero there.
+    ///
+    /// # Panics
+    /// Where a row is of a site beyond these.
     pub fn whole(&self, sites: usize) -> Rows {
         let place = rows::places(&self.order, sites);
         gather(sites, Vec::new, |i, entries: &mut Vec<(u32, f64)>, columns, values| {

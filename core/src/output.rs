@@ -162,8 +162,16 @@ impl Output {
         self.0.facets.take()
     }
 
-    /// Takes the Laplacian out.
+    /// Puts a Laplacian of these cells in, which then is no more with the backend. For solvers.
+    #[doc(hidden)]
+    pub fn put_laplacian(&mut self, laplacian: Laplacian) {
+        self.0.laplacian = Some(laplacian);
+        self.0.kept = None;
+    }
+
+    /// Takes the Laplacian out; one that is with the backend is left there, and no more known of.
     pub fn take_laplacian(&mut self) -> Option<Laplacian> {
+        self.0.kept = None;
         self.0.laplacian.take()
     }
 

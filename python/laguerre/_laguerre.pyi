@@ -105,6 +105,7 @@ def transport(
     iterations: int,
     tolerance: float,
     normalize: bool,
+    facets: bool,
     callback: Callable[[dict[str, Any]], Any] | None,
 ) -> dict[str, Any]: ...
 def pull_back_cells(

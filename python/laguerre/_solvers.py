@@ -123,6 +123,7 @@ def transport(
     iterations: int = 100,
     tolerance: float = 1e-9,
     normalize: bool = False,
+    facets: bool = False,
     callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Transport:
@@ -131,14 +132,14 @@ def transport(
     ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``; without, it is 1. The masses have to sum to the
     domain's; with ``normalize`` they are scaled so that they do, and ``Transport.masses`` are those of the domain.
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
-    start included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
+    start included; a true answer ends it with what there is. With ``facets`` its cells have facets, which takes one more diagram. ``options`` are those of :class:`Diagram`.
     """
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
     rho = None if density is None else (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
     found = _laguerre.transport(
-        given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, normalize, callback
+        given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, normalize, facets, callback
     )
     cells = freeze(found.pop("cells"))
     freeze(found)

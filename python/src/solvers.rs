@@ -77,6 +77,7 @@ pub(crate) fn transport<'py>(
     iterations: usize,
     tolerance: f64,
     normalize: bool,
+    facets: bool,
     callback: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
@@ -84,6 +85,7 @@ pub(crate) fn transport<'py>(
     let density = linear(density);
     let options = solution::Options::default().of(density).until(iterations, tolerance);
     let options = if normalize { options.normalized() } else { options };
+    let options = if facets { options.with_facets() } else { options };
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| -> Result<_> {

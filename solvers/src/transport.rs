@@ -27,7 +27,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, Error, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::density::Density;
 use newton::Problem;
@@ -47,9 +47,9 @@ pub struct Options {
     pub most_iterations: usize,
     /// Whether the output of the last evaluation has second moments, which [`Solution::cost`] needs.
     pub second_moments: bool,
-    /// Whether it has facets.
+    /// Whether it has facets, which takes one more diagram.
     pub facets: bool,
-    /// Whether it has the Laplacian, which no more than the last step is made of where the density is uniform.
+    /// Whether it has the Laplacian.
     pub laplacian: bool,
     /// Sites from which on linear systems stay in the memory of a backend that has one of its own.
     #[doc(hidden)]
@@ -148,7 +148,7 @@ pub enum End {
 pub struct Solution {
     /// One for each site (length²); their mean is 0.
     pub weights: Vec<f64>,
-    /// The diagram of these weights, with facets where the options ask for them; without where [`End::Interrupted`], for they may be used up by then.
+    /// The diagram of these weights, with facets and the Laplacian where the options ask for them; without where [`End::Interrupted`], for they may be used up by then.
     pub output: Output,
     /// Mass of each cell.
     pub masses: Vec<f64>,
@@ -192,22 +192,22 @@ pub fn solve(
     let mut problem = Problem::new(backend, diagram, masses, options)?;
     let state = start::first(&mut problem)?;
     let mut iterations = Vec::new();
-    let (mut state, end) = problem.run(state, begin, options.most_iterations, &mut |iteration| {
+    let (mut state, mut end) = problem.run(state, begin, options.most_iterations, &mut |iteration| {
         iterations.push(*iteration);
         on_iteration(iteration)
     })?;
-    if (options.facets || end == End::Stalled) && state.output.facets().is_none() && end != End::Interrupted {
-        // A step has taken them apart, or they were not asked for, and are to say why it stalled.
-        state.output = problem.again(&state.weights)?;
+    if end != End::Interrupted {
+        match problem.complete(&mut state, end, options) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => end = End::Interrupted,
+            other => other?,
+        }
     }
     let worst = Worst::new(&problem, &state, end);
-    if options.laplacian && end != End::Interrupted {
-        problem.bring_laplacian(&mut state)?;
-    } else {
-        state.output.take_laplacian();
-    }
     if !options.facets {
         state.output.take_facets();
+    }
+    if !options.laplacian || end == End::Interrupted {
+        state.output.take_laplacian();
     }
     let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
     diagram.set_sites(&positions, &state.weights)?;
@@ -265,12 +265,12 @@ pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Res
     Ok(scaled)
 }
 
-fn request(options: &Options, sites: usize) -> Request {
+fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
+    let is_kept = sites >= options.kept_from && backend.algebra().is_some();
     let request = match options.density {
-        Density::Uniform if sites >= options.kept_from => Request::moments().with_laplacian_kept(),
+        Density::Uniform if is_kept => Request::moments().with_laplacian_kept(),
         Density::Uniform => Request::moments().with_laplacian(),
         Density::Linear { .. } => Request::moments().with_facets(),
     };
-    let request = if options.facets { request.with_facets() } else { request };
     if options.second_moments { request.with_second_moments() } else { request }
 }

@@ -134,3 +134,16 @@ fn a_transport_keeps_its_last_step() {
         }
     }
 }
+
+#[test]
+fn a_transport_that_stalled_is_not_lost_where_it_is_asked_why() {
+    // No rounding is as small as that, and then one more diagram is evaluated.
+    let options = transport::Options::default().until(100, 1e-17);
+    let never = Interrupted::after(usize::MAX);
+    let mut diagram = crowded();
+    let whole = solve(&never, &mut diagram, &[], &options, &mut |_| Continue(())).unwrap();
+    assert_eq!(whole.end, End::Stalled);
+    let diagrams = usize::MAX - never.left.load(Ordering::Relaxed);
+    let found = solve(&Interrupted::after(diagrams - 1), &mut crowded(), &[], &options, &mut |_| Continue(())).unwrap();
+    assert_eq!((found.end, found.weights), (End::Interrupted, whole.weights));
+}

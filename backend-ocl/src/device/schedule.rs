@@ -373,6 +373,10 @@ impl Device {
         let bytes = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
         let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
         let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
+        if self.results.are_kept && self.counters.facets > 0 {
+            // What stays must not go with the memory that it is in; what has no room in that is told by `full`.
+            return Ok(batch);
+        }
         // All that are to stay on the device, if it has the memory.
         let mut all = if self.results.are_kept { share.min(self.most_cells) } else { 0 };
         loop {

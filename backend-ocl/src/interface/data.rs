@@ -24,6 +24,9 @@ pub(crate) const MOST_TREE_LEVELS: usize = 12;
 pub(crate) const GRID_GROUP: u32 = 256;
 pub(crate) const SCAN_EACH: u32 = 8;
 
+/// Numbers of a cell, of those that tell how far a facet may go.
+pub(crate) const CELL_NUMBERS: u32 = 8;
+
 /// The numbers that each of them adds up.
 pub(crate) const SUM_EACH: u32 = 16;
 

@@ -125,7 +125,7 @@ __kernel void find_risen(FIND_RISEN_ARGUMENTS) {
     }
     for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
         const real by = x[row] - x[columns[k]];
-        if ((by > REAL(0.0)) && (by > allowed_rise(cells + (8u * (size_t)row), cells + (8u * (size_t)columns[k]), share, flattest))) {
+        if ((by > REAL(0.0)) && (by > allowed_rise(cells + (CELL_NUMBERS * (size_t)row), cells + (CELL_NUMBERS * (size_t)columns[k]), share, flattest))) {
             is_found[0] = 1u;
         }
     }
@@ -144,7 +144,7 @@ __kernel void gather_cells(GATHER_CELLS_ARGUMENTS) {
     const uint how = outcome[order[row]];
     const bool is_there = (how != NOT_COMPUTED) && ((how & OUTCOME_STATUS) != EMPTY);
     const real volume = is_there ? own[0] : REAL(0.0);
-    __global double *cell = cells + (8u * (size_t)row);
+    __global double *cell = cells + (CELL_NUMBERS * (size_t)row);
     cell[0] = p.x * unit;
     cell[1] = p.y * unit;
     cell[2] = p.z * unit;

@@ -2,7 +2,7 @@
 
 use laguerre_core::algebra::{Algebra, CELL, Held, Kept, rise};
 use laguerre_core::rows::Rows;
-use laguerre_core::{Error, Result};
+use laguerre_core::{Error, Laplacian, Result};
 use rayon::prelude::*;
 
 use super::sparse::{self, Matrix};
@@ -46,6 +46,10 @@ impl Algebra for Host {
     }
 
     fn laplacian(&self, _kept: &Kept, _scale: f64) -> Result<Option<Held>> {
+        Ok(None)
+    }
+
+    fn read_laplacian(&self, _kept: &Kept) -> Result<Option<Laplacian>> {
         Ok(None)
     }
 

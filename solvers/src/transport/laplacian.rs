@@ -1,6 +1,5 @@
 //! The Laplacian of transport, from the cells of a diagram.
 
-use laguerre_core::rows::{Rows, gather};
 use laguerre_core::{Facet, Facets, Laplacian};
 
 use super::sparse::Matrix;
@@ -36,21 +35,6 @@ pub(super) fn of_masses(facets: &Facets, density: &Density, order: &[u32], place
             append(row, each, unit, columns, values);
         },
     )
-}
-
-/// The Laplacian that a matrix of [`of_volumes`] is of, but for its unit, and that a facet of no area is not an entry.
-pub(super) fn without_diagonal(order: Vec<u32>, (offsets, columns, values): &Rows) -> Laplacian {
-    let rows = gather(
-        order.len(),
-        || (),
-        |row, (), others, ties| {
-            for k in (offsets[row]..offsets[row + 1]).filter(|&k| columns[k] as usize != row) {
-                others.push(columns[k]);
-                ties.push(-values[k]);
-            }
-        },
-    );
-    Laplacian::of_fitting(order, rows)
 }
 
 /// Appends a row of the matrix whose other entries, of facets with some area, are these, negative.

@@ -3,13 +3,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use laguerre_core::algebra::{Algebra, Held};
+use laguerre_core::algebra::{Algebra, Held, Kept};
 use laguerre_core::diagram::Container;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
 
 use super::host::HOST;
-use super::laplacian::{of_masses, of_volumes, without_diagonal};
+use super::laplacian::{of_masses, of_volumes};
 use super::limited::Limits;
 use super::multigrid::Multigrid;
 use super::sparse::{center, center_parts};
@@ -96,7 +96,7 @@ impl<'a> Problem<'a> {
             diagram,
             density: options.density,
             tolerance: options.tolerance,
-            request: request(options, positions.len()),
+            request: request(options, backend, positions.len()),
             mean_density,
             least_target: targets.iter().copied().fold(f64::INFINITY, f64::min),
             positions,
@@ -173,7 +173,7 @@ impl<'a> Problem<'a> {
         let output = self.backend.evaluate(self.diagram, &self.request)?;
         self.seconds += begin.elapsed().as_secs_f64();
         self.evaluations += 1;
-        self.stand_as(output.kept().map(|kept| &kept.order[..]).or(output.laplacian().map(Laplacian::order)))?;
+        self.stand_as(output.kept().map(Kept::order).or(output.laplacian().map(Laplacian::order)))?;
         let mut masses = self.density.masses(&output);
         masses.iter_mut().for_each(|mass| *mass /= self.unit);
         let least = masses.iter().copied().fold(f64::INFINITY, f64::min);
@@ -183,31 +183,27 @@ impl<'a> Problem<'a> {
         Ok(State { weights, output, masses, least, residual, error })
     }
 
-    /// The output, with facets, of weights that were evaluated before.
-    pub(super) fn again(&mut self, weights: &[f64]) -> Result<Output> {
-        self.diagram.set_sites(&self.positions, weights)?;
-        self.backend.evaluate(self.diagram, &self.request.clone().with_facets())
-    }
-
-    /// Brings the Laplacian of the last state that was evaluated to its output, from where it is kept, or anew.
-    pub(super) fn bring_laplacian(&mut self, state: &mut State) -> Result<()> {
-        if state.output.laplacian().is_some() {
-            return Ok(());
-        }
-        let mut arrays = std::mem::take(&mut state.output).into_arrays();
-        arrays.laplacian = match (arrays.kept.take(), self.backend.algebra()) {
-            (Some(kept), Some(algebra)) => {
-                let matrix = algebra.laplacian(&kept, 1.0)?.map(|matrix| algebra.rows(&matrix)).transpose()?;
-                matrix.map(|rows| without_diagonal(kept.order, &rows))
-            }
-            _ => None,
+    /// Completes the output of the last state that was evaluated: with what is asked for of it, and with facets where they are to say why it stalled.
+    ///
+    /// # Errors
+    /// What the backend says.
+    pub(super) fn complete(&mut self, state: &mut State, end: End, options: &Options) -> Result<()> {
+        let needs_facets = (options.facets || end == End::Stalled) && state.output.facets().is_none();
+        let kept = state.output.kept().zip(self.backend.algebra());
+        let mut laplacian = match kept.filter(|_| options.laplacian) {
+            Some((kept, algebra)) => algebra.read_laplacian(kept)?,
+            None => state.output.take_laplacian(),
         };
-        if arrays.laplacian.is_none() {
+        let needs_laplacian = options.laplacian && laplacian.is_none();
+        if needs_facets || needs_laplacian {
+            let request = if needs_facets { self.request.clone().with_facets() } else { self.request.clone() };
             self.diagram.set_sites(&self.positions, &state.weights)?;
-            arrays.laplacian =
-                self.backend.evaluate(self.diagram, &Request::moments().with_laplacian())?.take_laplacian();
+            state.output = self.backend.evaluate(self.diagram, &request.with_laplacian())?;
+            laplacian = laplacian.or(state.output.take_laplacian());
         }
-        state.output = Output::new(arrays)?;
+        if let Some(laplacian) = laplacian.filter(|_| options.laplacian) {
+            state.output.put_laplacian(laplacian);
+        }
         Ok(())
     }
 
@@ -235,14 +231,16 @@ impl<'a> Problem<'a> {
     }
 
     /// The matrix of a state, which loses what it is made of, to make room, and who computes with it.
-    fn matrix(&self, state: &mut State) -> Result<(&'a dyn Algebra, Held)> {
-        if let (Some(kept), Some(algebra)) = (state.output.kept(), self.backend.algebra()) {
-            if let Some(matrix) = algebra.laplacian(kept, 0.5 / self.unit)? {
-                return Ok((algebra, matrix));
-            }
+    fn matrix(&mut self, state: &mut State) -> Result<(&'a dyn Algebra, Held)> {
+        let kept = state.output.kept().zip(self.backend.algebra());
+        if let Some((kept, algebra)) = kept
+            && let Some(matrix) = algebra.laplacian(kept, 0.5 / self.unit)?
+        {
+            return Ok((algebra, matrix));
+        }
+        if state.output.kept().is_some() {
             // Someone else has used the backend since.
-            let request = self.request.clone().with_laplacian();
-            state.output = self.backend.evaluate(self.diagram, &request)?;
+            self.evaluate_for_host(state)?;
         }
         let matrix = match (state.output.take_laplacian(), state.output.take_facets()) {
             (Some(laplacian), _) => of_volumes(&laplacian, self.unit),
@@ -252,8 +250,28 @@ impl<'a> Problem<'a> {
         Ok((&HOST, HOST.matrix(matrix.into_rows())?))
     }
 
-    /// Where to go from a state, whose facets are taken out.
+    /// Evaluates a state once more, its Laplacian for the host, as from now on.
+    fn evaluate_for_host(&mut self, state: &mut State) -> Result<()> {
+        self.request = self.request.clone().with_laplacian();
+        self.multigrid = None;
+        let again = self.evaluate(state.weights.clone())?;
+        *state = again;
+        Ok(())
+    }
+
+    /// Where to go from a state, whose facets are taken out. What a device has no memory for, the host has.
     fn direction(&mut self, state: &mut State) -> Result<Direction<'a>> {
+        let is_kept = state.output.kept().is_some();
+        match self.direction_by(state) {
+            Err(error) if is_kept && error.kind() == ErrorKind::Device => {
+                self.evaluate_for_host(state)?;
+                self.direction_by(state)
+            }
+            other => other,
+        }
+    }
+
+    fn direction_by(&mut self, state: &mut State) -> Result<Direction<'a>> {
         let (algebra, matrix) = self.matrix(state)?;
         let limits = Limits::new(self, state, algebra)?;
         let mut multigrid = match self.multigrid.take().filter(|last| std::ptr::addr_eq(last.algebra(), algebra)) {

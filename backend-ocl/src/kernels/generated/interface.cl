@@ -83,6 +83,9 @@ typedef struct {
 
 #define SCAN_EACH ((uint)(8))
 
+// Numbers of a cell, of those that tell how far a facet may go.
+#define CELL_NUMBERS ((uint)(8))
+
 // The numbers that each of them adds up.
 #define SUM_EACH ((uint)(16))
 

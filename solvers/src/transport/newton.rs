@@ -7,6 +7,7 @@ use laguerre_core::algebra::{Algebra, Held, Kept};
 use laguerre_core::diagram::Container;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
+use rayon::prelude::*;
 
 use super::host::HOST;
 use super::laplacian::{of_masses, of_volumes};
@@ -175,10 +176,10 @@ impl<'a> Problem<'a> {
         self.evaluations += 1;
         self.stand_as(output.kept().map(Kept::order).or(output.laplacian().map(Laplacian::order)))?;
         let mut masses = self.density.masses(&output);
-        masses.iter_mut().for_each(|mass| *mass /= self.unit);
-        let least = masses.iter().copied().fold(f64::INFINITY, f64::min);
-        let each = || masses.iter().zip(&self.targets);
-        let residual = each().map(|(m, t)| (m / t - 1.0).abs()).fold(0.0, f64::max);
+        masses.par_iter_mut().for_each(|mass| *mass /= self.unit);
+        let least = masses.par_iter().copied().reduce(|| f64::INFINITY, f64::min);
+        let each = masses.par_iter().zip(&self.targets);
+        let residual = each.map(|(m, t)| (m / t - 1.0).abs()).reduce(|| 0.0, f64::max);
         let error = sum(masses.len(), |i| (self.targets[i] - masses[i]).powi(2)).sqrt();
         Ok(State { weights, output, masses, least, residual, error })
     }
@@ -293,7 +294,7 @@ impl<'a> Problem<'a> {
 
     /// What a step is to come to; where the cells are in parts that do not touch, and one of them has to gain mass from others, the sites of that.
     fn aim(&self, state: &State, multigrid: &Multigrid<'_>) -> Result<std::result::Result<Aim, Vec<bool>>> {
-        let targets: Vec<f64> = self.order.iter().map(|&i| self.targets[i as usize]).collect();
+        let targets: Vec<f64> = self.order.par_iter().map(|&i| self.targets[i as usize]).collect();
         let (mut missing, mut slope) = self.missing(state, &targets);
         if let Some((parts, count)) = multigrid.parts()? {
             let exact: Vec<f64> =
@@ -349,7 +350,7 @@ impl<'a> Problem<'a> {
     fn advance(&mut self, state: &State, mut system: System<'a>) -> Result<Option<(f64, usize, State)>> {
         let (mut iterations, slope) = (system.newton.iterations, system.aim.slope);
         let solution = &system.newton.solution;
-        let newton: Vec<f64> = self.place.iter().map(|&row| solution[row as usize]).collect();
+        let newton: Vec<f64> = self.place.par_iter().map(|&row| solution[row as usize]).collect();
         if limited::is_to_be(self, &system)? {
             if self.limited_steps == 0
                 && let Some((step, next)) = self.damped(state, &newton, slope, 1.0)?
@@ -376,11 +377,12 @@ impl<'a> Problem<'a> {
     /// The longest step, of twice the last one halved again and again, after which no cell has too little mass and the error has fallen
     /// enough; none shorter than `shortest`.
     fn damped(&mut self, state: &State, direction: &[f64], slope: f64, shortest: f64) -> Result<Option<(f64, State)>> {
-        let largest = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        let largest = |x: &[f64]| x.par_iter().map(|x| x.abs()).reduce(|| 0.0, f64::max);
         let (reach, rounding) = (largest(direction), f64::EPSILON * largest(&state.weights));
         let mut step = (2.0 * self.step).min(1.0);
         while step >= shortest && step * reach > rounding {
-            let mut weights: Vec<f64> = state.weights.iter().zip(direction).map(|(w, d)| w + step * d).collect();
+            let along = state.weights.par_iter().zip(direction).map(|(w, d)| w + step * d);
+            let mut weights: Vec<f64> = along.collect();
             center(&mut weights);
             match mend::step(self, weights) {
                 Ok(next) if next.residual <= self.tolerance => return Ok(Some((step, next))),

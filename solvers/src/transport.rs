@@ -58,7 +58,8 @@ pub struct Options {
     pub normalize: bool,
 }
 
-/// Fewer sites are solved sooner by the host than kernels are begun.
+/// Fewer sites the host solves sooner than some 70 kernels an iteration are begun. (Estimated: of 10 µs each, against half a million entries gone through five
+/// times.)
 const KEPT_FROM: usize = 30_000;
 
 impl Default for Options {

@@ -2,7 +2,7 @@
 
 use crate::buffer::Room;
 use crate::device::Device;
-use crate::evaluate::Ocl;
+use crate::evaluate::{Ocl, on_device};
 use crate::grid::GROUP;
 use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
 use crate::interface::kernels::{
@@ -85,8 +85,7 @@ impl Ocl {
     fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let device = devices.first_mut().ok_or_else(|| Error::new(ErrorKind::Device, "no device is open"))?;
-        let name = device.name.clone();
-        work(device).map_err(|error| crate::evaluate::on_device(error, &name))
+        work(device).map_err(|error| on_device(error, &device.name))
     }
 
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {

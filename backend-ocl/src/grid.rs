@@ -313,7 +313,7 @@ impl Sites {
         self.boxes.grow(context, blocks)?;
         self.slabs.grow(context, blocks)?;
         self.weight_bounds.grow(context, if shared.params.equal_weights == 0 { blocks } else { 1 })?;
-        reserve_sums(context, n + 1, &mut self.sums)
+        Ok(())
     }
 
     /// Reads the tree over the sites back.
@@ -361,7 +361,7 @@ impl Sites {
 }
 
 /// Replaces each of the first `count` numbers by the sum of those before it; `sums` is room for those of blocks, of blocks of blocks,
-/// and so on.
+/// and so on, which grows if it must.
 pub(crate) fn scan(
     context: &Context,
     queue: &CommandQueue,
@@ -370,23 +370,18 @@ pub(crate) fn scan(
     count: usize,
     sums: &mut Vec<Room<u32>>,
 ) -> Result<()> {
-    reserve_sums(context, count, sums)?;
-    scan_with(queue, kernels, data, count, sums)
-}
-
-/// Makes room for the sums of blocks of `count` numbers, of blocks of blocks, and so on.
-fn reserve_sums(context: &Context, mut count: usize, sums: &mut Vec<Room<u32>>) -> Result<()> {
+    let mut blocks = count;
     for depth in 0.. {
         if sums.len() == depth {
-            sums.push(Room::new("sums of the site grid"));
+            sums.push(Room::new("sums of blocks"));
         }
-        count = count.div_ceil(SCANNED);
-        sums[depth].grow(context, count)?;
-        if count == 1 {
+        blocks = blocks.div_ceil(SCANNED);
+        sums[depth].grow(context, blocks)?;
+        if blocks <= 1 {
             break;
         }
     }
-    Ok(())
+    scan_with(queue, kernels, data, count, sums)
 }
 
 fn scan_with(

@@ -71,6 +71,17 @@ impl Dense {
 mod tests {
     use super::*;
 
+    fn of(rows: &[Vec<(u32, f64)>]) -> Matrix {
+        Matrix::from_rows(
+            rows.len(),
+            || (),
+            |i, (), columns, values| {
+                columns.extend(rows[i].iter().map(|x| x.0));
+                values.extend(rows[i].iter().map(|x| x.1));
+            },
+        )
+    }
+
     #[test]
     fn a_laplacian_in_two_parts_is_solved_and_its_kernel_counted() {
         // A path of three and one of two, their ties of different strength.
@@ -81,14 +92,7 @@ mod tests {
             vec![(3, 3.0), (4, -3.0)],
             vec![(4, 3.0), (3, -3.0)],
         ];
-        let matrix = Matrix::from_rows(
-            5,
-            || (),
-            |i, (), columns, values| {
-                columns.extend(rows[i].iter().map(|x| x.0));
-                values.extend(rows[i].iter().map(|x| x.1));
-            },
-        );
+        let matrix = of(&rows);
         let dense = Dense::factorised(&matrix);
         assert_eq!(dense.kernel(), 2);
         let (b, mut x) = ([1.0, 2.0, -3.0, -0.75, 0.75], [0.0; 5]);
@@ -97,6 +101,7 @@ mod tests {
             assert!((matrix.row_times(i, &x) - b).abs() < 1e-14, "{x:?}");
         }
     }
+
     /// A pair that is tied 1e15 times as strongly as others is no kernel, and solved to the last digits.
     #[test]
     fn stiff_ties_lose_nothing() {
@@ -106,14 +111,7 @@ mod tests {
             vec![(1, stiff + weak[1]), (0, -stiff), (2, -weak[1])],
             vec![(2, weak[0] + weak[1]), (0, -weak[0]), (1, -weak[1])],
         ];
-        let matrix = Matrix::from_rows(
-            3,
-            || (),
-            |i, (), columns, values| {
-                columns.extend(rows[i].iter().map(|x| x.0));
-                values.extend(rows[i].iter().map(|x| x.1));
-            },
-        );
+        let matrix = of(&rows);
         let dense = Dense::factorised(&matrix);
         assert_eq!(dense.kernel(), 1);
         let mut x = [0.0; 3];

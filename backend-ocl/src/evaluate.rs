@@ -162,7 +162,7 @@ impl Ocl {
             let prepared = match (prepared, tree) {
                 (Some(prepared), _) => prepared,
                 (None, Some(made)) => {
-                    Prepared { container: container.clone(), sites: SiteTree::from_device(made, sites) }
+                    Prepared { container: container.clone(), sites: SiteTree::from_device(made, sites), octree: None }
                 }
                 (None, None) => diagram.prepare()?,
             };

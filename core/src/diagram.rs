@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
+use crate::power_octree::PowerOctree;
 use crate::site_tree::SiteTree;
 use crate::{Domain, Error, Result, memory};
 
@@ -176,7 +177,7 @@ impl PowerDiagram {
         self.check_range(&container)?;
         let positions: Vec<[f64; 3]> = self.positions.iter().map(|&p| container.frame.enter(p)).collect();
         let weights: Vec<f64> = self.weights.iter().map(|&w| container.frame.enter_weight(w)).collect();
-        Ok(Prepared { container, sites: SiteTree::new(&positions, &weights) })
+        Ok(Prepared { container, sites: SiteTree::new(&positions, &weights), octree: None })
     }
 
     /// The container in its internal frame.
@@ -324,6 +325,8 @@ pub struct Prepared {
     pub container: FramedContainer,
     /// The sites, sorted.
     pub sites: SiteTree,
+    /// Which of them have the least power where, if it is worth while ([`Prepared::with_octree_if_hard`]).
+    pub octree: Option<PowerOctree>,
 }
 
 impl Prepared {

@@ -27,6 +27,7 @@ pub mod narrow;
 pub mod oracle;
 pub mod output;
 pub mod passes;
+pub mod power_octree;
 pub mod request;
 #[cfg(any(test, feature = "test-util"))]
 pub mod required;

@@ -10,11 +10,13 @@
 #![allow(clippy::needless_range_loop, reason = "loops over eight lanes of several arrays at once")]
 
 mod group;
+mod hard;
 mod one_cell;
 mod store;
 
 use crate::cell::bound::reach_of_bisector;
 use crate::cell::far::search_far;
+use crate::cell::search_store::SearchStore as _;
 use crate::cell::{self, CellStore, EMPTY, Real, UNIT_ROUNDOFF, V3, v3};
 use crate::diagram::Prepared;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
@@ -61,7 +63,7 @@ pub struct Search<'a> {
 }
 
 /// How a search ended.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Outcome {
     /// `COMPLETE`, `EMPTY`, or what makes the cell be tried again.
     pub status: u32,
@@ -69,6 +71,8 @@ pub struct Outcome {
     pub uncertified: bool,
     /// Sites visited, and those of them that cut the cell.
     pub visited: u32,
+    /// Blocks of eight nodes of the tree opened for its vertices.
+    pub opened: u32,
     cuts: u32,
 }
 
@@ -91,7 +95,12 @@ impl<'a> Search<'a> {
         let relative = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
         let status = cell::begin(store, relative(prepared.container.lo), relative(prepared.container.hi));
         if status != cell::COMPLETE {
-            return Outcome { status, uncertified: false, visited: 0, cuts: 0 };
+            return Outcome { status, ..Outcome::default() };
+        }
+        if let Some(octree) = &prepared.octree
+            && let Some(outcome) = self.complete_at_home(store, octree, site, epsilon)
+        {
+            return outcome;
         }
         self.group.turn_to(site as usize);
         let slope = prepared.sites.has_weights().then(|| self.group.slope_at([x, y, z]));
@@ -141,11 +150,13 @@ impl<'a> Search<'a> {
     fn far<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, proven_square: Real) {
         // Where many sites in a row have not cut a simple cell, few will.
         let is_simple = cell.is_idle && cell.store.vertices() as usize <= 2 * MOST_ASKED;
-        let first_asked = if is_simple { MOST_ASKED as u32 } else { 1 };
         let center = cell.center;
-        let mut searched = Searched::new(cell, &self.prepared.sites, &mut self.room, proven_square.max(0.0).sqrt());
+        let Prepared { sites, octree, .. } = self.prepared;
+        let mut searched = Searched::new(cell, sites, octree.as_ref(), &mut self.room, proven_square.max(0.0).sqrt());
+        let first_asked = if is_simple { searched.most_asked() } else { 1 };
         let status = search_far(&mut searched, center, first_asked, &mut 0);
         cell.outcome.status = status;
+        cell.outcome.opened = self.room.opened();
     }
 
     /// Visits the sites of a chunk that may cut the cell, nearest bisector first; `false` ends the search.

@@ -262,6 +262,7 @@ pub fn asked_at(largest_excess: Real, v: u32, place: V3, radius: Real) -> Asked 
         own: own,
         lost: lost_of_all,
         lost_of_square: lost_of_square,
+        radius: radius,
         limit: limit,
     };
 }

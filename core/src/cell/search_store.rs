@@ -69,6 +69,8 @@ pub struct Asked {
     pub lost: Real,
     /// The share.
     pub lost_of_square: Real,
+    /// How far along each axis the place is off at most.
+    pub radius: Real,
     /// Beyond this power no site can have less than the cell; of the first, also not less than the site that was found.
     pub limit: Real,
 }
@@ -131,6 +133,12 @@ pub trait SearchStore: Lanes {
     /// the first is asked first. Not alike.
     fn asks_of_site(&mut self, _j: u32, asks: u32) -> u32 {
         asks
+    }
+
+    /// Puts the leaves at hand of all sites that may have less power at the asked vertex, for the asked vertices, a bit each; returns how many, 0 where
+    /// they are not listed or several vertices are asked for.
+    fn set_listed_leaves(&mut self, _asks: u32) -> u32 {
+        0
     }
 
     /// Open block `i` (see `tree.rs`).

@@ -39,9 +39,14 @@ fn seer_of<S: SearchStore>(s: &S) -> Seer {
     return Seer { site: s.site(), excess: s.own_excess(), has_weights: s.has_weights() };
 }
 
-/// Opens, for some asked vertices, the lowest level of which the lanes take all blocks at one time: the root, where there is one lane.
+/// Where the sites that may have less power at the asked vertex are listed, has their leaves at hand. Else it opens, for some asked vertices, the lowest
+/// level of which the lanes take all blocks at one time: the root, where there is one lane.
 #[inline(always)]
 pub(super) fn open_top<S: SearchStore>(s: &mut S, vertices: u32) -> Open {
+    let listed: u32 = s.set_listed_leaves(vertices);
+    if listed > 0 {
+        return Open { blocks: 0, leaves: listed };
+    }
     let mut level: u32 = s.top_level();
     let mut blocks: u32 = 1;
     // (A level has eight times as many nodes, so at most eight times as many blocks.)

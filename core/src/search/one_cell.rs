@@ -55,7 +55,7 @@ impl<'a, S: CellStore> Cell<'a, S> {
             enlarged: epsilon.map(|e| 1.0 + e),
             left_square: Real::INFINITY,
             is_idle: false,
-            outcome: Outcome { status: cell::COMPLETE, uncertified: false, visited: 0, cuts: 0 },
+            outcome: Outcome { status: cell::COMPLETE, ..Outcome::default() },
         }
     }
 

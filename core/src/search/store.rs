@@ -4,10 +4,14 @@ use super::in_order;
 use super::one_cell::{Cell, reach_from, rounding_about};
 use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NO_SITE, NodeBox, NodeSlab, NodeWeights, SearchStore};
-use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Lanes, Real, Rough, UNTOUCHED, V3, v3};
+use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Lanes, Real, Rough, UNIT_ROUNDOFF, UNTOUCHED, V3, v3};
+use crate::power_octree::PowerOctree;
 use crate::site_tree::{SiteTree, WIDTH};
 use pulp::{Arch, NullaryFnOnce};
 use std::collections::HashSet;
+
+/// Leaves that an octree lists for a box at most: all may be at hand.
+pub(super) const MOST_LISTED: usize = MOST_LEAVES as usize - 1;
 
 /// Vertices that one descent asks for at most.
 pub(super) const MOST_ASKED: usize = 8;
@@ -32,6 +36,8 @@ pub(super) struct Room {
     keys: [u32; WIDTH],
     /// Sites that the cell was tried with: what was tried once cannot cut what is left. (Of sites on a sphere all tie at many vertices of each.)
     tried: HashSet<u32>,
+    /// Blocks that were looked at.
+    opened: u32,
     /// The instructions that the CPU has.
     arch: Arch,
 }
@@ -56,6 +62,31 @@ impl<S: CellStore, const OF_LEAF: bool> NullaryFnOnce for Look<'_, '_, '_, S, OF
     }
 }
 
+/// Takes those of some leaves to hand where a site may have less power at the asked vertex.
+struct Take<'s, 'c, 'a, S> {
+    search: &'s mut Searched<'c, 'a, S>,
+    leaves: &'c [u32],
+    asks: u32,
+}
+
+impl<S: CellStore> NullaryFnOnce for Take<'_, '_, '_, S> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn call(self) -> u32 {
+        let Self { search, leaves, asks } = self;
+        let Asked { place, limit, .. } = search.room.asked[0];
+        let mut count = 0;
+        for &number in leaves {
+            let powers = search.powers_of_leaf(place, number);
+            search.room.leaves[count] = Entry { number, key: 0, asks };
+            // Without a branch.
+            count += usize::from(powers.iter().any(|&power| power < limit));
+        }
+        count as u32
+    }
+}
+
 impl Default for Room {
     fn default() -> Self {
         Self {
@@ -66,8 +97,16 @@ impl Default for Room {
             asks: [0; WIDTH],
             keys: [0; WIDTH],
             tried: HashSet::new(),
+            opened: 0,
             arch: Arch::new(),
         }
+    }
+}
+
+impl Room {
+    /// How many blocks of nodes were looked at for the last cell.
+    pub(super) fn opened(&self) -> u32 {
+        self.opened
     }
 }
 
@@ -75,13 +114,21 @@ impl Default for Room {
 pub(super) struct Searched<'c, 'a, S> {
     cell: &'c mut Cell<'a, S>,
     tree: &'c SiteTree,
+    octree: Option<&'c PowerOctree>,
     room: &'c mut Room,
 }
 
 impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
     /// The cell, of whose vertices those within a radius of its centre are settled: within which it is proven that nothing can cut it.
-    pub(super) fn new(cell: &'c mut Cell<'a, S>, tree: &'c SiteTree, room: &'c mut Room, proven: Real) -> Self {
+    pub(super) fn new(
+        cell: &'c mut Cell<'a, S>,
+        tree: &'c SiteTree,
+        octree: Option<&'c PowerOctree>,
+        room: &'c mut Room,
+        proven: Real,
+    ) -> Self {
         room.tried.clear();
+        room.opened = 0;
         let Cell { store, center, .. } = &mut *cell;
         for v in 0..store.vertices() {
             let p = store.position(v);
@@ -90,7 +137,7 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
             let is_proven = proven > 0.0 && (away + 2.0 * store.radius(v)) * super::SAFE <= proven;
             store.set_settled(v, is_proven);
         }
-        Self { cell, tree, room }
+        Self { cell, tree, octree, room }
     }
 
     #[inline(always)]
@@ -144,6 +191,7 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
     /// Finds what `asks_by_powers` says of the eight nodes of a block.
     #[inline(always)]
     fn look_at_block(&mut self, block: usize, asks: u32) {
+        self.room.opened += 1;
         let (mut of, mut least) = ([0; WIDTH], [Real::INFINITY; WIDTH]);
         for i in bits(asks) {
             let Asked { place, limit, .. } = self.room.asked[i];
@@ -160,18 +208,26 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
     /// Finds at which of some asked vertices the eight sites of a leaf have a power below the limit.
     #[inline(always)]
     fn look_at_leaf(&mut self, leaf: usize, asks: u32) {
-        let leaf = self.tree.leaf(leaf as u32);
-        let ([xs, ys, zs], [px, py, pz]) = (&leaf.at, self.cell.position);
         let mut of = [0; WIDTH];
         for i in bits(asks) {
             let Asked { place, limit, .. } = self.room.asked[i];
+            let powers = self.powers_of_leaf(place, leaf as u32);
             for k in 0..WIDTH {
-                let (x, y, z) = (place.x - (xs[k] - px), place.y - (ys[k] - py), place.z - (zs[k] - pz));
-                let power = (((x * x) + (y * y)) + (z * z)) - (leaf.weight[k] - self.cell.weight);
-                of[k] |= u32::from(power < limit) << i;
+                of[k] |= u32::from(powers[k] < limit) << i;
             }
         }
         self.room.asks = of;
+    }
+
+    /// The powers at `place` of the sites of a leaf, as if the cell's site weighed nothing.
+    #[inline(always)]
+    fn powers_of_leaf(&self, place: V3, leaf: u32) -> [Real; WIDTH] {
+        let leaf = self.tree.leaf(leaf);
+        let ([xs, ys, zs], [px, py, pz]) = (&leaf.at, self.cell.position);
+        std::array::from_fn(|k| {
+            let (x, y, z) = (place.x - (xs[k] - px), place.y - (ys[k] - py), place.z - (zs[k] - pz));
+            (((x * x) + (y * y)) + (z * z)) - (leaf.weight[k] - self.cell.weight)
+        })
     }
 
     /// The block of a node of the tree, and its number there.
@@ -268,6 +324,17 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         self.room.asks[k]
     }
 
+    #[inline(always)]
+    fn set_listed_leaves(&mut self, asks: u32) -> u32 {
+        let Some(octree) = self.octree.filter(|_| asks == 1) else { return 0 };
+        let (Asked { place, radius, .. }, own) = (self.room.asked[0], self.own());
+        let at = v3(own.x + place.x, own.y + place.y, own.z + place.z);
+        let rounding = UNIT_ROUNDOFF * ((at.x.abs() + at.y.abs()) + at.z.abs());
+        let leaves = octree.leaves_at([at.x, at.y, at.z], radius + rounding);
+        let arch = self.room.arch;
+        arch.dispatch(Take { search: self, leaves, asks })
+    }
+
     fn open_block(&self, i: u32) -> u32 {
         self.room.open[i as usize].number
     }
@@ -310,7 +377,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     }
 
     fn most_asked(&self) -> u32 {
-        MOST_ASKED as u32
+        if self.octree.is_some() { 1 } else { MOST_ASKED as u32 }
     }
     fn asked(&self, i: u32) -> Asked {
         self.room.asked[i as usize]

@@ -1,3 +1,4 @@
+mod octree;
 mod one_lane;
 
 use super::*;
@@ -85,7 +86,7 @@ fn descend(tree: &SiteTree, room: &mut Room, site: u32, places: &[V3]) -> (Optio
     let mut store = PlainStore::new([x, y, z], None);
     assert_eq!(cell::begin(&mut store, v3(-2.0, -2.0, -2.0), v3(2.0, 2.0, 2.0)), cell::COMPLETE);
     let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
-    let mut search = Searched::new(&mut cell, tree, room, 0.0);
+    let mut search = Searched::new(&mut cell, tree, None, room, 0.0);
     for (i, &place) in places.iter().enumerate() {
         let asked = asked_at(search.largest_excess(), 0, place, 0.0);
         search.set_asked(i as u32, asked);

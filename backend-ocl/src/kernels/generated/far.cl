@@ -215,7 +215,7 @@ INLINE Asked asked_at(real largest_excess, uint v, V3 place, real radius) {
     const real lost_of_all = (REAL(1.5) * lost) * length;
     const real room = lost_of_all + (share * larger(largest_excess, REAL(0.0)));
     const real limit = ((own * (REAL(1.0) + (REAL(2.0) * FEW_ROUNDINGS_OF_SUM))) + room) * (REAL(1.0) + (REAL(2.0) * share));
-    return (Asked){ .vertex = v, .place = place, .own = own, .lost = lost_of_all, .lost_of_square = lost_of_square, .limit = limit };
+    return (Asked){ .vertex = v, .place = place, .own = own, .lost = lost_of_all, .lost_of_square = lost_of_square, .radius = radius, .limit = limit };
 }
 
 // The site of least power at the first asked vertex, if that is certainly less than the cell's own; else `NO_SITE`, and the candidates are all

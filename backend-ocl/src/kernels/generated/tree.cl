@@ -5,8 +5,13 @@ INLINE Seer seer_of(Store *s) {
     return (Seer){ .site = store_site(s), .excess = store_own_excess(s), .has_weights = store_has_weights(s) };
 }
 
-// Opens, for some asked vertices, the lowest level of which the lanes take all blocks at one time: the root, where there is one lane.
+// Where the sites that may have less power at the asked vertex are listed, has their leaves at hand. Else it opens, for some asked vertices, the lowest
+// level of which the lanes take all blocks at one time: the root, where there is one lane.
 INLINE Open open_top(Store *s, uint vertices) {
+    const uint listed = store_set_listed_leaves(s, vertices);
+    if (listed > 0) {
+        return (Open){ .blocks = 0, .leaves = listed };
+    }
     uint level = store_top_level(s);
     uint blocks = 1;
     // (A level has eight times as many nodes, so at most eight times as many blocks.)

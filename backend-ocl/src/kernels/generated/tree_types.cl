@@ -61,6 +61,8 @@ typedef struct {
     real lost;
     // The share.
     real lost_of_square;
+    // How far along each axis the place is off at most.
+    real radius;
     // Beyond this power no site can have less than the cell; of the first, also not less than the site that was found.
     real limit;
 } Asked;

@@ -94,7 +94,7 @@ fn searched(tree: &SiteTree, site: u32, far: Option<u32>) -> Option<f64> {
     let mut store = begun(tree, site);
     let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
     let mut room = Room::default();
-    let mut search = Searched::new(&mut cell, tree, &mut room, 0.0);
+    let mut search = Searched::new(&mut cell, tree, None, &mut room, 0.0);
     let vantage = vantage_of(&search);
     let (mut visited, mut proven) = (0, 0.0);
     let mut status = UNTOUCHED;
@@ -135,7 +135,7 @@ fn no_site_of_a_node_comes_to_less_than_its_bound() {
             let mut store = begun(&tree, site);
             let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
             let mut room = Room::default();
-            let mut search = Searched::new(&mut cell, &tree, &mut room, 0.0);
+            let mut search = Searched::new(&mut cell, &tree, None, &mut room, 0.0);
             let seer = Seer { site: search.site(), excess: search.own_excess(), has_weights: search.has_weights() };
             let places = [v3(0.0, 0.0, 0.0), v3(0.3, -0.2, 0.1), v3(-1.5, 1.0, 1.2)];
             for (i, place) in places.into_iter().enumerate() {

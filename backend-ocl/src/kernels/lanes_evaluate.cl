@@ -66,8 +66,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->view = WHOLE;
     s->is_fine = 0;
     s->exact = 0;
-    s->corner = 0;
-    s->corners = 0;
+    s->from = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
 #if !WITH_TABLE
@@ -105,26 +104,17 @@ __kernel void cells(CELLS_ARGUMENTS) {
         return;
     }
     CellSums part = (CellSums){ 0 };
-    V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    real winding = REAL(1.0);
 #if WITH_FACETS
     FacetSum facet[LANES_P / LANES];
 #else
     FacetSum *facet = 0;
 #endif
-    uint has_facets = 0;
     if (status == COMPLETE) {
-        status = integrate_together(s, flags, extent, &center, &winding, &part, facet, &has_facets);
+        status = integrate_together(s, flags, extent, &part, facet);
     }
     const uint i = order[site];
 #if WITH_FACETS
     if (status == COMPLETE) {
-        if (has_facets == 0u) {
-            clear_facets(facet);
-            if (add_facets(s, s->planes, winding, center, REAL(0.0), facet) != COMPLETE) {
-                status = LEFT;
-            }
-        }
         uint kept[LANES_P / LANES];
         uint n = 0;
 #if !WITH_DOMAIN
@@ -145,36 +135,36 @@ __kernel void cells(CELLS_ARGUMENTS) {
             kept[turn] = lanes_with(is_facet);
             n += popcount(kept[turn]);
         }
-        if (status == COMPLETE) {
 #if !WITH_DOMAIN
+        if (lanes_with(walls.boundary_area != REAL(0.0)) != 0u) {
             part.boundary_area = lanes_sum(walls.boundary_area);
             part.boundary_moment = lanes_sum_of(walls.boundary_moment);
             part.boundary_vector = lanes_sum_of(walls.boundary_vector);
             part.boundary_flux = lanes_sum(walls.boundary_flux);
+        }
 #endif
-            uint begin = 0;
-            if (s->lane == 0u) {
-                begin = atomic_add(&counters->facets, n);
+        uint begin = 0;
+        if (s->lane == 0u) {
+            begin = atomic_add(&counters->facets, n);
+        }
+        begin = lane_value(begin, 0);
+        if ((begin + n) > params->facet_room) {
+            status = FACETS_FULL;
+        } else {
+            uint next = begin;
+            UNROLLED
+            for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+                if (((kept[turn] >> s->lane) & 1u) != 0u) {
+                    __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
+                    record->area = facet[turn].area;
+                    write_vector(record->moment, facet[turn].moment);
+                    record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
+                    record->unused = 0u;
+                }
+                next += popcount(kept[turn]);
             }
-            begin = lane_value(begin, 0);
-            if ((begin + n) > params->facet_room) {
-                status = FACETS_FULL;
-            } else {
-                uint next = begin;
-                UNROLLED
-                for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
-                    if (((kept[turn] >> s->lane) & 1u) != 0u) {
-                        __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
-                        record->area = facet[turn].area;
-                        write_vector(record->moment, facet[turn].moment);
-                        record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
-                        record->unused = 0u;
-                    }
-                    next += popcount(kept[turn]);
-                }
-                if (s->lane == 0u) {
-                    rows[i] = (ulong2)(params->facet_base + begin, n);
-                }
+            if (s->lane == 0u) {
+                rows[i] = (ulong2)(params->facet_base + begin, n);
             }
         }
     }

@@ -95,6 +95,7 @@ pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, r
         if t.a == index {
             // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
             let at: Corner = Corner {
+                triplet: t,
                 position: sub(s.position(v), center),
                 distance: norm_1(s.position(v)) + reach,
                 radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),

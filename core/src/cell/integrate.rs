@@ -131,6 +131,7 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
     for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         let at: Corner = Corner {
+            triplet: t,
             position: sub(s.position(v), center),
             distance: norm_1(s.position(v)) + reach,
             radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
@@ -210,6 +211,8 @@ pub(super) fn side<S: Polytope>(s: &S, f: u32, center: V3) -> Side {
 /// A vertex as the integrals see it.
 #[derive(Clone, Copy)]
 pub(super) struct Corner {
+    /// Its half-spaces.
+    pub(super) triplet: Triplet,
     /// Relative to the reference point.
     pub(super) position: V3,
     /// ‖·‖₁ of its way from the site, and the reach of its planes.
@@ -241,12 +244,12 @@ pub(super) fn add_edge<S: IntegralStore + SignStore>(
     add_tetrahedron(-dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
     part.rounding = part.rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if (flags & FACETS) != 0 {
-        let mut sum: FacetSum = s.facet(g.index);
+        let mut sum: FacetSum = s.facet_at(at.triplet, g.index);
         add_triangle(g, foot, off, at, -weight, center, &mut sum);
-        s.set_facet(g.index, sum);
-        sum = s.facet(f.index);
+        s.set_facet_at(at.triplet, g.index, sum);
+        sum = s.facet_at(at.triplet, f.index);
         add_triangle(f, foot, off, at, weight, center, &mut sum);
-        s.set_facet(f.index, sum);
+        s.set_facet_at(at.triplet, f.index, sum);
     }
     return COMPLETE;
 }

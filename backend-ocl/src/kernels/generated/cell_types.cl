@@ -369,6 +369,8 @@ typedef struct {
 
 // A vertex as the integrals see it.
 typedef struct {
+    // Its half-spaces.
+    Triplet triplet;
     // Relative to the reference point.
     V3 position;
     // ‖·‖₁ of its way from the site, and the reach of its planes.

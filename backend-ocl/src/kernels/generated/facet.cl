@@ -41,7 +41,7 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, real reach, FacetS
         }
         if (t.a == index) {
             // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
-            const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
+            const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
             const Side b = side(s, t.b, center);
             const Side c = side(s, t.c, center);
             V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));

@@ -130,12 +130,14 @@ OUTLINE void give_Side(Output *out, Side value) {
 
 INLINE Corner take_Corner(Input *in) {
     Corner value;
+    value.triplet = take_Triplet(in);
     value.position = take_V3(in);
     value.distance = take_real(in);
     value.radius = take_real(in);
     return value;
 }
 OUTLINE void give_Corner(Output *out, Corner value) {
+    give_Triplet(out, value.triplet);
     give_V3(out, value.position);
     give_real(out, value.distance);
     give_real(out, value.radius);

@@ -11,7 +11,7 @@ words!(Wide { hi, lo });
 words!(Expansion { terms, count });
 words!(CellSums { volume, first, second_diagonal, second_mixed, integral, rounding, largest_rounding, boundary_area, boundary_moment, boundary_vector, boundary_flux });
 words!(Side { index, n, d, square, foot });
-words!(Corner { position, distance, radius });
+words!(Corner { triplet, position, distance, radius });
 words!(FacetSum { area, moment, rounding });
 words!(Voxel { i, j, k });
 words!(TruncatedCone { sign, jump, reach, end, side_0, side_1, side_2 });

@@ -126,7 +126,7 @@ struct Shape {
     cells: u32,
     /// More registers for each work-item, and fewer cells are computed at a time (measured; an option of NVIDIA's alone).
     registers: Option<u32>,
-    /// `SHORT`, where nothing but volumes and barycenters is asked for (`prelude.cl`).
+    /// `SHORT`, where nothing but volumes, barycenters and facets is asked for (`prelude.cl`).
     short: bool,
     far: bool,
     exact: bool,
@@ -294,7 +294,7 @@ impl Build {
                         let Shape { cells, short, far, exact, surface, room, teams, .. } = stage.shape();
                         vec![
                             Flag::Single(stage == Stage::Single),
-                            Flag::Short(short && *asked == 0),
+                            Flag::Short(short && *asked & !FACETS == 0),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Teams(lanes.teams(teams)),

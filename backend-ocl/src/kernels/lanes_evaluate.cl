@@ -210,6 +210,6 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     if (status == COMPLETE) {
-        write_sums(sums, (SHORT != 0) ? FEW_SUMS : params->sums_width, i, &part);
+        write_sums(sums, ((SHORT != 0) && (WITH_FACETS == 0)) ? FEW_SUMS : params->sums_width, i, &part);
     }
 }

@@ -25,7 +25,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if WITH_ROOM != 2
     __local Cell cells[CELLS];
 #endif
-    const uint flags = (SHORT != 0) ? 0u : params->flags;
+    const uint flags = params->flags & ((SHORT != 0) ? FACET_AREAS : (SECOND_MOMENTS | FACET_AREAS));
     const uint own_turn = lanes_alike((uint)get_global_id(0) / (LANES * TEAMS));
     if (own_turn >= count) {
         return;
@@ -67,6 +67,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->is_fine = 0;
     s->exact = 0;
     s->from = 0;
+    s->areas_alone = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
 #if !WITH_TABLE
@@ -126,7 +127,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
             uint is_facet = 0;
             if (f < s->planes) {
 #if !WITH_DOMAIN
-                if (cell->source[f] == TAG_BOX) {
+                if ((cell->source[f] == TAG_BOX) && asks_for_boundary(flags | FACETS)) {
                     add_boundary(facet[turn], cell->plane[f], REAL(1.0), &walls);
                 }
 #endif
@@ -157,7 +158,9 @@ __kernel void cells(CELLS_ARGUMENTS) {
                 if (((kept[turn] >> s->lane) & 1u) != 0u) {
                     __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
                     record->area = facet[turn].area;
-                    write_vector(record->moment, facet[turn].moment);
+                    if ((flags & FACET_AREAS) == 0u) {
+                        write_vector(record->moment, facet[turn].moment);
+                    }
                     record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
                     record->unused = 0u;
                 }
@@ -210,6 +213,10 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     if (status == COMPLETE) {
-        write_sums(sums, ((SHORT != 0) && (WITH_FACETS == 0)) ? FEW_SUMS : params->sums_width, i, &part);
+#if SHORT && !WITH_FACETS
+        write_sums(sums, FEW_SUMS, i, &part);
+#else
+        write_sums(sums, params->sums_width, i, &part);
+#endif
     }
 }

@@ -73,7 +73,7 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, CellSums *sum
         CellSums part = (CellSums){ 0 };
         real inner = REAL(0.0);
         const uint is_out = outside | lanes_with(on_wall);
-        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags & SECOND_MOMENTS, &inner, &part, facet));
+        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags, &inner, &part, facet));
         s->planes = lanes_alike(copy.planes);
         s->exact |= copy.exact;
         s->tried = copy.tried;
@@ -105,7 +105,7 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, CellSums *sum
 #if WITH_FACETS
     clear_facets(facet);
 #endif
-    const uint summed = sum_together(cell, s->lane, s->vertices, winding, center, REAL(0.0), flags & SECOND_MOMENTS, sums, s->planes, facet);
+    const uint summed = sum_together(cell, s->lane, s->vertices, winding, center, REAL(0.0), flags, sums, s->planes, facet);
     if (summed != COMPLETE) {
         return UNSETTLED;
     }

@@ -158,8 +158,9 @@ typedef struct {
     uint planes;
     uint vertices;
     uint view;
-    // The first vertex of those that are shared out.
+    // The first vertex of those that are shared out; and whether of facets areas alone are summed.
     uint from;
+    uint areas_alone;
     uint is_fine;
     uint exact;
     // The vertex that the search asks for.
@@ -314,6 +315,8 @@ INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
 
 // Which of a triplet's half-spaces f is; 3 where it is none.
 INLINE uint corner_of(Triplet t, uint f) { return (t.a == f) ? 0u : ((t.b == f) ? 1u : ((t.c == f) ? 2u : 3u)); }
+
+INLINE bool store_sums_areas_alone(Store *s) { return s->areas_alone != 0u; }
 
 // What the lane's vertex, of which it has one at a time, adds to the facet of f.
 #if WITH_FACETS

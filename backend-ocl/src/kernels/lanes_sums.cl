@@ -10,6 +10,7 @@ INLINE Store share_of(CELL_SPACE Cell *cell, uint lane, uint vertices, uint is_f
     share.vertices = vertices;
     share.view = SHARE;
     share.from = 0;
+    share.areas_alone = 0;
     share.is_fine = is_fine;
     share.exact = 0;
     return share;
@@ -96,13 +97,14 @@ SUM_SHARE uint sum_share(
 ) {
     Store share = share_of(cell, lane, vertices, 1);
     share.from = from;
+    share.areas_alone = flags & FACET_AREAS;
     return integrate(&share, weight, center, reach, flags, part);
 }
 
 #if WITH_FACETS
 // Adds what vertices `from` to `end`, of which each lane has had one, have added to their facets to those that each lane has, of the first `count` half-spaces:
 // number `turn·LANES + lane` is its own. In the order of vertices.
-INLINE void gather_facets(CELL_SPACE const Cell *cell, uint lane, uint from, uint end, uint count, FacetSum *facet) {
+INLINE void gather_facets(CELL_SPACE const Cell *cell, uint lane, uint from, uint end, uint count, uint flags, FacetSum *facet) {
     for (uint v = from; v < end; v++) {
         const Triplet t = unpacked(cell->triplet[v]);
         UNROLLED
@@ -110,10 +112,12 @@ INLINE void gather_facets(CELL_SPACE const Cell *cell, uint lane, uint from, uin
             const uint f = (turn * LANES) + lane;
             const uint corner = (f < count) ? corner_of(t, f) : 3u;
             if (corner < 3u) {
-                const FacetSum added = cell->added[(3u * (v - from)) + corner];
-                facet[turn].area += added.area;
-                facet[turn].moment = add(facet[turn].moment, added.moment);
-                facet[turn].rounding = fmax(facet[turn].rounding, added.rounding);
+                CELL_SPACE const FacetSum *added = cell->added + ((3u * (v - from)) + corner);
+                facet[turn].area += added->area;
+                facet[turn].rounding = fmax(facet[turn].rounding, added->rounding);
+                if ((flags & FACET_AREAS) == 0u) {
+                    facet[turn].moment = add(facet[turn].moment, added->moment);
+                }
             }
         }
     }
@@ -144,7 +148,7 @@ SUM_TOGETHER uint sum_together(
         }
         status |= sum_share(cell, lane, from, end, weight, center, reach, flags, &part);
         lanes_wait();
-        gather_facets(cell, lane, from, end, count, facet);
+        gather_facets(cell, lane, from, end, count, flags, facet);
         lanes_wait();
     }
 #else

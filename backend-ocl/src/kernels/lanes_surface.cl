@@ -251,9 +251,11 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         }
     }
 #if WITH_FACETS
-    const uint added = add_surface_together(s, triangle, count, lo, center, &saved, sums);
-    if (added != COMPLETE) {
-        return added;
+    if (asks_for_boundary(flags | FACETS)) {
+        const uint added = add_surface_together(s, triangle, count, lo, center, &saved, sums);
+        if (added != COMPLETE) {
+            return added;
+        }
     }
 #endif
     if (touched == 0u) {

@@ -18,6 +18,8 @@ pub const SECOND_MOMENTS: u32 = 2;
 pub const FACET_SECOND_MOMENTS: u32 = 4;
 /// Also the integral of the store's function.
 pub const INTEGRAL: u32 = 8;
+/// Of facets no more than their areas, and nothing of the boundary: what the Laplacian is made of. With `FACETS`.
+pub const FACET_AREAS: u32 = 16;
 
 /// Sums over one restricted cell, in the frame of its site.
 #[repr(C)]
@@ -245,10 +247,10 @@ pub(super) fn add_edge<S: IntegralStore + SignStore>(
     part.rounding = part.rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if (flags & FACETS) != 0 {
         let mut sum: FacetSum = s.facet_at(at.triplet, g.index);
-        add_triangle(g, foot, off, at, -weight, center, &mut sum);
+        add_triangle(g, foot, off, at, -weight, center, s.sums_areas_alone(), &mut sum);
         s.set_facet_at(at.triplet, g.index, sum);
         sum = s.facet_at(at.triplet, f.index);
-        add_triangle(f, foot, off, at, weight, center, &mut sum);
+        add_triangle(f, foot, off, at, weight, center, s.sums_areas_alone(), &mut sum);
         s.set_facet_at(at.triplet, f.index, sum);
     }
     return COMPLETE;

@@ -284,6 +284,9 @@ typedef struct {
 // Also the integral of the store's function.
 #define INTEGRAL ((uint)(8))
 
+// Of facets no more than their areas, and nothing of the boundary: what the Laplacian is made of. With `FACETS`.
+#define FACET_AREAS ((uint)(16))
+
 // Sums over one restricted cell, in the frame of its site.
 typedef struct {
     // Volume.

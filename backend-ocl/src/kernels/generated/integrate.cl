@@ -106,10 +106,10 @@ INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center
     part->rounding = part->rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if ((flags & FACETS) != 0) {
         FacetSum sum = store_facet_at(s, at.triplet, g.index);
-        add_triangle(g, foot, off, at, -weight, center, &sum);
+        add_triangle(g, foot, off, at, -weight, center, store_sums_areas_alone(s), &sum);
         store_set_facet_at(s, at.triplet, g.index, sum);
         sum = store_facet_at(s, at.triplet, f.index);
-        add_triangle(f, foot, off, at, weight, center, &sum);
+        add_triangle(f, foot, off, at, weight, center, store_sums_areas_alone(s), &sum);
         store_set_facet_at(s, at.triplet, f.index, sum);
     }
     return COMPLETE;

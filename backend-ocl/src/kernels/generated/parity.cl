@@ -782,8 +782,9 @@ __kernel void parity_add_triangle(PARITY_ARGUMENTS) {
     const Corner at = take_Corner(&in);
     const real sign = take_real(&in);
     const V3 center = take_V3(&in);
+    const bool area_alone = take_bool(&in);
     FacetSum sum = take_FacetSum(&in);
-    add_triangle(f, foot, off, at, sign, center, &sum);
+    add_triangle(f, foot, off, at, sign, center, area_alone, &sum);
     give_FacetSum(&out, sum);
 }
 
@@ -816,6 +817,13 @@ __kernel void parity_reset_facets(PARITY_ARGUMENTS) {
     const uint flags = take_uint(&in);
     reset_facets(s, flags);
     parity_dump(&out, s);
+}
+
+__kernel void parity_asks_for_boundary(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const uint flags = take_uint(&in);
+    const bool result = asks_for_boundary(flags);
+    give_bool(&out, result);
 }
 
 __kernel void parity_add_boundary(PARITY_ARGUMENTS) {

@@ -18,7 +18,8 @@ pub const SECOND_MOMENTS: u32 = 2;
 pub const FACET_SECOND_MOMENTS: u32 = 4;
 /// Also the integral of the store's function.
 pub const INTEGRAL: u32 = 8;
-/// Of facets no more than their areas, and nothing of the boundary: what the Laplacian is made of. With `FACETS`.
+/// Of facets no more than their areas, and nothing of the boundary: what the Laplacian is made of. With `FACETS`. (Parts of the surface within a cell are cut out by
+/// themselves: without them a transport in the bunny takes a third fewer instructions on the CPU.)
 pub const FACET_AREAS: u32 = 16;
 
 /// Sums over one restricted cell, in the frame of its site.

@@ -2,7 +2,7 @@
 
 use crate::interface::data::Params;
 use crate::sources::Text;
-use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS};
+use laguerre_core::cell::{FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS};
 use laguerre_core::passes::Capacities;
 
 /// The kernels that sort sites, those that find how near the surface is to them, and those of the Laplacian.
@@ -126,7 +126,7 @@ struct Shape {
     cells: u32,
     /// More registers for each work-item, and fewer cells are computed at a time (measured; an option of NVIDIA's alone).
     registers: Option<u32>,
-    /// `SHORT`, where nothing but volumes and barycenters is asked for (`prelude.cl`).
+    /// `SHORT`, where nothing but volumes, barycenters and facets is asked for (`prelude.cl`).
     short: bool,
     far: bool,
     exact: bool,
@@ -189,7 +189,8 @@ impl Way {
 /// What cells are computed for, and no more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Asked {
-    /// The flags of `integrate_cell` that the text is built for: of second moments no stage but those whose text is short without.
+    /// The flags of `integrate_cell` that the text is built for: of second moments no stage but those whose text is short without; that of
+    /// facets no more than areas are asked for none, which leaves their moments out when it runs.
     flags: u32,
     /// Whether there is a domain, and whether weights differ, where cells are shared: those kernels are faster if they know that there is
     /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
@@ -204,7 +205,7 @@ impl Asked {
         let is_shared = matches!(way, Way::Together(..));
         let is_of_many = matches!(way, Way::Together(_, stage) if stage.shape().short);
         Self {
-            flags: params.flags & if is_of_many { !0 } else { !SECOND_MOMENTS },
+            flags: params.flags & !FACET_AREAS & if is_of_many { !0 } else { !SECOND_MOMENTS },
             domain: is_shared && params.has_domain != 0,
             weights: is_shared && params.equal_weights == 0,
             table: params.has_table != 0 && !matches!(way, Way::Together(_, Stage::Far | Stage::Large)),
@@ -294,7 +295,7 @@ impl Build {
                         let Shape { cells, short, far, exact, surface, room, teams, .. } = stage.shape();
                         vec![
                             Flag::Single(stage == Stage::Single),
-                            Flag::Short(short && *asked == 0),
+                            Flag::Short(short && *asked & !FACETS == 0),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Teams(lanes.teams(teams)),

@@ -3,7 +3,8 @@
 use crate::buffer::rooms;
 use crate::device::Device;
 use crate::grid::{self, GROUP};
-use crate::interface::kernels::{CountFacets, MatchFacets, PackFacets, SortFacets};
+use crate::interface::data::PER_ROW;
+use crate::interface::kernels::{CountFacets, ListFacets, MatchFacets, PackFacets, SortFacets};
 use laguerre_core::algebra::Kept;
 use laguerre_core::assemble::Row;
 use laguerre_core::{Laplacian, Request, Result};
@@ -130,15 +131,20 @@ impl Device {
             return Ok(None);
         }
         grid::scan(context, queue, grid_kernels, offsets, rows + 1, &mut sorted.sums)?;
-        let sorting = SortFacets { order, count, rows: rooms, records: &memory.facets, place, offsets, columns, areas };
-        grid_kernels.sort_facets.run(queue, rows, GROUP, sorting)?;
+        let (items, records) = (rows * PER_ROW as usize, &memory.facets);
+        // (Where the packed ones are afterwards.)
+        let listed = packed_columns;
+        let listing = ListFacets { order, count, rows: rooms, records, place, offsets, listed };
+        grid_kernels.list_facets.run(queue, items, GROUP, listing)?;
+        let sorting = SortFacets { order, count, rows: rooms, records, listed, offsets, columns, areas };
+        grid_kernels.sort_facets.run(queue, items, GROUP, sorting)?;
         let (params, counts) = (&shared.room, packed_offsets);
         let matching = MatchFacets { params, sites: &sorted.sites, count, offsets, columns, areas, values, counts };
-        grid_kernels.match_facets.run(queue, rows, GROUP, matching)?;
+        grid_kernels.match_facets.run(queue, items, GROUP, matching)?;
         grid::scan(context, queue, grid_kernels, packed_offsets, rows + 1, &mut sorted.sums)?;
         let starts = packed_offsets;
         let packing = PackFacets { count, offsets, columns, values, starts, packed_columns, packed_values };
-        grid_kernels.pack_facets.run(queue, rows, GROUP, packing)?;
+        grid_kernels.pack_facets.run(queue, items, GROUP, packing)?;
         let mut ends = Vec::new();
         packed_offsets.read_from(queue, rows, 1, &mut ends)?;
         Ok(Some(ends.first().map_or(0, |&end| end as usize)))

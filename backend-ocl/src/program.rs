@@ -5,7 +5,7 @@ use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, Cells, Combine, CountDigits, CountFacets, DotParts, EnterSites, FillLaplacian, FindBeyond,
-    FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal, LookAbout, MarkVoxels, MatchFacets,
+    FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal, ListFacets, LookAbout, MarkVoxels, MatchFacets,
     MeasureClearances, Multiply, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets,
     SubtractNumber, SumParts, TightenSlabs,
 };
@@ -48,6 +48,7 @@ pub(crate) struct GridKernels {
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
     pub(crate) look_about: Kernel<LookAbout<'static>>,
     pub(crate) count_facets: Kernel<CountFacets<'static>>,
+    pub(crate) list_facets: Kernel<ListFacets<'static>>,
     pub(crate) sort_facets: Kernel<SortFacets<'static>>,
     pub(crate) match_facets: Kernel<MatchFacets<'static>>,
     pub(crate) pack_facets: Kernel<PackFacets<'static>>,
@@ -82,6 +83,7 @@ impl GridKernels {
             measure_clearances: Kernel::new(&program)?,
             look_about: Kernel::new(&program)?,
             count_facets: Kernel::new(&program)?,
+            list_facets: Kernel::new(&program)?,
             sort_facets: Kernel::new(&program)?,
             match_facets: Kernel::new(&program)?,
             pack_facets: Kernel::new(&program)?,

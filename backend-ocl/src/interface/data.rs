@@ -43,8 +43,11 @@ pub(crate) const ALL_SUMS: u32 = 18;
 /// The outcome of a cell that this device did not compute: a coincident site's, or another device's.
 pub(crate) const NOT_COMPUTED: u32 = 0xffff_ffff;
 
-/// A row of the Laplacian with more facets is long: one work-item would take too long to sort it.
+/// A row of the Laplacian with more facets is long: its work-items would take too long to sort it.
 pub(crate) const LONG_ROW: u32 = 512;
+
+/// Work-items that share out the facets of a row: it has 15.5 where sites are white. (By one, neighboring work-items read and wrote far apart.)
+pub(crate) const PER_ROW: u32 = 16;
 
 /// The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
 pub(crate) const OUTCOME_STATUS: u32 = 0xff;

@@ -196,12 +196,22 @@ kernels! {
         output is_long: u32,
     }
 
-    kernel SortFacets = sort_facets {
+    kernel ListFacets = list_facets {
         input order: u32,
         value count: u32,
         input rows: [u64; 2],
         input records: FacetRecord,
         input place: u32,
+        input offsets: u32,
+        output listed: u32,
+    }
+
+    kernel SortFacets = sort_facets {
+        input order: u32,
+        value count: u32,
+        input rows: [u64; 2],
+        input records: FacetRecord,
+        input listed: u32,
         input offsets: u32,
         output columns: u32,
         output areas: f64,

@@ -25,7 +25,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if WITH_ROOM != 2
     __local Cell cells[CELLS];
 #endif
-    const uint flags = (SHORT != 0) ? 0u : params->flags;
+    const uint flags = params->flags & ((SHORT != 0) ? FACET_AREAS : (SECOND_MOMENTS | FACET_AREAS));
     const uint own_turn = lanes_alike((uint)get_global_id(0) / (LANES * TEAMS));
     if (own_turn >= count) {
         return;
@@ -66,8 +66,8 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->view = WHOLE;
     s->is_fine = 0;
     s->exact = 0;
-    s->corner = 0;
-    s->corners = 0;
+    s->from = 0;
+    s->areas_alone = 0;
     const V3 lo = (V3){ .x = params->box_lo[0] - own.x, .y = params->box_lo[1] - own.y, .z = params->box_lo[2] - own.z };
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
 #if !WITH_TABLE
@@ -105,26 +105,17 @@ __kernel void cells(CELLS_ARGUMENTS) {
         return;
     }
     CellSums part = (CellSums){ 0 };
-    V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    real winding = REAL(1.0);
 #if WITH_FACETS
     FacetSum facet[LANES_P / LANES];
 #else
     FacetSum *facet = 0;
 #endif
-    uint has_facets = 0;
     if (status == COMPLETE) {
-        status = integrate_together(s, flags, extent, &center, &winding, &part, facet, &has_facets);
+        status = integrate_together(s, flags, extent, &part, facet);
     }
     const uint i = order[site];
 #if WITH_FACETS
     if (status == COMPLETE) {
-        if (has_facets == 0u) {
-            clear_facets(facet);
-            if (add_facets(s, s->planes, winding, center, REAL(0.0), facet) != COMPLETE) {
-                status = LEFT;
-            }
-        }
         uint kept[LANES_P / LANES];
         uint n = 0;
 #if !WITH_DOMAIN
@@ -136,7 +127,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
             uint is_facet = 0;
             if (f < s->planes) {
 #if !WITH_DOMAIN
-                if (cell->source[f] == TAG_BOX) {
+                if ((cell->source[f] == TAG_BOX) && asks_for_boundary(flags | FACETS)) {
                     add_boundary(facet[turn], cell->plane[f], REAL(1.0), &walls);
                 }
 #endif
@@ -145,36 +136,38 @@ __kernel void cells(CELLS_ARGUMENTS) {
             kept[turn] = lanes_with(is_facet);
             n += popcount(kept[turn]);
         }
-        if (status == COMPLETE) {
 #if !WITH_DOMAIN
+        if (lanes_with(walls.boundary_area != REAL(0.0)) != 0u) {
             part.boundary_area = lanes_sum(walls.boundary_area);
             part.boundary_moment = lanes_sum_of(walls.boundary_moment);
             part.boundary_vector = lanes_sum_of(walls.boundary_vector);
             part.boundary_flux = lanes_sum(walls.boundary_flux);
+        }
 #endif
-            uint begin = 0;
-            if (s->lane == 0u) {
-                begin = atomic_add(&counters->facets, n);
-            }
-            begin = lane_value(begin, 0);
-            if ((begin + n) > params->facet_room) {
-                status = FACETS_FULL;
-            } else {
-                uint next = begin;
-                UNROLLED
-                for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
-                    if (((kept[turn] >> s->lane) & 1u) != 0u) {
-                        __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
-                        record->area = facet[turn].area;
+        uint begin = 0;
+        if (s->lane == 0u) {
+            begin = atomic_add(&counters->facets, n);
+        }
+        begin = lane_value(begin, 0);
+        if ((begin + n) > params->facet_room) {
+            status = FACETS_FULL;
+        } else {
+            uint next = begin;
+            UNROLLED
+            for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+                if (((kept[turn] >> s->lane) & 1u) != 0u) {
+                    __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
+                    record->area = facet[turn].area;
+                    if ((flags & FACET_AREAS) == 0u) {
                         write_vector(record->moment, facet[turn].moment);
-                        record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
-                        record->unused = 0u;
                     }
-                    next += popcount(kept[turn]);
+                    record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
+                    record->unused = 0u;
                 }
-                if (s->lane == 0u) {
-                    rows[i] = (ulong2)(params->facet_base + begin, n);
-                }
+                next += popcount(kept[turn]);
+            }
+            if (s->lane == 0u) {
+                rows[i] = (ulong2)(params->facet_base + begin, n);
             }
         }
     }
@@ -220,6 +213,10 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);
     if (status == COMPLETE) {
-        write_sums(sums, (SHORT != 0) ? FEW_SUMS : params->sums_width, i, &part);
+#if SHORT && !WITH_FACETS
+        write_sums(sums, FEW_SUMS, i, &part);
+#else
+        write_sums(sums, params->sums_width, i, &part);
+#endif
     }
 }

@@ -36,11 +36,9 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
 }
 #endif
 
-// The integrals of a complete cell that reaches as far as `extent` says (`extent_of`): `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `NEAR`. Of a cell that the
-// surface cuts also those of its facets, where they are asked for.
-INLINE uint integrate_together(
-    Store *s, uint flags, float extent, V3 *center, real *winding, CellSums *sums, FacetSum *facet, uint *has_facets
-) {
+// The integrals of a complete cell that reaches as far as `extent` says (`extent_of`), and where they are asked for those of its facets: `COMPLETE`, `EMPTY`,
+// `LEFT`, `OPEN` or `NEAR`.
+INLINE uint integrate_together(Store *s, uint flags, float extent, CellSums *sums, FacetSum *facet) {
     CELL_SPACE Cell *cell = s->cell;
     // Whether the site is outside its cell, or only not strictly inside.
     uint outside = 0;
@@ -51,18 +49,18 @@ INLINE uint integrate_together(
     }
     outside = lanes_with(outside);
     *sums = (CellSums){ 0 };
-    *winding = REAL(1.0);
-    *center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    real winding = REAL(1.0);
+    V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
 #if WITH_DOMAIN
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
     uint near = 1;
 #if !TAKES_NEAR
     if (extent <= cell->clear) {
         near = 0;
-        *winding = (real)cell->winding;
+        winding = (real)cell->winding;
     } else {
         near = surface_near_box(s, &lo);
-        *winding = (real)store_winding(s, lo);
+        winding = (real)store_winding(s, lo);
     }
 #endif
 #if GIVES_NEAR
@@ -75,19 +73,18 @@ INLINE uint integrate_together(
         CellSums part = (CellSums){ 0 };
         real inner = REAL(0.0);
         const uint is_out = outside | lanes_with(on_wall);
-        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags & SECOND_MOMENTS, &inner, &part, facet));
+        const uint ended = lanes_alike(meet_surface(&copy, outside, is_out, flags, &inner, &part, facet));
         s->planes = lanes_alike(copy.planes);
         s->exact |= copy.exact;
         s->tried = copy.tried;
         if (ended != UNTOUCHED) {
             *sums = part;
-            *has_facets = WITH_FACETS;
             return ended;
         }
-        *winding = inner;
+        winding = inner;
     }
 #endif
-    if (*winding == REAL(0.0)) {
+    if (winding == REAL(0.0)) {
         return EMPTY;
     }
 #endif
@@ -103,9 +100,12 @@ INLINE uint integrate_together(
     // The common point of the tetrahedra: the site where it is inside, else the middle of the vertices' box.
     if (outside != 0u) {
         turn_to_box(s);
-        *center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
+        center = scale(REAL(0.5), add(store_position(s, 0), store_position(s, 1)));
     }
-    const uint summed = sum_together(cell, s->lane, s->vertices, *winding, *center, REAL(0.0), flags & SECOND_MOMENTS, sums);
+#if WITH_FACETS
+    clear_facets(facet);
+#endif
+    const uint summed = sum_together(cell, s->lane, s->vertices, winding, center, REAL(0.0), flags, sums, s->planes, facet);
     if (summed != COMPLETE) {
         return UNSETTLED;
     }

@@ -1,6 +1,6 @@
 // Where a cell lives that LANES work-items compute together: in their local memory. Each of them has a `Store` of its own, which
-// shows it either the whole cell, or its own share of the vertices, or the two corners of the cell's box, or the vertices of one
-// facet: the generated functions do the same work on each.
+// shows it either the whole cell, or its own share of the vertices, or the two corners of the cell's box: the generated functions
+// do the same work on each.
 //
 // A `Store` stays in registers as long as no function that is not inlined is given its address, and nothing in it is indexed: such
 // functions are given a copy. (Without that, half of all instructions were about memory.)
@@ -61,10 +61,6 @@ typedef uchar Place;
 #define WHOLE 0u
 #define SHARE 1u
 #define BOX_CORNERS 2u
-#define FACET_CORNERS 3u
-
-// Corners of a facet that its view has room for; a facet with more is seen in the whole.
-#define MOST_CORNERS 24u
 
 // Where a site is: in double precision, whatever the cell's own numbers are.
 typedef struct {
@@ -91,8 +87,14 @@ typedef struct {
             float4 rough[LANES_V];
             Place vertex_of[LANES_P * LANES_P];
         };
-        // Afterwards positions and radii in double precision.
-        real4 fine[LANES_V];
+        // Afterwards positions and radii in double precision; and what a vertex of each lane adds to the facets of its three half-spaces. (Most of it is where
+        // the edges were: with facets a cell takes 0.8 kB more than without, not 8, and as many fit into a group.)
+        struct {
+            real4 fine[LANES_V];
+#if WITH_FACETS
+            FacetSum added[3u * LANES];
+#endif
+        };
     };
     // Marked vertices; and the edges, packed, that bound the hole, or the vertices whose sign is open.
     uint marked[LANES_V];
@@ -156,6 +158,9 @@ typedef struct {
     uint planes;
     uint vertices;
     uint view;
+    // The first vertex of those that are shared out; and whether of facets areas alone are summed.
+    uint from;
+    uint areas_alone;
     uint is_fine;
     uint exact;
     // The vertex that the search asks for.
@@ -175,9 +180,6 @@ typedef struct {
     uint is_sampled;
 #endif
 #endif
-    // The corners of a facet: places, and how many.
-    Place *corner;
-    uint corners;
 } Store;
 
 // What all lanes have alike, so that the compiler knows it: it does not of what depends on a work-item's number, or is the result of a function
@@ -220,10 +222,7 @@ INLINE uint lowest_bit(uint bits) { return 31u - clz(bits & -bits); }
 
 // Of vertex v of the view its place in the cell.
 INLINE uint place_of(Store *s, uint v) {
-    if (s->view == FACET_CORNERS) {
-        return s->corner[v];
-    }
-    return (s->view == SHARE) ? ((v * LANES) + s->lane) : v;
+    return (s->view == SHARE) ? (s->from + ((v * LANES) + s->lane)) : v;
 }
 
 INLINE uint store_cap_p(Store *s) { return LANES_P; }
@@ -234,10 +233,7 @@ INLINE uint store_vertices(Store *s) {
     if (s->view == BOX_CORNERS) {
         return 2;
     }
-    if (s->view == FACET_CORNERS) {
-        return s->corners;
-    }
-    return (s->view == SHARE) ? (((s->vertices + LANES) - 1u - s->lane) / LANES) : s->vertices;
+    return (s->view == SHARE) ? (((s->vertices - s->from) + LANES - 1u - s->lane) / LANES) : s->vertices;
 }
 INLINE void store_set_vertices(Store *s, uint count) { s->vertices = count; }
 INLINE Plane store_plane(Store *s, uint f) { return s->cell->plane[f]; }
@@ -313,9 +309,23 @@ INLINE uint store_exact_foot(Store *s, uint f, uint g, V3 center, V3 *foot) { re
 INLINE int store_exact_cone_sign(Store *s, uint t, Voxel corner) { return SIGN_UNKNOWN; }
 INLINE V3 store_site(Store *s) { return (V3){ .x = s->site.x, .y = s->site.y, .z = s->site.z }; }
 
-// Sums of all facets at once are for one work-item (each lane has its own, `add_facets`): were they read here, it would be seen.
+// Sums of all facets at once are for one work-item (each lane has its own, `gather_facets`): were they read here, it would be seen.
 INLINE FacetSum store_facet(Store *s, uint f) { return (FacetSum){ .area = NAN }; }
 INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
+
+// Which of a triplet's half-spaces f is; 3 where it is none.
+INLINE uint corner_of(Triplet t, uint f) { return (t.a == f) ? 0u : ((t.b == f) ? 1u : ((t.c == f) ? 2u : 3u)); }
+
+INLINE bool store_sums_areas_alone(Store *s) { return s->areas_alone != 0u; }
+
+// What the lane's vertex, of which it has one at a time, adds to the facet of f.
+#if WITH_FACETS
+INLINE FacetSum store_facet_at(Store *s, Triplet t, uint f) { return s->cell->added[(3u * s->lane) + corner_of(t, f)]; }
+INLINE void store_set_facet_at(Store *s, Triplet t, uint f, FacetSum sum) { s->cell->added[(3u * s->lane) + corner_of(t, f)] = sum; }
+#else
+INLINE FacetSum store_facet_at(Store *s, Triplet t, uint f) { return (FacetSum){ 0 }; }
+INLINE void store_set_facet_at(Store *s, Triplet t, uint f, FacetSum sum) {}
+#endif
 
 // The lanes, to the generated text.
 INLINE uint store_lanes(Store *s) { return LANES; }

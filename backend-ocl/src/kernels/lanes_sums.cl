@@ -9,6 +9,8 @@ INLINE Store share_of(CELL_SPACE Cell *cell, uint lane, uint vertices, uint is_f
     share.lane = lane;
     share.vertices = vertices;
     share.view = SHARE;
+    share.from = 0;
+    share.areas_alone = 0;
     share.is_fine = is_fine;
     share.exact = 0;
     return share;
@@ -76,13 +78,82 @@ OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, ui
     return (lanes_with(status != COMPLETE) != 0u) ? UNCERTAIN : COMPLETE;
 }
 
-// Adds `weight` times the integrals of the present polytope to `sums`, as `integrate` does with one vertex after the other.
-OUTLINE uint sum_together(
-    CELL_SPACE Cell *cell, uint lane, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *sums
+// What is one piece of code, and what is not: a lane's own facets stay in registers only where what adds to them is inlined, and `integrate` is to be there once
+// where pieces of a cell are many. (Without facets nothing is but the whole.)
+#if WITH_FACETS && WITH_SURFACE
+#define SUM_SHARE OUTLINE
+#else
+#define SUM_SHARE INLINE
+#endif
+#if WITH_FACETS
+#define SUM_TOGETHER INLINE
+#else
+#define SUM_TOGETHER OUTLINE
+#endif
+
+// `integrate`, of a lane's share of the vertices from number `from`.
+SUM_SHARE uint sum_share(
+    CELL_SPACE Cell *cell, uint lane, uint from, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *part
 ) {
     Store share = share_of(cell, lane, vertices, 1);
+    share.from = from;
+    share.areas_alone = flags & FACET_AREAS;
+    return integrate(&share, weight, center, reach, flags, part);
+}
+
+#if WITH_FACETS
+// Adds what vertices `from` to `end`, of which each lane has had one, have added to their facets to those that each lane has, of the first `count` half-spaces:
+// number `turn·LANES + lane` is its own. In the order of vertices.
+INLINE void gather_facets(CELL_SPACE const Cell *cell, uint lane, uint from, uint end, uint count, uint flags, FacetSum *facet) {
+    for (uint v = from; v < end; v++) {
+        const Triplet t = unpacked(cell->triplet[v]);
+        UNROLLED
+        for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+            const uint f = (turn * LANES) + lane;
+            const uint corner = (f < count) ? corner_of(t, f) : 3u;
+            if (corner < 3u) {
+                CELL_SPACE const FacetSum *added = cell->added + ((3u * (v - from)) + corner);
+                facet[turn].area += added->area;
+                facet[turn].rounding = fmax(facet[turn].rounding, added->rounding);
+                if ((flags & FACET_AREAS) == 0u) {
+                    facet[turn].moment = add(facet[turn].moment, added->moment);
+                }
+            }
+        }
+    }
+}
+
+INLINE void clear_facets(FacetSum *facet) {
+    UNROLLED
+    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+        facet[turn] = (FacetSum){ 0 };
+    }
+}
+#endif
+
+// Adds `weight` times the integrals of the present polytope to `sums`, as `integrate` does with one vertex after the other; and WITH_FACETS those of its facets on
+// the first `count` half-spaces to what each lane has.
+SUM_TOGETHER uint sum_together(
+    CELL_SPACE Cell *cell, uint lane, uint vertices, real weight, V3 center, real reach, uint flags, CellSums *sums, uint count, FacetSum *facet
+) {
     CellSums part = (CellSums){ 0 };
-    const uint status = integrate(&share, weight, center, reach, flags, &part);
+    uint status = COMPLETE;
+#if WITH_FACETS
+    flags |= (count != 0u) ? FACETS : 0u;
+    ROLLED
+    for (uint from = 0; from < vertices; from += LANES) {
+        const uint end = min(vertices, from + LANES);
+        for (uint corner = 0; corner < 3u; corner++) {
+            cell->added[(3u * lane) + corner] = (FacetSum){ 0 };
+        }
+        status |= sum_share(cell, lane, from, end, weight, center, reach, flags, &part);
+        lanes_wait();
+        gather_facets(cell, lane, from, end, count, flags, facet);
+        lanes_wait();
+    }
+#else
+    status = sum_share(cell, lane, 0, vertices, weight, center, reach, flags, &part);
+#endif
     if (lanes_with(status != COMPLETE) != 0u) {
         return UNCERTAIN;
     }
@@ -97,51 +168,3 @@ OUTLINE uint sum_together(
     }
     return COMPLETE;
 }
-
-#if WITH_FACETS
-// The vertices of half-space f, as the view: each lane may have another.
-INLINE void turn_to_facet(Store *s, uint f) {
-    s->corners = 0;
-    s->view = WHOLE;
-    for (uint v = 0; v < s->vertices; v++) {
-        const Triplet t = unpacked(s->cell->triplet[v]);
-        if (((t.a == f) || (t.b == f)) || (t.c == f)) {
-            if (s->corners == MOST_CORNERS) {
-                return;
-            }
-            s->corner[s->corners] = (Place)v;
-            s->corners++;
-        }
-    }
-    s->view = FACET_CORNERS;
-}
-
-// Adds `weight` times the facets of the present polytope on the first `count` half-spaces to those that each lane has: number `turn·LANES + lane` is its own.
-INLINE uint add_facets(const Store *s, uint count, real weight, V3 center, real reach, FacetSum *facet) {
-    Store copy = *s;
-    Place corner[MOST_CORNERS];
-    copy.corner = corner;
-    copy.is_fine = 1;
-    uint status = COMPLETE;
-    UNROLLED
-    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
-        const uint f = (turn * LANES) + s->lane;
-        if (f < count) {
-            turn_to_facet(&copy, f);
-            FacetSum sum;
-            status |= integrate_facet(&copy, f, center, reach, &sum);
-            facet[turn].area += weight * sum.area;
-            facet[turn].moment = add(facet[turn].moment, scale(weight, sum.moment));
-            facet[turn].rounding = fmax(facet[turn].rounding, sum.rounding);
-        }
-    }
-    return (lanes_with(status != COMPLETE) != 0u) ? UNCERTAIN : COMPLETE;
-}
-
-INLINE void clear_facets(FacetSum *facet) {
-    UNROLLED
-    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
-        facet[turn] = (FacetSum){ 0 };
-    }
-}
-#endif

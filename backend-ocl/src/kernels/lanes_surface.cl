@@ -111,12 +111,7 @@ INLINE uint add_polytope(Store *s, real weight, V3 center, real reach, uint flag
         return UNCERTAIN;
     }
     s->exact |= exact;
-#if WITH_FACETS
-    if ((count != 0u) && (add_facets(s, count, weight, center, reach, facet) != COMPLETE)) {
-        return UNCERTAIN;
-    }
-#endif
-    return lanes_alike(sum_together(s->cell, s->lane, s->vertices, weight, center, reach, flags, sums));
+    return lanes_alike(sum_together(s->cell, s->lane, s->vertices, weight, center, reach, flags, sums, count, facet));
 }
 
 // Cuts the cell by the half-spaces of a cone that lane `from` has, the last of them its end: `COMPLETE` where something is left, and whether the end has cut it.
@@ -256,9 +251,11 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         }
     }
 #if WITH_FACETS
-    const uint added = add_surface_together(s, triangle, count, lo, center, &saved, sums);
-    if (added != COMPLETE) {
-        return added;
+    if (asks_for_boundary(flags | FACETS)) {
+        const uint added = add_surface_together(s, triangle, count, lo, center, &saved, sums);
+        if (added != COMPLETE) {
+            return added;
+        }
     }
 #endif
     if (touched == 0u) {
@@ -278,15 +275,12 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
             if (inner == 0) {
                 return EMPTY;
             }
-            if (sum_together(cell, s->lane, s->vertices, (real)inner, center, REAL(0.0), flags, sums) != COMPLETE) {
-                return UNSETTLED;
-            }
 #if WITH_FACETS
             clear_facets(facet);
-            if (add_facets(s, base, (real)inner, center, REAL(0.0), facet) != COMPLETE) {
+#endif
+            if (sum_together(cell, s->lane, s->vertices, (real)inner, center, REAL(0.0), flags, sums, base, facet) != COMPLETE) {
                 return UNSETTLED;
             }
-#endif
         }
     }
     return settle_sums(s, sums);

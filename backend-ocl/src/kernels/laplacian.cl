@@ -18,40 +18,59 @@ __kernel void count_facets(COUNT_FACETS_ARGUMENTS) {
     }
 }
 
-// The neighbors of each row, sorted, and the areas of their facets.
-__kernel void sort_facets(SORT_FACETS_ARGUMENTS) {
-    const uint row = get_global_id(0);
+// What is done for each facet has PER_ROW work-items for each row, side by side, that share its facets out.
+#define ROW_OF_ITEM ((uint)(get_global_id(0) / PER_ROW))
+#define FIRST_OF_ITEM ((uint)get_global_id(0) % PER_ROW)
+
+// The neighbors of each row, as they come.
+__kernel void list_facets(LIST_FACETS_ARGUMENTS) {
+    const uint row = ROW_OF_ITEM;
     if (row >= count) {
         return;
     }
     const uint begin = offsets[row];
     const uint facets = offsets[row + 1u] - begin;
     __global const FacetRecord *record = records + rows[order[row]].x;
-    for (uint k = 0; k < facets; k++) {
-        const uint column = place[record[k].neighbor];
-        uint at = begin + k;
-        while ((at > begin) && (columns[at - 1u] > column)) {
-            columns[at] = columns[at - 1u];
-            areas[at] = areas[at - 1u];
-            at--;
+    for (uint k = FIRST_OF_ITEM; k < facets; k += PER_ROW) {
+        listed[begin + k] = place[record[k].neighbor];
+    }
+}
+
+// The neighbors of each row, sorted, and the areas of their facets: each goes behind those that are before it.
+__kernel void sort_facets(SORT_FACETS_ARGUMENTS) {
+    const uint row = ROW_OF_ITEM;
+    if (row >= count) {
+        return;
+    }
+    const uint begin = offsets[row];
+    const uint facets = offsets[row + 1u] - begin;
+    __global const FacetRecord *record = records + rows[order[row]].x;
+    for (uint k = FIRST_OF_ITEM; k < facets; k += PER_ROW) {
+        const uint column = listed[begin + k];
+        uint at = begin;
+        for (uint other = 0; other < facets; other++) {
+            const uint beside = listed[begin + other];
+            at += (beside < column) || ((beside == column) && (other < k));
         }
         columns[at] = column;
         areas[at] = record[k].area;
     }
 }
 
-// The value of each entry, NaN where the other side does not see the facet; and how many have one.
+// The value of each entry, NaN where the other side does not see the facet; and how many have one, added to `counts`.
 __kernel void match_facets(MATCH_FACETS_ARGUMENTS) {
-    const uint row = get_global_id(0);
+    const uint row = ROW_OF_ITEM;
     if (row >= count) {
         return;
     }
     uint matched = 0;
     const real4 p = sites[row];
-    for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
+    const uint end = offsets[row + 1u];
+    for (uint k = offsets[row] + FIRST_OF_ITEM; k < end; k += PER_ROW) {
         const uint column = columns[k];
         uint lo = offsets[column];
         uint hi = offsets[column + 1u];
+        const uint last = hi;
         while (lo < hi) {
             const uint middle = lo + ((hi - lo) / 2u);
             if (columns[middle] < row) {
@@ -60,7 +79,7 @@ __kernel void match_facets(MATCH_FACETS_ARGUMENTS) {
                 hi = middle;
             }
         }
-        if ((lo < offsets[column + 1u]) && (columns[lo] == row)) {
+        if ((lo < last) && (columns[lo] == row)) {
             const real4 q = sites[column];
             const real x = q.x - p.x;
             const real y = q.y - p.y;
@@ -72,21 +91,31 @@ __kernel void match_facets(MATCH_FACETS_ARGUMENTS) {
             values[k] = NAN;
         }
     }
-    counts[row] = matched;
+    if (matched != 0u) {
+        atomic_add(counts + row, matched);
+    }
 }
 
 // The entries that have a value, one after the other.
 __kernel void pack_facets(PACK_FACETS_ARGUMENTS) {
-    const uint row = get_global_id(0);
+    const uint row = ROW_OF_ITEM;
     if (row >= count) {
         return;
     }
-    uint next = starts[row];
-    for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
-        if (!isnan(values[k])) {
-            packed_columns[next] = columns[k];
-            packed_values[next] = values[k];
-            next++;
+    const uint begin = offsets[row];
+    const uint end = offsets[row + 1u];
+    const uint start = starts[row];
+    // (In most rows all have one.)
+    const uint is_whole = (starts[row + 1u] - start) == (end - begin);
+    for (uint k = begin + FIRST_OF_ITEM; k < end; k += PER_ROW) {
+        const real value = values[k];
+        if (!isnan(value)) {
+            uint at = start + (k - begin);
+            for (uint before = begin; (is_whole == 0u) && (before < k); before++) {
+                at -= isnan(values[before]) ? 1u : 0u;
+            }
+            packed_columns[at] = columns[k];
+            packed_values[at] = value;
         }
     }
 }

@@ -16,3 +16,8 @@ INLINE V3 store_most_along_axes(Store *s, V3 x) { return x; }
 
 // (Where clipping is: `generated/cell_alone.cl`.)
 INLINE uint store_cut(Store *s, Plane plane, uint tag);
+
+// One after the other, all vertices add to the same sums.
+INLINE FacetSum store_facet_at(Store *s, Triplet t, uint f) { return store_facet(s, f); }
+INLINE void store_set_facet_at(Store *s, Triplet t, uint f, FacetSum sum) { store_set_facet(s, f, sum); }
+INLINE bool store_sums_areas_alone(Store *s) { return false; }

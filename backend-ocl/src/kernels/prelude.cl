@@ -30,8 +30,8 @@ typedef double4 real4;
 // What is inlined, and what had better be one piece of code: it is called from several places, and large (`outline` in the Rust text). In between is what
 // to inline is worth it where lanes share the work of a cell, and not where each work-item has all of it (`hot`). In sub-groups nothing is a piece of code of
 // its own: Intel's compiler for CPUs loses what is 0 of a struct that is given by value to a function which is not inlined (`lanes_talk.cl`). Nor is it where
-// SHORT asks for short text: in the stages of most cells, where nothing but volumes and barycenters is asked for, and each function is called from few
-// places (figures in README.md).
+// SHORT asks for short text: in the stages of most cells, where nothing but volumes, barycenters and facets is asked for, and each function is called from
+// few places (figures in README.md).
 #define INLINE static inline
 #if WITH_SUBGROUPS || SHORT
 #define OUTLINE INLINE

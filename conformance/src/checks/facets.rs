@@ -5,6 +5,8 @@ use laguerre_core::{Backend, CellStatus, Output, Request};
 use crate::bounds::Bounds;
 use crate::checks::sums::has_negative_windings;
 use crate::compare::{same_facet, undecided};
+use crate::domains::Room;
+use crate::sites::Random;
 use crate::{Case, Scene, Verdict, compare, sanity};
 
 /// [`are_mutual`] on a case.
@@ -25,6 +27,22 @@ pub fn positive(backend: &dyn Backend, case: &Case) -> Verdict {
 /// [`have_a_laplacian`] on a case.
 pub fn laplacian(backend: &dyn Backend, case: &Case) -> Verdict {
     have_a_laplacian(&case.scene(), backend)
+}
+
+/// The Laplacian of a lattice whose sites are off by a few roundings: some of its smallest facets only one of their cells has.
+pub fn laplacian_where_one_side_sees(backend: &dyn Backend) -> Verdict {
+    let side = 6;
+    let mut random = Random::new(1);
+    let mut at = |k: usize| (k as f64 + 0.5) / side as f64 + (random.unit() - 0.5) * 2.0_f64.powi(-50);
+    let positions = (0..side * side * side).map(|n| [at(n % side), at(n / side % side), at(n / side / side)]).collect();
+    let room = Room::Box([0.0; 3], [1.0; 3]);
+    let scene = Scene { positions, weights: vec![0.0; side.pow(3)], room };
+    let output = scene.with_facets(backend)?;
+    let facets = output.facets().ok_or("no facets")?;
+    let lone = |i: usize| facets.of(i).filter(|facet| facets.between(facet.neighbor, i).is_none()).count();
+    let lone: usize = (0..scene.len()).map(lone).sum();
+    ensure!(lone > 20, "{lone} facets are seen from one side alone");
+    have_a_laplacian(&scene, backend)
 }
 
 /// Roundings of an entry of the Laplacian, however it is made.

@@ -114,6 +114,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(large::hiding_weights),
     given!(large::one_heavy_site),
     given!(large::heavy_laplacian),
+    given!(facets::laplacian_where_one_side_sees),
     given!(large::many_at_one_place),
     given!(large::cells_far_from_their_sites),
     given!(large::hollow),

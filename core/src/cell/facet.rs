@@ -1,8 +1,8 @@
 //! Sums over the facets of a convex cell: areas, moments, second moments, and what of them is the domain's boundary.
 
 use super::integrate::{
-    CellSums, Corner, FACET_SECOND_MOMENTS, ROUNDINGS_OF_SURFACE, Side, foot_on_edge, second_diagonal, second_mixed,
-    side,
+    CellSums, Corner, FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, ROUNDINGS_OF_SURFACE, Side, foot_on_edge,
+    second_diagonal, second_mixed, side,
 };
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
@@ -56,18 +56,29 @@ pub fn facet_is_above_bound(sum: FacetSum) -> bool {
 }
 
 /// Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
-/// `area·(H + I + v)/3`. The foot I is off its edge by up to `off`.
+/// `area·(H + I + v)/3` but where areas alone are summed. The foot I is off its edge by up to `off`.
 ///
 /// What I and v are off counts with the way between them: the two triangles of a vertex lose its error times the way between their feet,
 /// those of an edge the foot's times the edge's length. The vertex has been rounded once more on its way to the reference point.
 #[inline(always)]
-pub(super) fn add_triangle(f: Side, foot: V3, off: Real, at: Corner, sign: Real, center: V3, sum: &mut FacetSum) {
+pub(super) fn add_triangle(
+    f: Side,
+    foot: V3,
+    off: Real,
+    at: Corner,
+    sign: Real,
+    center: V3,
+    area_alone: bool,
+    sum: &mut FacetSum,
+) {
     let to_foot: V3 = sub(foot, f.foot);
     let to_vertex: V3 = sub(at.position, f.foot);
     let area: Real = area_of_triangle(f, to_foot, to_vertex, sign);
-    let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), at.position)), center);
     sum.area = sum.area + area;
-    sum.moment = add(sum.moment, scale(area, middle));
+    if !area_alone {
+        let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), at.position)), center);
+        sum.moment = add(sum.moment, scale(area, middle));
+    }
     let lost: Real = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
     let moved: Real = (at.radius + off) + (UNIT_ROUNDOFF * norm_1(at.position));
     sum.rounding = larger(sum.rounding, lost + (moved * norm_1(sub(at.position, foot))));
@@ -95,6 +106,7 @@ pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, r
         if t.a == index {
             // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
             let at: Corner = Corner {
+                triplet: t,
                 position: sub(s.position(v), center),
                 distance: norm_1(s.position(v)) + reach,
                 radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
@@ -106,11 +118,11 @@ pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, r
             if foot_on_edge(s, f, b, center, &mut foot, &mut off) != COMPLETE {
                 return UNCERTAIN;
             }
-            add_triangle(f, foot, off, at, 1.0, center, sum);
+            add_triangle(f, foot, off, at, 1.0, center, false, sum);
             if foot_on_edge(s, c, f, center, &mut foot, &mut off) != COMPLETE {
                 return UNCERTAIN;
             }
-            add_triangle(f, foot, off, at, -1.0, center, sum);
+            add_triangle(f, foot, off, at, -1.0, center, false, sum);
         }
     }
     return COMPLETE;
@@ -125,6 +137,12 @@ pub(crate) fn reset_facets<S: IntegralStore>(s: &mut S, flags: u32) {
             s.set_facet_second(f, FacetSecond::default());
         }
     }
+}
+
+/// Whether the parts of the boundary within the cell are to be summed.
+#[inline(always)]
+pub(crate) fn asks_for_boundary(flags: u32) -> bool {
+    return (flags & (FACETS | FACET_AREAS)) == FACETS;
 }
 
 /// Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is by how much the winding number is

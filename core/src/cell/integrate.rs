@@ -18,6 +18,9 @@ pub const SECOND_MOMENTS: u32 = 2;
 pub const FACET_SECOND_MOMENTS: u32 = 4;
 /// Also the integral of the store's function.
 pub const INTEGRAL: u32 = 8;
+/// Of facets no more than their areas, and nothing of the boundary: what the Laplacian is made of. With `FACETS`. (Parts of the surface within a cell are cut out by
+/// themselves: without them a transport in the bunny takes a third fewer instructions on the CPU.)
+pub const FACET_AREAS: u32 = 16;
 
 /// Sums over one restricted cell, in the frame of its site.
 #[repr(C)]
@@ -131,6 +134,7 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
     for v in 0..s.vertices() {
         let t: Triplet = s.triplet(v);
         let at: Corner = Corner {
+            triplet: t,
             position: sub(s.position(v), center),
             distance: norm_1(s.position(v)) + reach,
             radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
@@ -210,6 +214,8 @@ pub(super) fn side<S: Polytope>(s: &S, f: u32, center: V3) -> Side {
 /// A vertex as the integrals see it.
 #[derive(Clone, Copy)]
 pub(super) struct Corner {
+    /// Its half-spaces.
+    pub(super) triplet: Triplet,
     /// Relative to the reference point.
     pub(super) position: V3,
     /// ‖·‖₁ of its way from the site, and the reach of its planes.
@@ -241,12 +247,12 @@ pub(super) fn add_edge<S: IntegralStore + SignStore>(
     add_tetrahedron(-dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
     part.rounding = part.rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if (flags & FACETS) != 0 {
-        let mut sum: FacetSum = s.facet(g.index);
-        add_triangle(g, foot, off, at, -weight, center, &mut sum);
-        s.set_facet(g.index, sum);
-        sum = s.facet(f.index);
-        add_triangle(f, foot, off, at, weight, center, &mut sum);
-        s.set_facet(f.index, sum);
+        let mut sum: FacetSum = s.facet_at(at.triplet, g.index);
+        add_triangle(g, foot, off, at, -weight, center, s.sums_areas_alone(), &mut sum);
+        s.set_facet_at(at.triplet, g.index, sum);
+        sum = s.facet_at(at.triplet, f.index);
+        add_triangle(f, foot, off, at, weight, center, s.sums_areas_alone(), &mut sum);
+        s.set_facet_at(at.triplet, f.index, sum);
     }
     return COMPLETE;
 }

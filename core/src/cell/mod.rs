@@ -61,7 +61,7 @@ pub use cap::{MOST_CAPS, cap_outside};
 pub use clip::{begin, clip, compact_planes, farthest_vertex};
 pub use facet::{FacetSecond, FacetSum, facet_is_above_bound};
 pub use integrate::{
-    CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
+    CellSums, FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,
 };
 pub use lanes::Lanes;
 pub(crate) use near::{is_first_voxel, outer_box_of_cell, voxels_of_box};
@@ -83,6 +83,9 @@ pub fn flags_of(request: &crate::Request) -> u32 {
     let mut flags = VOLUME_ONLY;
     if request.needs_facets() {
         flags |= FACETS;
+        if !request.facets() {
+            flags |= FACET_AREAS;
+        }
         if request.facet_second_moments() {
             flags |= FACET_SECOND_MOMENTS;
         }

@@ -54,8 +54,8 @@ mod table;
 
 use super::vertex::place_vertex;
 use super::{
-    COMPLETE, ClipStore, FACET_SECOND_MOMENTS, FACETS, FacetSecond, FacetSum, INTEGRAL, IntegralStore, PlainStore,
-    Plane, Polytope, Real, SECOND_MOMENTS, Triplet, V3, begin, bisector, clip, v3,
+    COMPLETE, ClipStore, FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, FacetSecond, FacetSum, INTEGRAL, IntegralStore,
+    PlainStore, Plane, Polytope, Real, SECOND_MOMENTS, Triplet, V3, begin, bisector, clip, v3,
 };
 use crate::domain::Domain;
 use crate::domain_grid::DomainGrid;
@@ -110,7 +110,7 @@ impl Function {
 }
 
 /// The flags that a function may be given.
-const FLAGS: u32 = FACETS | SECOND_MOMENTS | FACET_SECOND_MOMENTS | INTEGRAL;
+const FLAGS: u32 = FACETS | SECOND_MOMENTS | FACET_SECOND_MOMENTS | INTEGRAL | FACET_AREAS;
 
 /// Integers where there is no cell.
 const FEW: u32 = 4;

@@ -2,7 +2,7 @@
 
 use super::clip::{clip, compact_planes};
 use super::cone::{TruncatedCone, make_cone, make_prism, no_cone};
-use super::facet::{FacetSum, add_boundary, center_facets, integrate_facet, reset_facets};
+use super::facet::{FacetSum, add_boundary, asks_for_boundary, center_facets, integrate_facet, reset_facets};
 use super::integrate::{
     CellSums, FACET_SECOND_MOMENTS, FACETS, VOLUME_ONLY, integrate, reference_point, volume_is_above_bound,
 };
@@ -21,7 +21,7 @@ use super::vector::{Real, V3, v3};
 /// where the cell's voxels hold triangles.
 ///
 /// With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards, with
-/// `FACET_SECOND_MOMENTS` their second moments too.
+/// `FACET_SECOND_MOMENTS` their second moments too; with `FACET_AREAS` no more of them than areas is told.
 #[cfg_attr(opencl, outline)]
 pub fn integrate_cell<S: CellStore>(s: &mut S, flags: u32, interior_only: u32, sums: &mut CellSums) -> u32 {
     *sums = CellSums::default();
@@ -45,7 +45,7 @@ pub(super) fn integrate_restricted<S: CellStore>(
 ) -> u32 {
     if !s.has_domain() {
         let status: u32 = integrate_whole(s, 1.0, center, flags, sums);
-        if (status == COMPLETE) && ((flags & FACETS) != 0) {
+        if (status == COMPLETE) && asks_for_boundary(flags) {
             add_box_faces(s, sums);
         }
         return status;
@@ -165,7 +165,7 @@ pub(super) fn add_cones<S: CellStore>(
                         if status != COMPLETE {
                             return status;
                         }
-                        if (flags & FACETS) != 0 {
+                        if asks_for_boundary(flags) {
                             let surface: u32 = add_surface(s, t, lo, center, sums);
                             if surface != COMPLETE {
                                 return surface;

@@ -284,6 +284,10 @@ typedef struct {
 // Also the integral of the store's function.
 #define INTEGRAL ((uint)(8))
 
+// Of facets no more than their areas, and nothing of the boundary: what the Laplacian is made of. With `FACETS`. (Parts of the surface within a cell are cut out by
+// themselves: without them a transport in the bunny takes a third fewer instructions on the CPU.)
+#define FACET_AREAS ((uint)(16))
+
 // Sums over one restricted cell, in the frame of its site.
 typedef struct {
     // Volume.
@@ -369,6 +373,8 @@ typedef struct {
 
 // A vertex as the integrals see it.
 typedef struct {
+    // Its half-spaces.
+    Triplet triplet;
     // Relative to the reference point.
     V3 position;
     // ‖·‖₁ of its way from the site, and the reach of its planes.

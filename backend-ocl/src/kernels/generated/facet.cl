@@ -6,17 +6,19 @@ OUTLINE bool facet_is_above_bound(FacetSum sum) {
 }
 
 // Adds the triangle (H, I, v) to a facet of plane `f`: signed area `sign·½ (I − H)×(v − H)·n/|n|`, moment
-// `area·(H + I + v)/3`. The foot I is off its edge by up to `off`.
+// `area·(H + I + v)/3` but where areas alone are summed. The foot I is off its edge by up to `off`.
 //
 // What I and v are off counts with the way between them: the two triangles of a vertex lose its error times the way between their feet,
 // those of an edge the foot's times the edge's length. The vertex has been rounded once more on its way to the reference point.
-INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, FacetSum *sum) {
+INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, bool area_alone, FacetSum *sum) {
     const V3 to_foot = sub(foot, f.foot);
     const V3 to_vertex = sub(at.position, f.foot);
     const real area = area_of_triangle(f, to_foot, to_vertex, sign);
-    const V3 middle = add(scale(REAL(1.0) / REAL(3.0), add(add(f.foot, foot), at.position)), center);
     sum->area = sum->area + area;
-    sum->moment = add(sum->moment, scale(area, middle));
+    if (!area_alone) {
+        const V3 middle = add(scale(REAL(1.0) / REAL(3.0), add(add(f.foot, foot), at.position)), center);
+        sum->moment = add(sum->moment, scale(area, middle));
+    }
     const real lost = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
     const real moved = (at.radius + off) + (UNIT_ROUNDOFF * norm_1(at.position));
     sum->rounding = larger(sum->rounding, lost + (moved * norm_1(sub(at.position, foot))));
@@ -41,7 +43,7 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, real reach, FacetS
         }
         if (t.a == index) {
             // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
-            const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
+            const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
             const Side b = side(s, t.b, center);
             const Side c = side(s, t.c, center);
             V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
@@ -49,11 +51,11 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, real reach, FacetS
             if (foot_on_edge(s, f, b, center, &foot, &off) != COMPLETE) {
                 return UNCERTAIN;
             }
-            add_triangle(f, foot, off, at, REAL(1.0), center, sum);
+            add_triangle(f, foot, off, at, REAL(1.0), center, 0, sum);
             if (foot_on_edge(s, c, f, center, &foot, &off) != COMPLETE) {
                 return UNCERTAIN;
             }
-            add_triangle(f, foot, off, at, -REAL(1.0), center, sum);
+            add_triangle(f, foot, off, at, -REAL(1.0), center, 0, sum);
         }
     }
     return COMPLETE;
@@ -67,6 +69,11 @@ OUTLINE void reset_facets(Store *s, uint flags) {
             store_set_facet_second(s, f, (FacetSecond){ 0 });
         }
     }
+}
+
+// Whether the parts of the boundary within the cell are to be summed.
+INLINE bool asks_for_boundary(uint flags) {
+    return (flags & (FACETS | FACET_AREAS)) == FACETS;
 }
 
 // Adds a facet of the half-space `plane`, which bounds the domain, to the boundary's sums; `outward` is by how much the winding number is

@@ -24,7 +24,7 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
     CellSums part = (CellSums){ 0 };
     for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
-        const Corner at = (Corner){ .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
+        const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
         Side f = side(s, t.a, center);
         if (store_is_short(s)) {
             ROLLED
@@ -105,12 +105,12 @@ INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center
     add_tetrahedron(-v3_dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
     part->rounding = part->rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
     if ((flags & FACETS) != 0) {
-        FacetSum sum = store_facet(s, g.index);
-        add_triangle(g, foot, off, at, -weight, center, &sum);
-        store_set_facet(s, g.index, sum);
-        sum = store_facet(s, f.index);
-        add_triangle(f, foot, off, at, weight, center, &sum);
-        store_set_facet(s, f.index, sum);
+        FacetSum sum = store_facet_at(s, at.triplet, g.index);
+        add_triangle(g, foot, off, at, -weight, center, store_sums_areas_alone(s), &sum);
+        store_set_facet_at(s, at.triplet, g.index, sum);
+        sum = store_facet_at(s, at.triplet, f.index);
+        add_triangle(f, foot, off, at, weight, center, store_sums_areas_alone(s), &sum);
+        store_set_facet_at(s, at.triplet, f.index, sum);
     }
     return COMPLETE;
 }

@@ -106,8 +106,11 @@ typedef struct {
 // The outcome of a cell that this device did not compute: a coincident site's, or another device's.
 #define NOT_COMPUTED ((uint)(0xffffffff))
 
-// A row of the Laplacian with more facets is long: one work-item would take too long to sort it.
+// A row of the Laplacian with more facets is long: its work-items would take too long to sort it.
 #define LONG_ROW ((uint)(512))
+
+// Work-items that share out the facets of a row: it has 15.5 where sites are white. (By one, neighboring work-items read and wrote far apart.)
+#define PER_ROW ((uint)(16))
 
 // The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
 #define OUTCOME_STATUS ((uint)(0xff))
@@ -401,12 +404,21 @@ typedef struct {
     __global uint *counts, \
     __global uint *is_long
 
-#define SORT_FACETS_ARGUMENTS \
+#define LIST_FACETS_ARGUMENTS \
     __global const uint *order, \
     uint count, \
     __global const ulong2 *rows, \
     __global const FacetRecord *records, \
     __global const uint *place, \
+    __global const uint *offsets, \
+    __global uint *listed
+
+#define SORT_FACETS_ARGUMENTS \
+    __global const uint *order, \
+    uint count, \
+    __global const ulong2 *rows, \
+    __global const FacetRecord *records, \
+    __global const uint *listed, \
     __global const uint *offsets, \
     __global uint *columns, \
     __global double *areas

@@ -130,12 +130,14 @@ OUTLINE void give_Side(Output *out, Side value) {
 
 INLINE Corner take_Corner(Input *in) {
     Corner value;
+    value.triplet = take_Triplet(in);
     value.position = take_V3(in);
     value.distance = take_real(in);
     value.radius = take_real(in);
     return value;
 }
 OUTLINE void give_Corner(Output *out, Corner value) {
+    give_Triplet(out, value.triplet);
     give_V3(out, value.position);
     give_real(out, value.distance);
     give_real(out, value.radius);
@@ -780,8 +782,9 @@ __kernel void parity_add_triangle(PARITY_ARGUMENTS) {
     const Corner at = take_Corner(&in);
     const real sign = take_real(&in);
     const V3 center = take_V3(&in);
+    const bool area_alone = take_bool(&in);
     FacetSum sum = take_FacetSum(&in);
-    add_triangle(f, foot, off, at, sign, center, &sum);
+    add_triangle(f, foot, off, at, sign, center, area_alone, &sum);
     give_FacetSum(&out, sum);
 }
 
@@ -814,6 +817,13 @@ __kernel void parity_reset_facets(PARITY_ARGUMENTS) {
     const uint flags = take_uint(&in);
     reset_facets(s, flags);
     parity_dump(&out, s);
+}
+
+__kernel void parity_asks_for_boundary(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const uint flags = take_uint(&in);
+    const bool result = asks_for_boundary(flags);
+    give_bool(&out, result);
 }
 
 __kernel void parity_add_boundary(PARITY_ARGUMENTS) {

@@ -5,7 +5,7 @@
 // where the cell's voxels hold triangles.
 //
 // With the flag `FACETS` the facets' sums of the half-spaces are those of the restricted cell afterwards, with
-// `FACET_SECOND_MOMENTS` their second moments too.
+// `FACET_SECOND_MOMENTS` their second moments too; with `FACET_AREAS` no more of them than areas is told.
 OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *sums) {
     *sums = (CellSums){ 0 };
     compact_planes(s);
@@ -21,7 +21,7 @@ OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *
 OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums) {
     if (!store_has_domain(s)) {
         const uint status = integrate_whole(s, REAL(1.0), center, flags, sums);
-        if ((status == COMPLETE) && ((flags & FACETS) != 0)) {
+        if ((status == COMPLETE) && asks_for_boundary(flags)) {
             add_box_faces(s, sums);
         }
         return status;
@@ -124,7 +124,7 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, bool
                         if (status != COMPLETE) {
                             return status;
                         }
-                        if ((flags & FACETS) != 0) {
+                        if (asks_for_boundary(flags)) {
                             const uint surface = add_surface(s, t, lo, center, sums);
                             if (surface != COMPLETE) {
                                 return surface;

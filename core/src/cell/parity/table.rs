@@ -11,7 +11,7 @@ words!(Wide { hi, lo });
 words!(Expansion { terms, count });
 words!(CellSums { volume, first, second_diagonal, second_mixed, integral, rounding, largest_rounding, boundary_area, boundary_moment, boundary_vector, boundary_flux });
 words!(Side { index, n, d, square, foot });
-words!(Corner { position, distance, radius });
+words!(Corner { triplet, position, distance, radius });
 words!(FacetSum { area, moment, rounding });
 words!(Voxel { i, j, k });
 words!(TruncatedCone { sign, jump, reach, end, side_0, side_1, side_2 });
@@ -79,10 +79,11 @@ pub static FUNCTIONS: &[Function] = &[
     host!((a: f64, b: f64, c: f64, d: f64, e: f64, f: f64) integrate::products(a, b, c, d, e, f), []),
     host!(s, () integrate::reference_point(&s), []),
     host!((sum: FacetSum) facet::facet_is_above_bound(sum), []),
-    host!((f: Side, foot: V3, off: f64, at: Corner, sign: f64, center: V3, sum: FacetSum) facet::add_triangle(f, foot, off, at, sign, center, &mut sum), [sum]),
+    host!((f: Side, foot: V3, off: f64, at: Corner, sign: f64, center: V3, area_alone: bool, sum: FacetSum) facet::add_triangle(f, foot, off, at, sign, center, area_alone, &mut sum), [sum]),
     host!((f: Side, to_foot: V3, to_vertex: V3, sign: f64) facet::area_of_triangle(f, to_foot, to_vertex, sign), []),
     host!(s, (index: u32, center: V3, reach: f64, sum: FacetSum) facet::integrate_facet(&mut s, index, center, reach, &mut sum), [sum]),
     host!(s, (flags: u32 in FLAGS) facet::reset_facets(&mut s, flags), []),
+    host!((flags: u32 in FLAGS) facet::asks_for_boundary(flags), []),
     host!((sum: FacetSum, plane: Plane, outward: f64, sums: CellSums) facet::add_boundary(sum, plane, outward, &mut sums), [sums]),
     host!(s, (weight: f64, center: V3) facet::add_facet_seconds(&mut s, weight, center), []),
     host!(s, (f: Side, g: Side, position: V3, weight: f64, center: V3) facet::add_edge_second(&mut s, f, g, position, weight, center), []),

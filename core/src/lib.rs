@@ -48,4 +48,4 @@ pub use integrand::Integrand;
 pub use laplacian::Laplacian;
 pub use output::{CellStatus, Output, OutputArrays, PassReport, Report, Substep};
 pub use request::Request;
-pub use session::{Session, Totals};
+pub use session::{Resident, Session, Totals};

@@ -46,6 +46,11 @@ impl Sum {
         self.compensation += other.compensation;
     }
 
+    /// One that stands at `sum`, and has lost so much: a device's.
+    pub fn of_parts(sum: f64, lost: f64) -> Self {
+        Self { sum, compensation: lost }
+    }
+
     /// The sum.
     pub fn total(&self) -> f64 {
         self.sum + self.compensation

@@ -188,6 +188,7 @@ pub fn equalize(
     loop {
         let found = session.evaluate()?.spread;
         if found < spread || steps == most_steps {
+            session.positions()?;
             return Ok(Equalized { steps, spread: found });
         }
         session.move_to_barycenters_in(&accept)?;

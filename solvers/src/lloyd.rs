@@ -172,7 +172,7 @@ pub struct Equalized {
 }
 
 /// Lloyd's algorithm until the volumes of the cells vary by less than `spread`, at most `most_steps` times: blue noise from white, with
-/// no need of second moments. A site whose barycenter `accept` refuses, or whose cell is empty, stays where it is.
+/// no need of second moments. A site whose cell is empty, or whose barycenter `accept` refuses if it is given, stays where it is.
 ///
 /// # Errors
 /// As [`Backend::evaluate`].
@@ -181,7 +181,7 @@ pub fn equalize(
     diagram: &mut PowerDiagram,
     spread: f64,
     most_steps: usize,
-    accept: impl Fn([f64; 3]) -> bool + Sync,
+    accept: Option<&(dyn Fn([f64; 3]) -> bool + Sync)>,
 ) -> Result<Equalized> {
     let mut session = Session::new(backend, diagram, Request::moments())?;
     let mut steps = 0;
@@ -191,7 +191,10 @@ pub fn equalize(
             session.positions()?;
             return Ok(Equalized { steps, spread: found });
         }
-        session.move_to_barycenters_in(&accept)?;
+        match accept {
+            Some(accept) => session.move_to_barycenters_in(accept)?,
+            None => session.move_to_barycenters()?,
+        }
         steps += 1;
     }
 }

@@ -277,6 +277,11 @@ impl<'a> Session<'a> {
         self.set_sites(moved, None)
     }
 
+    /// Whether the sites where they are were evaluated.
+    pub fn is_evaluated(&self) -> bool {
+        self.here.is_some()
+    }
+
     /// The sites are where they were before the last move, as if that had not been.
     pub fn step_back(&mut self) {
         let Some((before, evaluated)) = self.before.take() else { return };
@@ -315,18 +320,24 @@ impl<'a> Session<'a> {
 
     fn take_whole(&mut self) -> Result<(Totals, Output)> {
         let Evaluated { totals, output } = self.take()?;
-        self.read_sites()?;
-        if let Some(output) = output {
-            return Ok((totals, output));
-        }
-        let resident = self.resident.as_mut().filter(|_| self.is_brought);
-        let read = resident.map_or(Ok(None), |resident| resident.read(self.diagram));
-        let output = match read {
-            Err(error) if error.kind() != ErrorKind::Device => return Err(error),
-            Ok(Some(output)) => output,
-            _ => self.backend.evaluate(self.diagram, &self.request)?,
+        let output = match output {
+            Some(output) => self.read_sites().map(|()| output),
+            None => self.read_output(),
         };
-        Ok((totals, output))
+        if output.is_err() {
+            self.here = Some(Evaluated { totals, output: None });
+        }
+        Ok((totals, output?))
+    }
+
+    fn read_output(&mut self) -> Result<Output> {
+        self.read_sites()?;
+        let resident = self.resident.as_mut().filter(|_| self.is_brought);
+        match resident.map_or(Ok(None), |resident| resident.read(self.diagram)) {
+            Err(error) if error.kind() != ErrorKind::Device => Err(error),
+            Ok(Some(output)) => Ok(output),
+            _ => self.backend.evaluate(self.diagram, &self.request),
+        }
     }
 
     /// What came of the evaluation, at the end.

@@ -133,7 +133,9 @@ pub fn relax(
                     continue;
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {
-                    session.step_back();
+                    if !session.is_evaluated() {
+                        session.step_back();
+                    }
                     interrupted = true;
                 }
                 Err(error) => return Err(error),

@@ -2,7 +2,9 @@
 
 use crate::{Backend, Result};
 #[cfg(all(feature = "cpu", feature = "ocl"))]
-use crate::{BackendInfo, Capabilities, DeviceChoice, Integrand, Observer, Output, PowerDiagram, Precision, Request};
+use crate::{
+    BackendInfo, Capabilities, DeviceChoice, Integrand, Observer, Output, PowerDiagram, Precision, Request, Resident,
+};
 
 /// A GPU that can be used, else the CPU.
 #[cfg(all(feature = "cpu", feature = "ocl"))]
@@ -41,6 +43,10 @@ impl Backend for Fastest {
 
     fn algebra(&self) -> Option<&dyn crate::algebra::Algebra> {
         self.gpu.algebra()
+    }
+
+    fn resident<'a>(&'a self, request: &Request, observer: &'a dyn Observer) -> Option<Box<dyn Resident + 'a>> {
+        self.gpu.resident(request, observer)
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {

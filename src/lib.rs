@@ -30,7 +30,8 @@ pub use laguerre_core::shapes;
 pub use laguerre_core::{
     Backend, BackendInfo, Boundary, Capabilities, CellStatus, Container, DeviceChoice, DeviceInfo, Domain, Error,
     ErrorKind, Facet, FacetArrays, Facets, Geometry, Integrand, Laplacian, MergedSites, Observer, Output, OutputArrays,
-    PassReport, Place, PowerDiagram, Precision, Report, Request, Result, Substep, algebra, io, summation,
+    PassReport, Place, PowerDiagram, Precision, Report, Request, Resident, Result, Session, Substep, Totals, algebra,
+    io, summation,
 };
 /// What the geometry of cells is made of.
 pub mod geometry {

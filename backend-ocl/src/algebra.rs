@@ -55,8 +55,8 @@ fn check(fits: bool) -> Result<()> {
 
 /// What sums and questions come back in.
 pub(crate) struct Answers {
-    parts: Room<f64>,
-    sums: Vec<f64>,
+    pub(crate) parts: Room<f64>,
+    pub(crate) sums: Vec<f64>,
     is_found: Room<u32>,
 }
 
@@ -82,7 +82,7 @@ impl Device {
 }
 
 impl Ocl {
-    fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
+    pub(crate) fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
         let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let device = devices.first_mut().ok_or_else(|| Error::new(ErrorKind::Device, "no device is open"))?;
         work(device).map_err(|error| on_device(error, &device.name))

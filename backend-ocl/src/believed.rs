@@ -12,28 +12,43 @@ const SHARE_IN_SINGLE: f64 = 1e-4;
 /// Roundings of a cell, in units of u and of the cube of its reach.
 const ROUNDINGS_OF_CELL: f64 = 16.0;
 
+/// Whether `sum`, of volumes whose sizes sum to `all`, is near enough to the container's volume for there to be no question.
+pub(crate) fn is_near(sum: f64, all: f64, volume: f64, precision: Precision) -> bool {
+    (sum - volume).abs() <= share_of(precision) * (all + volume.abs())
+}
+
+fn share_of(precision: Precision) -> f64 {
+    if precision == Precision::F32 { SHARE_IN_SINGLE } else { SHARE }
+}
+
+/// The volume of a container.
+pub(crate) fn volume_of(container: &Container) -> f64 {
+    match container {
+        Container::Domain(domain) => domain.volume(),
+        Container::Box(lo, hi) => (0..3).map(|k| hi[k] - lo[k]).product(),
+    }
+}
+
 /// That the volumes of all cells sum to the container's. It takes a look at each volume.
 ///
 /// # Errors
 /// `Device` where they do not.
 pub(crate) fn check_volumes(diagram: &PowerDiagram, output: &Output, precision: Precision, device: &str) -> Result<()> {
-    let (volume, area, lo, hi) = match diagram.container()? {
-        Container::Domain(domain) => {
-            let (lo, hi) = domain.bounding_box();
-            (domain.volume(), domain.area(), lo, hi)
-        }
-        Container::Box(lo, hi) => {
-            let [x, y, z] = [0, 1, 2].map(|k| hi[k] - lo[k]);
-            (x * y * z, 2.0 * (x * y + y * z + z * x), lo, hi)
-        }
-    };
+    let container = diagram.container()?;
+    let volume = volume_of(&container);
     let add = |(sum, all): (f64, f64), (v, size): (f64, f64)| (sum + v, all + size);
     let (sum, all) = output.volume().par_iter().map(|v| (*v, v.abs())).reduce(|| (0.0, 0.0), add);
-    let share = if precision == Precision::F32 { SHARE_IN_SINGLE } else { SHARE };
-    let off = (sum - volume).abs();
-    if off <= share * (all + volume.abs()) {
+    if is_near(sum, all, volume, precision) {
         return Ok(());
     }
+    let (area, (lo, hi)) = match &container {
+        Container::Domain(domain) => (domain.area(), domain.bounding_box()),
+        Container::Box(lo, hi) => {
+            let [x, y, z] = [0, 1, 2].map(|k| hi[k] - lo[k]);
+            (2.0 * (x * y + y * z + z * x), (*lo, *hi))
+        }
+    };
+    let (off, share) = ((sum - volume).abs(), share_of(precision));
     // Sites far away, and containers that are thin against the way to them, round more.
     let reach_of = |p: &[f64; 3]| (0..3).map(|k| (p[k] - lo[k]).abs().max((p[k] - hi[k]).abs()).powi(2)).sum::<f64>();
     let reach = diagram.positions().par_iter().map(reach_of).reduce(|| 0.0, f64::max).sqrt();

@@ -108,9 +108,8 @@ rooms! {
 }
 
 /// What a device did with its share of the cells.
-pub(crate) struct Computed<'a> {
+pub(crate) struct Computed {
     pub(crate) passes: Vec<PassReport>,
-    pub(crate) results: &'a mut Results,
     /// The caller's indices of the sites whose cells only the host can decide, and where there are any the tree that it searches, if the device has made it.
     pub(crate) for_host: Vec<u32>,
     pub(crate) tree: Option<MadeTree>,
@@ -186,10 +185,14 @@ impl Device {
         lanes.is_some() && std::mem::replace(&mut self.together, lanes).is_none()
     }
 
-    /// Brings the sites, and the domain if it is another one, to the device.
+    /// Brings the sites of a diagram to the device.
+    pub(crate) fn bring_sites(&mut self, diagram: &PowerDiagram) -> Result<()> {
+        self.sites.given.bring(&self.context, &self.queue, diagram)
+    }
+
+    /// Begins an evaluation: brings the domain, if it is another one, to the device.
     pub(crate) fn load(
         &mut self,
-        diagram: &PowerDiagram,
         container: &FramedContainer,
         request: &Request,
         integrand: Option<&FramedIntegrand>,
@@ -199,7 +202,6 @@ impl Device {
         self.shared.params = Params::new(container, request, integrand);
         let Self { context, queue, memory, shared, grid_kernels, .. } = self;
         memory.integrand.fill(context, queue, &integrand.map_or(Vec::new(), FramedIntegrand::table))?;
-        self.sites.upload(context, queue, diagram)?;
         let grid = container.shared_grid();
         let is_there = match (grid, &self.domain) {
             (Some(new), Some(old)) => Arc::ptr_eq(old, new),
@@ -234,12 +236,13 @@ impl Device {
         Ok(())
     }
 
-    /// Puts the sites in order on the device, and says how many have a cell; `None` where the host has to.
-    pub(crate) fn sort(&mut self, diagram: &PowerDiagram, container: &FramedContainer) -> Result<Option<usize>> {
+    /// Puts the sites in order on the device, and says how many have a cell; `None` where the host has to, or where some may be out of range and
+    /// `is_in_range` does not know better.
+    pub(crate) fn sort(&mut self, is_in_range: &dyn Fn() -> Result<bool>) -> Result<Option<usize>> {
         let Self { context, queue, grid_kernels, sites, shared, .. } = self;
         queue.finish().map_err(|e| failed("copying sites to the device", e))?;
         let begin = Instant::now();
-        let sorted = sites.sort(context, queue, grid_kernels, diagram, container, shared)?;
+        let sorted = sites.sort(context, queue, grid_kernels, is_in_range, shared)?;
         self.seconds = begin.elapsed().as_secs_f64();
         Ok(sorted)
     }

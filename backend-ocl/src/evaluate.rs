@@ -6,11 +6,13 @@ use crate::device::Device;
 use crate::fallback;
 use crate::laplacian::Made;
 use crate::platform::{Found, choose};
+use crate::resident::Stay;
 use crate::single::Single;
 use laguerre_core::algebra::Algebra;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::diagram::Prepared;
 use laguerre_core::geometry;
+use laguerre_core::session::Resident;
 use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{
     Backend, BackendInfo, Capabilities, DeviceChoice, Error, ErrorKind, Observer, Output, PassReport, PowerDiagram,
@@ -40,8 +42,8 @@ pub fn open(choice: &DeviceChoice, precision: Precision) -> Result<Box<dyn Backe
 /// The OpenCL backend.
 pub struct Ocl {
     backend: &'static str,
-    name: String,
-    precision: Precision,
+    pub(crate) name: String,
+    pub(crate) precision: Precision,
     pub(crate) devices: Mutex<Vec<Device>>,
 }
 
@@ -106,6 +108,10 @@ impl Backend for Ocl {
         Some(self)
     }
 
+    fn resident<'a>(&'a self, request: &Request, observer: &'a dyn Observer) -> Option<Box<dyn Resident + 'a>> {
+        Stay::new(self, request, observer).map(|stay| Box::new(stay) as Box<dyn Resident + 'a>)
+    }
+
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
         Capabilities::OF_DEVICES.check(request, diagram)?;
         let observer = Again::new(observer);
@@ -133,8 +139,9 @@ impl Ocl {
         let name: fn(&Device) -> &String = |device| &device.name;
         // Every device orders all sites for itself: its cells are cut by others' sites.
         let sorted = on_all(devices, name, &|_, device| {
-            device.load(diagram, &container, request, integrand.as_ref())?;
-            device.sort(diagram, &container)
+            device.bring_sites(diagram)?;
+            device.load(&container, request, integrand.as_ref())?;
+            device.sort(&|| diagram.check_range(&container).map(|()| true))
         })?;
         let mut count = sorted.iter().flatten().copied().max();
         let sites = diagram.positions().len();
@@ -143,20 +150,23 @@ impl Ocl {
             count = on_all(devices, name, &|_, device| device.take(prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
-        let mut computed =
-            on_all(devices, name, &|i, device| device.compute(request, sites, shares[i].clone(), shares.len()))?;
+        let computed = on_all(devices, name, &|i, device| {
+            let computed = device.compute(request, sites, shares[i].clone(), shares.len())?;
+            device.read_results(request, sites)?;
+            Ok(computed)
+        })?;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
 
         let mut assembler = Assembler::new(diagram, &container, request);
         let mut for_host = Vec::new();
         let (mut exact_cells, mut passes) = (0, Vec::new());
         let mut tree = None;
-        for device in &mut computed {
+        for (device, computed) in devices.iter().zip(computed) {
             device.results.assemble(&mut assembler);
             exact_cells += device.results.exact_cells();
-            for_host.append(&mut device.for_host);
-            join_passes(&mut passes, &device.passes);
-            tree = tree.or(device.tree.take());
+            for_host.extend(computed.for_host);
+            join_passes(&mut passes, &computed.passes);
+            tree = tree.or(computed.tree);
         }
         if !for_host.is_empty() {
             let prepared = match (prepared, tree) {
@@ -168,7 +178,6 @@ impl Ocl {
             };
             fallback::compute(&prepared, request, &for_host, &mut assembler)?;
         }
-        drop(computed);
         let mut order = Vec::new();
         if let (true, [first, ..]) = (request.laplacian(), &mut *devices) {
             let first_name = first.name.clone();

@@ -10,7 +10,7 @@ use crate::interface::kernels::{
 use crate::params::Shared;
 use crate::program::GridKernels;
 use crate::voxels::Voxels;
-use laguerre_core::diagram::{FARTHEST_SITE, FramedContainer, LARGEST_WEIGHT_SPREAD, Prepared};
+use laguerre_core::diagram::{FARTHEST_SITE, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_tree::{Boxes, MadeTree, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::command_queue::CommandQueue;
@@ -35,11 +35,33 @@ const MOST_CURVE_LEVELS: u32 = 21;
 const MOST_OF_RUN: u32 = WIDTH as u32;
 const MOST_OF_LAST_RUN: u32 = 64;
 
+/// The sites as the caller gave them: how many, where, and their weights unless all are equal.
+pub(crate) struct Given {
+    pub(crate) count: usize,
+    pub(crate) positions: Room<[f64; 3]>,
+    weights: Room<f64>,
+    has_weights: bool,
+}
+
+impl Given {
+    pub(crate) const fn new() -> Self {
+        Self { count: 0, positions: Room::new("sites"), weights: Room::new("weights"), has_weights: false }
+    }
+
+    /// Brings the sites of a diagram to the device.
+    pub(crate) fn bring(&mut self, context: &Context, queue: &CommandQueue, diagram: &PowerDiagram) -> Result<()> {
+        self.count = diagram.positions().len();
+        self.has_weights = !diagram.weights().is_empty();
+        self.positions.fill(context, queue, diagram.positions())?;
+        self.weights.fill(context, queue, diagram.weights())
+    }
+}
+
 /// The sites, as the caller gave them and as the search needs them.
 pub(crate) struct Sites {
-    positions: Room<[f64; 3]>,
-    given_weights: Room<f64>,
-    placed: Room<[f64; 4]>,
+    pub(crate) given: Given,
+    /// In the frame, with their weights, in the caller's order.
+    pub(crate) placed: Room<[f64; 4]>,
     ranges: Room<Range>,
     marks: Room<u32>,
     turns: Room<[u8; 2]>,
@@ -74,8 +96,7 @@ impl Sites {
         let order = "the order of the sites";
         let tree = "the tree over the sites";
         Self {
-            positions: Room::new("sites"),
-            given_weights: Room::new("weights"),
+            given: Given::new(),
             placed: Room::new("sites"),
             ranges: Room::new("the range of the sites"),
             marks: Room::new("the site grid"),
@@ -97,37 +118,30 @@ impl Sites {
         }
     }
 
-    /// Brings the caller's sites to the device.
-    pub(crate) fn upload(&mut self, context: &Context, queue: &CommandQueue, diagram: &PowerDiagram) -> Result<()> {
-        self.positions.fill(context, queue, diagram.positions())?;
-        self.given_weights.fill(context, queue, diagram.weights())
-    }
-
     /// Orders the sites that were brought, and makes the tree over them. Returns how many have a cell, or `None` where too many are too near each
-    /// other; then [`take`](Self::take) what the host makes.
+    /// other, when [`take`](Self::take) takes what the host makes; or where some may be out of range and `is_in_range` does not know better.
     pub(crate) fn sort(
         &mut self,
         context: &Context,
         queue: &CommandQueue,
         kernels: &GridKernels,
-        diagram: &PowerDiagram,
-        container: &FramedContainer,
+        is_in_range: &dyn Fn() -> Result<bool>,
         shared: &mut Shared,
     ) -> Result<Option<usize>> {
-        let n = diagram.positions().len();
+        let n = self.given.count;
         let count = n as u32;
         shared.send(context, queue)?;
         self.placed.grow(context, n)?;
         self.ranges.grow(context, n.div_ceil(GROUP))?;
-        let has_weights = u32::from(!diagram.weights().is_empty());
+        let has_weights = u32::from(self.given.has_weights);
         kernels.enter_sites.run(
             queue,
             n,
             GROUP,
             EnterSites {
                 params: &shared.room,
-                positions: &self.positions,
-                weights: &self.given_weights,
+                positions: &self.given.positions,
+                weights: &self.given.weights,
                 has_weights,
                 count,
                 placed: &self.placed,
@@ -137,8 +151,9 @@ impl Sites {
         self.ranges.read(queue, n.div_ceil(GROUP), &mut self.on_host.ranges)?;
         let range = self.on_host.ranges.iter().fold(Range::default(), |all, part| all.joined(part));
         let farthest = range.lo.iter().chain(&range.hi).fold(0.0_f64, |far, x| far.max(x.abs()));
-        if farthest > FARTHEST_SITE || range.largest_weight - range.smallest_weight > LARGEST_WEIGHT_SPREAD {
-            diagram.check_range(container)?;
+        let is_far = farthest > FARTHEST_SITE || range.largest_weight - range.smallest_weight > LARGEST_WEIGHT_SPREAD;
+        if is_far && !is_in_range()? {
+            return Ok(None);
         }
         let coarse = Voxels::coarse(range.lo, range.hi, n);
         shared.params.sort_into(&coarse, &range);

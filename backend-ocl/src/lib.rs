@@ -21,6 +21,7 @@ mod params;
 pub mod parity;
 mod platform;
 mod program;
+mod resident;
 mod results;
 mod shells;
 mod single;

@@ -6,8 +6,8 @@ use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, Cells, Combine, CountDigits, CountFacets, DotParts, EnterSites, FillLaplacian, FindBeyond,
     FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal, ListFacets, LookAbout, MarkVoxels, MatchFacets,
-    MeasureClearances, Multiply, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets,
-    SubtractNumber, SumParts, TightenSlabs,
+    MeasureClearances, MoveSites, Multiply, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets,
+    SubtractNumber, SumCells, SumParts, TightenSlabs,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -54,6 +54,8 @@ pub(crate) struct GridKernels {
     pub(crate) pack_facets: Kernel<PackFacets<'static>>,
     pub(crate) fill_laplacian: Kernel<FillLaplacian<'static>>,
     pub(crate) gather_cells: Kernel<GatherCells<'static>>,
+    pub(crate) sum_cells: Kernel<SumCells<'static>>,
+    pub(crate) move_sites: Kernel<MoveSites<'static>>,
     pub(crate) multiply: Kernel<Multiply<'static>>,
     pub(crate) combine: Kernel<Combine<'static>>,
     pub(crate) dot_parts: Kernel<DotParts<'static>>,
@@ -89,6 +91,8 @@ impl GridKernels {
             pack_facets: Kernel::new(&program)?,
             fill_laplacian: Kernel::new(&program)?,
             gather_cells: Kernel::new(&program)?,
+            sum_cells: Kernel::new(&program)?,
+            move_sites: Kernel::new(&program)?,
             multiply: Kernel::new(&program)?,
             combine: Kernel::new(&program)?,
             dot_parts: Kernel::new(&program)?,

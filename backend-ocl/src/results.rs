@@ -6,6 +6,7 @@ use crate::interface::data::{
 use laguerre_core::CellStatus;
 use laguerre_core::assemble::{Assembler, FacetRecords, Row};
 use laguerre_core::cell::{self, CellSums, v3};
+use rayon::prelude::*;
 
 /// How the cells ended, their sums, and where their facets stand: all in the caller's order.
 #[derive(Default)]
@@ -40,7 +41,7 @@ impl Results {
 
     /// Cells that double precision did not suffice for.
     pub(crate) fn exact_cells(&self) -> usize {
-        self.outcomes.iter().filter(|&&outcome| outcome != NOT_COMPUTED && outcome & OUTCOME_EXACT != 0).count()
+        self.outcomes.par_iter().filter(|&&outcome| outcome != NOT_COMPUTED && outcome & OUTCOME_EXACT != 0).count()
     }
 
     fn sums_of(&self, i: usize) -> CellSums {

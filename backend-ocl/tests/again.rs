@@ -11,7 +11,7 @@ use std::path::Path;
 
 use laguerre_core::required::is_required;
 use laguerre_core::shapes::icosphere;
-use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Precision, Request};
+use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Precision, Request, Session};
 use laguerre_ocl::Ocl;
 use loader::loader;
 
@@ -176,6 +176,33 @@ fn calls(log: &Path) -> Vec<(String, usize)> {
     text.lines().map(|line| call(line).unwrap()).collect()
 }
 
+/// What is wrong with a loop whose sites stay on the device: from its second step on no more than parameters, counters and the marks of voxels, of which there
+/// are a few sites to each, is brought there or back; and nothing is made from the third on (the second is the first that moves).
+fn what_a_loop_moves(log: &Path) -> Vec<String> {
+    let backend = Ocl::new(&DeviceChoice::First, Precision::F64).unwrap();
+    let mut wrong = Vec::new();
+    let ball = icosphere(3).domain();
+    let diagram = PowerDiagram::new(&sites([0.8; 3], 0.02), &moving_weights(1)).unwrap();
+    for mut diagram in [diagram.clone().restricted_to(&ball), diagram.in_box([-1.0; 3], [1.0; 3]).unwrap()] {
+        let mut session = Session::new(&backend, &mut diagram, Request::moments().with_second_moments()).unwrap();
+        for step in 0..STEPS {
+            assert!(session.evaluate().unwrap().volume > 4.0);
+            session.move_to_barycenters().unwrap();
+            let calls = calls(log);
+            let is_large = |name: &str, bytes: usize| match name {
+                "clEnqueueWriteBuffer" => bytes > PARAMETERS,
+                "clEnqueueReadBuffer" => bytes > 4 * SITES,
+                _ => step > 1 && NOT_AGAIN.contains(&name),
+            };
+            let large: Vec<_> = calls.iter().filter(|(name, bytes)| is_large(name, *bytes)).collect();
+            if step > 0 && !large.is_empty() {
+                wrong.push(format!("sites that stay, step {step}: {large:?}"));
+            }
+        }
+    }
+    wrong
+}
+
 #[test]
 fn nothing_is_made_or_brought_twice() {
     let Some(loader) = loader() else { return };
@@ -211,6 +238,7 @@ fn nothing_is_made_or_brought_twice() {
             }
         }
     }
+    wrong.extend(what_a_loop_moves(&log));
     let _ = fs::remove_file(&log);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -98,6 +98,15 @@ struct Progress(AtomicUsize);
 impl Observer for Progress {
     fn advance(&self, cells: usize) -> ControlFlow<()> {
         self.0.fetch_add(cells, Ordering::Relaxed);
+        Interruptible.advance(cells)
+    }
+}
+
+/// Ends a diagram where Ctrl-C came to a command that ends by itself.
+pub(crate) struct Interruptible;
+
+impl Observer for Interruptible {
+    fn advance(&self, _cells: usize) -> ControlFlow<()> {
         if is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::{Args as ClapArgs, ValueEnum};
 use laguerre::io::{self, SITES_ENDINGS};
 use laguerre::solvers::lloyd::{self, Iteration, Options, Relaxation};
-use laguerre::{BackendInfo, CellStatus, Error, ErrorKind, Result};
+use laguerre::{Backend, BackendInfo, CellStatus, Error, ErrorKind, Result};
 use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
@@ -143,7 +143,9 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
         count += 1;
         ControlFlow::Continue(())
     };
-    let relaxed = pool.install(|| lloyd::relax(&remembering, &mut diagram, &options, &mut table)).map_err(of_sites)?;
+    // (What is remembered comes back from where it could stay.)
+    let watched: &dyn Backend = if args.html.is_some() { &remembering } else { &with_bar };
+    let relaxed = pool.install(|| lloyd::relax(watched, &mut diagram, &options, &mut table)).map_err(of_sites)?;
     let seconds = start.elapsed().as_secs_f64();
 
     if let Some(path) = &args.output {

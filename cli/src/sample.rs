@@ -190,7 +190,8 @@ impl<'a> Sampler<'a> {
             Some((domain, _)) => diagram.restricted_to(domain),
             None => diagram.in_box(self.corners.lo, self.corners.hi)?,
         };
-        let accept = |p: [f64; 3]| self.accepts(p);
+        let accepts = |p: [f64; 3]| self.accepts(p);
+        let accept = self.inside.is_some().then_some(&accepts as &(dyn Fn([f64; 3]) -> bool + Sync));
         let done = match self.backend {
             Some(backend) => equalize(&WithBar(backend), &mut diagram, spread, most_steps, accept)?,
             None => equalize(&WithBar(open_for_samples()?.as_ref()), &mut diagram, spread, most_steps, accept)?,

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use laguerre::algebra::Algebra;
 use laguerre::limits::LARGEST_COORDINATE;
-use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
+use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Resident, Result};
 
 use crate::args::{BackendArgs, Precision};
-use crate::evaluate::{evaluate, open};
+use crate::evaluate::{Interruptible, evaluate, open};
 use crate::outcome::{Outcome, say};
 
 /// The backend for a solver, and the threads of the solver's own work: as many as the backend's.
@@ -33,6 +33,11 @@ impl Backend for WithBar<'_> {
 
     fn algebra(&self) -> Option<&dyn Algebra> {
         self.0.algebra()
+    }
+
+    /// (Without a bar: where sites stay with the backend, diagrams take less time than lines of a table.)
+    fn resident<'a>(&'a self, request: &Request, _nobody: &'a dyn Observer) -> Option<Box<dyn Resident + 'a>> {
+        self.0.resident(request, &Interruptible)
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, _nobody: &dyn Observer) -> Result<Output> {

@@ -125,7 +125,8 @@ impl<'a> Assembler<'a> {
         let output = OutputArrays {
             status: vec![CellStatus::Empty; n],
             volume: vec![0.0; n],
-            barycenter: vec![[f64::NAN; 3]; n],
+            // (Written on all threads: no memory that comes as zeros.)
+            barycenter: rayon::iter::repeat_n([f64::NAN; 3], n).collect(),
             second_moment: request.second_moments().then(|| vec![[0.0; 6]; n]),
             integral: request.integral().map(|f| vec![0.0; n * f.columns()]),
             ..OutputArrays::default()

@@ -3,6 +3,7 @@
 use std::ops::{ControlFlow, Deref};
 
 use crate::algebra::Algebra;
+use crate::session::Resident;
 use crate::{Error, Output, PowerDiagram, Request, Result};
 
 /// What a backend can be asked for beside volumes, barycenters and geometry, which all give.
@@ -232,6 +233,12 @@ pub trait Backend: Send + Sync {
 
     /// Linear algebra in this backend's memory, if that is not the host's. (A backend that wraps another one hands on what that has.)
     fn algebra(&self) -> Option<&dyn Algebra> {
+        None
+    }
+
+    /// Room for sites that stay in this backend's memory with what `request` asks for of their cells, each evaluation watched by `observer`: for a
+    /// [`Session`](crate::Session), which does without where there is none. (A backend that wraps another one hands on what that has, with its own observer.)
+    fn resident<'a>(&'a self, _request: &Request, _observer: &'a dyn Observer) -> Option<Box<dyn Resident + 'a>> {
         None
     }
 

@@ -3,10 +3,13 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
 use crate::power_octree::PowerOctree;
 use crate::site_tree::SiteTree;
+use crate::summation::CHUNK;
 use crate::{Domain, Error, Result, memory};
 
 /// Largest coordinate magnitude that is accepted (its fifth power, a second moment, is still a number), and the inverse of the smallest extent of a container.
@@ -59,35 +62,7 @@ impl PowerDiagram {
     /// # Errors
     /// As [`PowerDiagram::new`]; the diagram is unchanged then.
     pub fn set_sites(&mut self, positions: &[[f64; 3]], weights: &[f64]) -> Result<()> {
-        if positions.is_empty() {
-            return Err(Error::input("no sites: at least one is needed"));
-        }
-        if positions.len() > 1 << 31 {
-            return Err(Error::input(format!("{} sites: at most 2147483648 are possible", positions.len())));
-        }
-        if !weights.is_empty() && weights.len() != positions.len() {
-            return Err(Error::input(format!(
-                "{} weights for {} sites: give one for each, or none",
-                weights.len(),
-                positions.len()
-            )));
-        }
-        for (i, p) in positions.iter().enumerate() {
-            if let Some(x) = p.iter().find(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
-                return Err(Error::input(format!(
-                    "site {i}: coordinate {x:e} is not a number within ±1e60; choose another unit"
-                ))
-                .of_site(i));
-            }
-        }
-        for (i, w) in weights.iter().enumerate() {
-            if w.is_nan() || w.abs() > LARGEST_COORDINATE * LARGEST_COORDINATE {
-                return Err(Error::input(format!(
-                    "site {i}: weight {w:e} is not a number within ±1e120; choose another unit"
-                ))
-                .of_site(i));
-            }
-        }
+        check_sites(positions, weights)?;
         // Both before either: the diagram is as it was where there is no memory.
         room_for(&mut self.positions, positions, "sites")?;
         room_for(&mut self.weights, weights, "weights")?;
@@ -95,6 +70,19 @@ impl PowerDiagram {
         self.positions.extend_from_slice(positions);
         self.weights.clear();
         self.weights.extend_from_slice(weights);
+        Ok(())
+    }
+
+    /// The same without a copy: exchanges the sites for others, and the weights where some are given too.
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::new`]; nothing is changed then.
+    pub fn exchange_sites(&mut self, positions: &mut Vec<[f64; 3]>, weights: Option<&mut Vec<f64>>) -> Result<()> {
+        check_sites(positions, weights.as_deref().unwrap_or(&self.weights))?;
+        std::mem::swap(&mut self.positions, positions);
+        if let Some(weights) = weights {
+            std::mem::swap(&mut self.weights, weights);
+        }
         Ok(())
     }
 
@@ -145,6 +133,15 @@ impl PowerDiagram {
         }
     }
 
+    /// Keeps the container that it has, if that is the bounding box of the sites, for when they move.
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::container`].
+    pub fn keep_container(&mut self) -> Result<()> {
+        self.container = Some(self.container()?);
+        Ok(())
+    }
+
     /// The container: the domain, the box, or the bounding box of the sites.
     ///
     /// # Errors
@@ -175,8 +172,8 @@ impl PowerDiagram {
     pub fn prepare(&self) -> Result<Prepared> {
         let container = self.framed_container()?;
         self.check_range(&container)?;
-        let positions: Vec<[f64; 3]> = self.positions.iter().map(|&p| container.frame.enter(p)).collect();
-        let weights: Vec<f64> = self.weights.iter().map(|&w| container.frame.enter_weight(w)).collect();
+        let positions: Vec<[f64; 3]> = self.positions.par_iter().map(|&p| container.frame.enter(p)).collect();
+        let weights: Vec<f64> = self.weights.par_iter().map(|&w| container.frame.enter_weight(w)).collect();
         Ok(Prepared { container, sites: SiteTree::new(&positions, &weights), octree: None })
     }
 
@@ -242,7 +239,8 @@ impl PowerDiagram {
     pub fn check_range(&self, container: &FramedContainer) -> Result<()> {
         let frame = &container.frame;
         let is_far = |p: &[f64; 3]| frame.enter(*p).iter().any(|x| x.abs() > FARTHEST_SITE);
-        if let Some((i, p)) = self.positions.iter().enumerate().find(|(_, p)| is_far(p)) {
+        if let Some(i) = first(&self.positions, is_far) {
+            let p = self.positions[i];
             return Err(Error::input(format!(
                 "site {i} at {p:?} is out of range: sites must stand within about {FARTHEST_SITE} times the largest extent of \
                  the domain or box; leave it out, or give a larger box",
@@ -251,7 +249,7 @@ impl PowerDiagram {
         }
         let unit2 = frame.unit() * frame.unit();
         let base = self.weights.iter().copied().fold(f64::INFINITY, f64::min);
-        if let Some(i) = self.weights.iter().position(|w| (w - base) / unit2 > LARGEST_WEIGHT_SPREAD) {
+        if let Some(i) = first(&self.weights, |w| (w - base) / unit2 > LARGEST_WEIGHT_SPREAD) {
             return Err(Error::input(format!(
                 "site {i} has weight {}, the smallest weight is {base}: weights must differ by less than about \
                  {LARGEST_WEIGHT_SPREAD} times the squared largest extent of the domain or box; are they squared lengths?",
@@ -260,6 +258,49 @@ impl PowerDiagram {
             .of_site(i));
         }
         Ok(())
+    }
+}
+
+/// Checks what a diagram is to have, on all threads; the first site that is wrong is named.
+fn check_sites(positions: &[[f64; 3]], weights: &[f64]) -> Result<()> {
+    if positions.is_empty() {
+        return Err(Error::input("no sites: at least one is needed"));
+    }
+    if positions.len() > 1 << 31 {
+        return Err(Error::input(format!("{} sites: at most 2147483648 are possible", positions.len())));
+    }
+    if !weights.is_empty() && weights.len() != positions.len() {
+        return Err(Error::input(format!(
+            "{} weights for {} sites: give one for each, or none",
+            weights.len(),
+            positions.len()
+        )));
+    }
+    let is_wrong = |x: &f64| x.is_nan() || x.abs() > LARGEST_COORDINATE;
+    let found = first(positions, |p| p.iter().any(is_wrong));
+    if let Some((i, x)) = found.and_then(|i| Some((i, positions[i].iter().find(|x| is_wrong(x))?))) {
+        return Err(Error::input(format!(
+            "site {i}: coordinate {x:e} is not a number within ±1e60; choose another unit"
+        ))
+        .of_site(i));
+    }
+    let is_wrong = |w: &f64| w.is_nan() || w.abs() > LARGEST_COORDINATE * LARGEST_COORDINATE;
+    if let Some(i) = first(weights, is_wrong) {
+        return Err(Error::input(format!(
+            "site {i}: weight {:e} is not a number within ±1e120; choose another unit",
+            weights[i]
+        ))
+        .of_site(i));
+    }
+    Ok(())
+}
+
+/// The first that is as asked for, looked for on all threads of a pool if this is one of them. (None is begun for it: one that is shared has no threads
+/// after a `fork`.)
+fn first<T: Sync>(all: &[T], is: impl Fn(&T) -> bool + Sync + Send) -> Option<usize> {
+    match rayon::current_thread_index() {
+        Some(_) => all.par_iter().with_min_len(CHUNK).position_first(is),
+        None => all.iter().position(is),
     }
 }
 

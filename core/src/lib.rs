@@ -33,6 +33,7 @@ pub mod request;
 pub mod required;
 pub mod rows;
 pub mod search;
+pub mod session;
 #[cfg(any(test, feature = "shapes"))]
 pub mod shapes;
 pub mod site_tree;
@@ -48,3 +49,4 @@ pub use integrand::Integrand;
 pub use laplacian::Laplacian;
 pub use output::{CellStatus, Output, OutputArrays, PassReport, Report, Substep};
 pub use request::Request;
+pub use session::{Resident, Session, Totals};

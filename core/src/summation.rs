@@ -1,4 +1,17 @@
-//! Compensated sums: plain summation of a million volumes alone misses 1e-14.
+//! Compensated sums: plain summation of a million volumes alone misses 1e-14. And sums on all threads, over chunks of a fixed length, so that they have the
+//! same bits for every number of threads.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+/// Terms that one thread adds up at a time. Fixed: the order of sums depends on it.
+pub const CHUNK: usize = 4096;
+
+/// What `part` makes of each chunk of the numbers below `n`, in their order.
+pub fn chunks<T: Send>(n: usize, part: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
+    (0..n.div_ceil(CHUNK)).into_par_iter().map(|chunk| part(chunk * CHUNK..n.min((chunk + 1) * CHUNK))).collect()
+}
 
 /// A running sum with Neumaier's compensation: the error of `n` terms is about one rounding of the result plus
 /// `n·u²·Σ|x|`, instead of `n·u·Σ|x|`.
@@ -25,6 +38,17 @@ impl Sum {
         let error = ((a_hi * b_hi - product) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo;
         self.add(product);
         self.compensation += error;
+    }
+
+    /// Adds what another has, as it stands: a sum, and what that has lost.
+    pub fn join(&mut self, other: Self) {
+        self.add(other.sum);
+        self.compensation += other.compensation;
+    }
+
+    /// One that stands at `sum`, and has lost so much: a device's.
+    pub fn of_parts(sum: f64, lost: f64) -> Self {
+        Self { sum, compensation: lost }
     }
 
     /// The sum.
@@ -78,5 +102,24 @@ mod tests {
         products.add_product(1.0 + f64::EPSILON, 1.0 - f64::EPSILON);
         products.add(-1.0);
         assert_eq!(products.total(), -f64::EPSILON * f64::EPSILON);
+    }
+
+    #[test]
+    fn sums_of_chunks_are_compensated_too() {
+        // Large terms in chunks of their own, that cancel only together.
+        let large = |i: usize| match i {
+            7 => 1e16,
+            9000 => -1e16,
+            _ => 0.25,
+        };
+        let part = |range: Range<usize>| {
+            let mut sum = Sum::default();
+            sum.extend(range.map(large));
+            sum
+        };
+        let mut all = Sum::default();
+        chunks(9001, part).into_iter().for_each(|part| all.join(part));
+        assert_eq!(all.total(), 2249.75);
+        assert!(chunks(0, |range| range.len()).is_empty());
     }
 }

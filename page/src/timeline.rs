@@ -76,7 +76,7 @@ impl Timeline {
     }
 }
 
-/// A backend that remembers the last diagram of all sites that it was asked for: a solver ends each iteration with that.
+/// A backend that remembers the last diagram of all sites that it was asked for: a solver ends each iteration with that. (So no sites stay with the backend.)
 pub struct Remembering<'a> {
     backend: &'a dyn Backend,
     sites: usize,

@@ -21,6 +21,11 @@ impl Callback {
         Self { function, raised: Mutex::new(None) }
     }
 
+    /// Whether there is one.
+    pub(crate) fn is_there(&self) -> bool {
+        self.function.is_some()
+    }
+
     /// Calls it with numbers by their names, and the points and weights of the diagram that they are of.
     pub(crate) fn call(&self, numbers: &[(&str, f64)], backend: &Remembering<'_>) -> ControlFlow<()> {
         self.call_with(|py, told| {

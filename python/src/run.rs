@@ -9,7 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use laguerre::algebra::Algebra;
-use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
+use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Resident, Result};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -58,6 +58,10 @@ impl Backend for Stoppable<'_> {
 
     fn algebra(&self) -> Option<&dyn Algebra> {
         self.backend.algebra()
+    }
+
+    fn resident<'a>(&'a self, request: &Request, _: &'a dyn Observer) -> Option<Box<dyn Resident + 'a>> {
+        self.backend.resident(request, self.stop)
     }
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, _: &dyn Observer) -> Result<Output> {

@@ -39,12 +39,14 @@ pub(crate) fn lloyd<'py>(
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| {
-        let backend = Stoppable { backend, stop };
-        let backend = Remembering::new(&backend, diagram.positions().len());
-        let relaxed = relaxation::relax(&backend, &mut diagram, &options, &mut |done| {
+        let stoppable = Stoppable { backend, stop };
+        let remembering = Remembering::new(&stoppable, diagram.positions().len());
+        // (What is remembered comes back from where it could stay.)
+        let backend: &dyn laguerre::Backend = if told.is_there() { &remembering } else { &stoppable };
+        let relaxed = relaxation::relax(backend, &mut diagram, &options, &mut |done| {
             let numbers =
                 [("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)];
-            told.call(&numbers, &backend)
+            told.call(&numbers, &remembering)
         })?;
         Ok((relaxed, diagram))
     });

@@ -13,12 +13,12 @@
 
 mod lbfgs;
 
-use laguerre_core::diagram::Container;
-use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+pub use laguerre_core::session::relative_deviation;
+use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result, Session, Totals};
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-use crate::vectors::{distance2, dot, inner};
+use crate::vectors::dot;
 use lbfgs::Memory;
 
 /// How to go down.
@@ -112,47 +112,55 @@ pub fn relax(
     if options.tolerance.is_nan() || options.tolerance < 0.0 {
         return Err(Error::input(format!("gradient bound {}: a number from 0 is needed", options.tolerance)));
     }
-    if let Container::Box(lo, hi) = diagram.container()? {
-        *diagram = diagram.clone().in_box(lo, hi)?;
-    }
+    let mut session = Session::new(backend, diagram, energy_request())?;
     let mut evaluations = 0;
-    let mut look = |diagram: &PowerDiagram| {
+    let mut look = |session: &mut Session<'_>| {
         evaluations += 1;
-        Ok((Landscape::of(diagram, backend.evaluate(diagram, &energy_request())?), evaluations))
+        Ok((session.evaluate()?, evaluations))
     };
     let mut memory = Memory::default();
-    let (mut here, mut evaluated) = look(diagram)?;
+    let (mut here, mut evaluated) = look(&mut session)?;
     let mut iterations = Vec::new();
     loop {
-        let done = Iteration { energy: here.energy, gradient: here.residual(), evaluations: evaluated };
-        let interrupted = on_iteration(&done).is_break();
+        let done = Iteration { energy: here.energy, gradient: residual(&here), evaluations: evaluated };
+        let mut interrupted = on_iteration(&done).is_break();
         iterations.push(done);
         let converged = done.gradient <= options.tolerance;
-        if converged || interrupted || iterations.len() > options.most_iterations {
-            return Ok(Relaxation { iterations, converged, interrupted, output: here.output });
-        }
-        let start = diagram.positions().to_vec();
-        let mut next = || {
-            let next = match options.method {
-                Method::Lloyd => None,
-                Method::Lbfgs => descend(diagram, &here, &mut memory, &mut look)?,
-            };
-            if let Some(next) = next {
-                return Ok(next);
+        if !(converged || interrupted || iterations.len() > options.most_iterations) {
+            match step(&mut session, options.method, &here, &mut memory, &mut look) {
+                Ok(next) => {
+                    (here, evaluated) = next;
+                    continue;
+                }
+                Err(error) if error.kind() == ErrorKind::Interrupted => {
+                    if !session.is_evaluated() {
+                        session.step_back();
+                    }
+                    interrupted = true;
+                }
+                Err(error) => return Err(error),
             }
-            memory.clear();
-            move_to(diagram, &barycenters(diagram, &here.output, |_| true))?;
-            look(diagram)
-        };
-        match next() {
-            Ok(next) => (here, evaluated) = next,
-            Err(error) if error.kind() == ErrorKind::Interrupted => {
-                move_to(diagram, &start)?;
-                return Ok(Relaxation { iterations, converged, interrupted: true, output: here.output });
-            }
-            Err(error) => return Err(error),
         }
+        return Ok(Relaxation { iterations, converged, interrupted, output: session.finish()? });
     }
+}
+
+/// One iteration from a diagram whose totals are `here`.
+fn step(
+    session: &mut Session<'_>,
+    method: Method,
+    here: &Totals,
+    memory: &mut Memory,
+    look: &mut impl FnMut(&mut Session<'_>) -> Result<(Totals, usize)>,
+) -> Result<(Totals, usize)> {
+    if method == Method::Lbfgs {
+        if let Some(next) = descend(session, here, memory, look)? {
+            return Ok(next);
+        }
+        memory.clear();
+    }
+    session.move_to_barycenters()?;
+    look(session)
 }
 
 /// How far [`equalize`] came.
@@ -166,7 +174,7 @@ pub struct Equalized {
 }
 
 /// Lloyd's algorithm until the volumes of the cells vary by less than `spread`, at most `most_steps` times: blue noise from white, with
-/// no need of second moments. A site whose barycenter `accept` refuses, or whose cell is empty, stays where it is.
+/// no need of second moments. A site whose cell is empty, or whose barycenter `accept` refuses if it is given, stays where it is.
 ///
 /// # Errors
 /// As [`Backend::evaluate`].
@@ -175,26 +183,22 @@ pub fn equalize(
     diagram: &mut PowerDiagram,
     spread: f64,
     most_steps: usize,
-    accept: impl Fn([f64; 3]) -> bool,
+    accept: Option<&(dyn Fn([f64; 3]) -> bool + Sync)>,
 ) -> Result<Equalized> {
+    let mut session = Session::new(backend, diagram, Request::moments())?;
     let mut steps = 0;
     loop {
-        let output = backend.evaluate(diagram, &Request::moments())?;
-        let found = relative_deviation(output.volume());
+        let found = session.evaluate()?.spread;
         if found < spread || steps == most_steps {
+            session.positions()?;
             return Ok(Equalized { steps, spread: found });
         }
-        move_to(diagram, &barycenters(diagram, &output, &accept))?;
+        match accept {
+            Some(accept) => session.move_to_barycenters_in(accept)?,
+            None => session.move_to_barycenters()?,
+        }
         steps += 1;
     }
-}
-
-/// Standard deviation over mean. Two passes, so that plain sums suffice for a figure that is compared with a tenth.
-pub fn relative_deviation(volumes: &[f64]) -> f64 {
-    let n = volumes.len() as f64;
-    let mean = volumes.iter().sum::<f64>() / n;
-    let variance = volumes.iter().map(|v| (v / mean - 1.0).powi(2)).sum::<f64>() / n;
-    variance.sqrt()
 }
 
 /// What [`energy`] and [`gradient`] need of an evaluation.
@@ -205,30 +209,22 @@ pub fn energy_request() -> Request {
 /// The energy `Σ ∫ (‖x − p_i‖² − w_i) dx` (length⁵) of a diagram from its evaluation by [`energy_request`]: the trace of each cell's
 /// second moment about its barycenter, and `V_i (‖p_i − b_i‖² − w_i)`.
 pub fn energy(diagram: &PowerDiagram, output: &Output) -> f64 {
-    let mut sum = Sum::default();
-    let second = output.second_moment().unwrap_or_default();
-    for (i, &p) in diagram.positions().iter().enumerate() {
-        if output.status()[i] == CellStatus::Empty {
-            continue;
-        }
-        if let Some([xx, yy, zz, ..]) = second.get(i) {
-            sum.extend([*xx, *yy, *zz]);
-        }
-        let weight = diagram.weights().get(i).copied().unwrap_or(0.0);
-        sum.add(output.volume()[i] * (distance2(p, output.barycenter()[i]) - weight));
-    }
-    sum.total()
+    Totals::of(diagram, output).energy
 }
 
 /// The energy's gradient `2 V_i (p_i − b_i)` (length⁴) at every site; zero where the cell is empty.
 pub fn gradient(diagram: &PowerDiagram, output: &Output) -> Vec<[f64; 3]> {
-    let sites = diagram.positions().iter().enumerate();
-    sites
-        .map(|(i, &p)| match output.status()[i] {
-            CellStatus::Empty => [0.0; 3],
-            _ => minus(p, output.barycenter()[i]).map(|x| 2.0 * output.volume()[i] * x),
-        })
-        .collect()
+    let slope = |i: usize| match output.status()[i] {
+        CellStatus::Empty => [0.0; 3],
+        _ => minus(diagram.positions()[i], output.barycenter()[i]).map(|x| 2.0 * output.volume()[i] * x),
+    };
+    (0..output.sites()).into_par_iter().map(slope).collect()
+}
+
+/// [`Iteration::gradient`].
+fn residual(totals: &Totals) -> f64 {
+    let size = (totals.size / totals.cells as f64).cbrt();
+    (totals.displacement / totals.size).sqrt() / size
 }
 
 /// A step that lowers the energy by less than this share of what the slope promises is too long (Armijo's rule, with Liu et al.'s number).
@@ -238,94 +234,58 @@ const MOST_TRIES: usize = 6;
 /// What a step that was too long is shortened by, at least and at most.
 const SHORTEN: [f64; 2] = [0.5, 0.1];
 
-/// The energy about a diagram.
-struct Landscape {
-    output: Output,
-    energy: f64,
-    gradient: Vec<[f64; 3]>,
-}
-
-impl Landscape {
-    fn of(diagram: &PowerDiagram, output: Output) -> Self {
-        Self { energy: energy(diagram, &output), gradient: gradient(diagram, &output), output }
-    }
-
-    /// [`Iteration::gradient`].
-    fn residual(&self) -> f64 {
-        let (mut volume, mut moved, mut cells) = (Sum::default(), Sum::default(), 0_usize);
-        for (&v, &g) in self.output.volume().iter().zip(&self.gradient).filter(|&(&v, _)| v > 0.0) {
-            volume.add(v);
-            // The unit cancels before anything is squared, so that nothing overflows.
-            let way = g.map(|x| x / (2.0 * v));
-            moved.add(v * inner(way, way));
-            cells += 1;
-        }
-        let size = (volume.total() / cells as f64).cbrt();
-        (moved.total() / volume.total()).sqrt() / size
-    }
-
-    /// `1 / 2V_i`: times the gradient, Lloyd's step.
-    fn lloyd_scale(&self, i: usize) -> f64 {
-        if self.output.status()[i] == CellStatus::Empty { 0.0 } else { 0.5 / self.output.volume()[i] }
-    }
-}
-
-/// A step down the direction that `memory` proposes, from the diagram of `here`; `None`, with the diagram as it was, where none of
+/// A step down the direction that `memory` proposes, from a diagram whose totals are `here`; `None`, with the diagram as it was, where none of
 /// those tried is good enough.
 fn descend(
-    diagram: &mut PowerDiagram,
-    here: &Landscape,
+    session: &mut Session<'_>,
+    here: &Totals,
     memory: &mut Memory,
-    look: &mut impl FnMut(&PowerDiagram) -> Result<(Landscape, usize)>,
-) -> Result<Option<(Landscape, usize)>> {
+    look: &mut impl FnMut(&mut Session<'_>) -> Result<(Totals, usize)>,
+) -> Result<Option<(Totals, usize)>> {
+    let (diagram, output) = session.read()?;
     let start = diagram.positions().to_vec();
-    let direction = memory.direction(&here.gradient, |i| here.lloyd_scale(i));
-    let slope = dot(&here.gradient, &direction);
+    let slopes = gradient(diagram, output);
+    // `1 / 2V_i`: times the gradient, Lloyd's step.
+    let (status, volumes) = (output.status(), output.volume());
+    let lloyd_scale = |i: usize| if status[i] == CellStatus::Empty { 0.0 } else { 0.5 / volumes[i] };
+    let direction = memory.direction(&slopes, lloyd_scale);
+    let slope = dot(&slopes, &direction);
     if slope.is_nan() || slope >= 0.0 {
         return Ok(None);
     }
-    let empty = here.output.count(CellStatus::Empty);
     let mut step = 1.0;
     for _ in 0..MOST_TRIES {
-        let moved: Vec<[f64; 3]> =
-            start.iter().zip(&direction).map(|(p, d)| std::array::from_fn(|k| p[k] + step * d[k])).collect();
-        let (there, evaluated) = match move_to(diagram, &moved).and_then(|()| look(diagram)) {
-            Ok(reached) if reached.0.output.count(CellStatus::Empty) <= empty => reached,
+        let along = |(p, d): (&[f64; 3], &[f64; 3])| std::array::from_fn(|k| p[k] + step * d[k]);
+        let moved = start.par_iter().zip(&direction).map(along).collect();
+        if session.set_sites(moved, None).is_err() {
             // Some site is out of all range.
+            step *= SHORTEN[0];
+            continue;
+        }
+        let (there, evaluated) = match look(session) {
+            Ok(reached) if reached.0.empty <= here.empty => reached,
             Err(error) if error.kind() != ErrorKind::Input => return Err(error),
             _ => {
+                session.step_back();
                 step *= SHORTEN[0];
                 continue;
             }
         };
         if there.energy <= here.energy + SUFFICIENT_DECREASE * step * slope {
-            let step = moved.iter().zip(&start).map(|(&p, &q)| minus(p, q)).collect();
-            let change = there.gradient.iter().zip(&here.gradient).map(|(&g, &h)| minus(g, h)).collect();
-            memory.learn(step, change);
+            let (diagram, output) = session.read()?;
+            memory.learn(differences(diagram.positions(), &start), differences(&gradient(diagram, output), &slopes));
             return Ok(Some((there, evaluated)));
         }
+        session.step_back();
         // The lowest point of the parabola through both energies and the slope here.
         let rise = there.energy - here.energy - step * slope;
         step *= (-0.5 * step * slope / rise).clamp(SHORTEN[1], SHORTEN[0]);
     }
-    move_to(diagram, &start)?;
     Ok(None)
 }
 
-/// The barycenters of the cells; the site where its cell is empty or `accept` refuses it.
-fn barycenters(diagram: &PowerDiagram, output: &Output, accept: impl Fn([f64; 3]) -> bool) -> Vec<[f64; 3]> {
-    let sites = diagram.positions().iter().enumerate();
-    sites
-        .map(|(i, &old)| {
-            let new = output.barycenter()[i];
-            if output.status()[i] != CellStatus::Empty && accept(new) { new } else { old }
-        })
-        .collect()
-}
-
-fn move_to(diagram: &mut PowerDiagram, positions: &[[f64; 3]]) -> Result<()> {
-    let weights = diagram.weights().to_vec();
-    diagram.set_sites(positions, &weights)
+fn differences(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    a.par_iter().zip(b).map(|(&a, &b)| minus(a, b)).collect()
 }
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

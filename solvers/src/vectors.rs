@@ -1,10 +1,9 @@
 //! Vectors on all threads, to the same bits for every number of them: each entry of a result is computed by one thread, and sums go over
 //! chunks of a fixed length. And what single points need.
 
+pub(crate) use laguerre_core::summation::CHUNK;
+use laguerre_core::summation::chunks;
 use rayon::prelude::*;
-
-/// Rows, or entries of a vector, that one thread takes at a time. Fixed: the order of sums depends on it.
-pub(crate) const CHUNK: usize = 4096;
 
 /// Calls `f` with each entry and its index.
 pub(crate) fn for_each<T: Send>(x: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
@@ -17,9 +16,7 @@ pub(crate) fn for_each<T: Send>(x: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
 
 /// `Σ f(i)` for i below `n`.
 pub(crate) fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
-    let part = |chunk: usize| (chunk * CHUNK..n.min((chunk + 1) * CHUNK)).map(&f).sum::<f64>();
-    let parts: Vec<f64> = (0..n.div_ceil(CHUNK)).into_par_iter().map(part).collect();
-    parts.iter().sum()
+    chunks(n, |part| part.map(&f).sum::<f64>()).iter().sum()
 }
 
 /// `Σ_i a_i · b_i`.

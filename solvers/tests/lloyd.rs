@@ -150,7 +150,7 @@ fn the_same_bits_for_any_number_of_threads() {
 #[test]
 fn volumes_are_equalized_and_refused_places_not_entered() {
     let mut diagram = cube(&spread(500), &[]);
-    let done = equalize(&cpu(), &mut diagram, 0.1, 60, |p| p[0] < 0.9).unwrap();
+    let done = equalize(&cpu(), &mut diagram, 0.1, 60, Some(&|p| p[0] < 0.9)).unwrap();
     assert!(done.steps > 0 && done.steps <= 60, "{done:?}");
     let volumes = cpu().evaluate(&diagram, &energy_request()).unwrap().into_arrays().volume;
     assert_eq!(relative_deviation(&volumes), done.spread);

@@ -67,14 +67,15 @@ impl Default for Todo {
 }
 
 impl Device {
-    /// Computes the cells of a range of the sorted sites (paper, Alg. 1), one of `of` ranges. `sites` is the number of the caller's.
+    /// Computes the cells of a range of the sorted sites (paper, Alg. 1), one of `of` ranges. `sites` is the number of the caller's. What comes of them is
+    /// then on the device.
     pub(crate) fn compute(
         &mut self,
         request: &Watched<'_>,
         sites: usize,
         share: Range<usize>,
         of: usize,
-    ) -> Result<Computed<'_>> {
+    ) -> Result<Computed> {
         // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
         self.most_cells = sites.div_ceil(of);
         self.clear(request, sites, self.most_cells)?;
@@ -110,11 +111,17 @@ impl Device {
             let too_many = report.failed as f64 > MAY_FAIL * report.cells as f64;
             self.first = Some((share.len(), if too_many { first.grown() } else { first }));
         }
-        let Self { queue, memory, results, shared, sites: sorted, .. } = self;
+        let Self { queue, shared, sites: sorted, .. } = self;
         let tree = match for_host.is_empty() || sorted.is_from_host {
             true => None,
             false => Some(sorted.read_tree(queue, &shared.params)?),
         };
+        Ok(Computed { passes, for_host, tree, seconds: self.seconds })
+    }
+
+    /// Reads back what came of the cells of all of the caller's sites.
+    pub(crate) fn read_results(&mut self, request: &Request, sites: usize) -> Result<()> {
+        let Self { queue, memory, results, shared, .. } = self;
         let width = shared.params.sums_width as usize;
         results.width = width;
         memory.outcome.read(queue, sites, &mut results.outcomes)?;
@@ -122,7 +129,7 @@ impl Device {
         if request.needs_facets() && !results.are_kept {
             memory.rows.read(queue, sites, &mut results.rows)?;
         }
-        Ok(Computed { passes, results, for_host, tree, seconds: self.seconds })
+        Ok(())
     }
 
     /// Whether single precision was asked for, and can do what is: volumes and barycenters of cells that the table of offsets proves complete.

@@ -28,8 +28,9 @@ fn what_bounds_a_node_holds_for_its_sites() {
         let weights: Vec<f64> = positions.iter().map(|&p| weight(p)).collect();
         let diagram = PowerDiagram::new(&positions, &weights).unwrap().in_box([0.0; 3], [2.0; 3]).unwrap();
         let container = diagram.framed_container().unwrap();
-        device.load(&diagram, &container, &Request::moments(), None).unwrap();
-        let count = device.sort(&diagram, &container).unwrap().unwrap();
+        device.bring_sites(&diagram).unwrap();
+        device.load(&container, &Request::moments(), None).unwrap();
+        let count = device.sort(&|| Ok(false)).unwrap().unwrap();
 
         let mut places: Vec<[u64; 3]> = positions.iter().map(|p| p.map(f64::to_bits)).collect();
         places.sort_unstable();

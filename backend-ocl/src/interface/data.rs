@@ -30,6 +30,9 @@ pub(crate) const CELL_NUMBERS: u32 = 8;
 /// The numbers that each of them adds up.
 pub(crate) const SUM_EACH: u32 = 16;
 
+/// Sums over all cells (`totals.cl`): cells that are not empty; those not certified; volumes; of those below 0; their squares; the energy; the displacement.
+pub(crate) const TOTALS: u32 = 7;
+
 /// The elements that each of them sorts at a time; bits of a digit, and how many values it has.
 pub(crate) const SORT_EACH: u32 = 8;
 pub(crate) const DIGIT_BITS: u32 = 4;

@@ -260,6 +260,27 @@ kernels! {
         output cells: f64,
     }
 
+    kernel SumCells = sum_cells {
+        input params: Params,
+        value count: u32,
+        /// In the caller's order, as all here.
+        input placed: [f64; 4],
+        input outcome: u32,
+        input sums: f64,
+        /// Of each group its sums, and what they have lost.
+        output parts: f64,
+    }
+
+    kernel MoveSites = move_sites {
+        input params: Params,
+        value count: u32,
+        input placed: [f64; 4],
+        input outcome: u32,
+        input sums: f64,
+        input positions: [f64; 3],
+        output moved: [f64; 3],
+    }
+
     kernel Multiply = multiply {
         value count: u32,
         input offsets: u32,

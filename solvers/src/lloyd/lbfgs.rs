@@ -2,7 +2,9 @@
 
 use std::collections::VecDeque;
 
-use crate::vectors::{add, dot};
+use rayon::prelude::*;
+
+use crate::vectors::{add, dot, for_each};
 
 /// Steps that are remembered. Liu et al. take 7; with more the directions hardly change, and each costs six numbers a site.
 const DEPTH: usize = 10;
@@ -44,7 +46,7 @@ impl Memory {
 
     /// `−H·gradient`, `H` the inverse of the Hessian as far as it is known; without memory that is `scale(i)` for site `i`, with memory
     /// this start is scaled to the curvature of the last step.
-    pub(super) fn direction(&self, gradient: &[[f64; 3]], scale: impl Fn(usize) -> f64) -> Vectors {
+    pub(super) fn direction(&self, gradient: &[[f64; 3]], scale: impl Fn(usize) -> f64 + Sync) -> Vectors {
         let mut q = gradient.to_vec();
         let mut shares = Vec::with_capacity(self.pairs.len());
         for pair in self.pairs.iter().rev() {
@@ -53,10 +55,10 @@ impl Memory {
             shares.push(share);
         }
         let start = self.pairs.back().map_or(1.0, |last| {
-            let scaled: Vectors = last.change.iter().enumerate().map(|(i, y)| y.map(|x| scale(i) * x)).collect();
+            let scaled: Vectors = last.change.par_iter().enumerate().map(|(i, y)| y.map(|x| scale(i) * x)).collect();
             last.curvature / dot(&last.change, &scaled)
         });
-        q.iter_mut().enumerate().for_each(|(i, q)| *q = q.map(|x| -start * scale(i) * x));
+        for_each(&mut q, |i, q| *q = q.map(|x| -start * scale(i) * x));
         for (pair, share) in self.pairs.iter().zip(shares.into_iter().rev()) {
             let back = dot(&pair.change, &q) / pair.curvature;
             add(&mut q, -share - back, &pair.step);
@@ -66,7 +68,7 @@ impl Memory {
 }
 
 fn absolute(a: &[[f64; 3]]) -> Vectors {
-    a.iter().map(|a| a.map(f64::abs)).collect()
+    a.par_iter().map(|a| a.map(f64::abs)).collect()
 }
 
 #[cfg(test)]

@@ -89,6 +89,9 @@ typedef struct {
 // The numbers that each of them adds up.
 #define SUM_EACH ((uint)(16))
 
+// Sums over all cells (`totals.cl`): cells that are not empty; those not certified; volumes; of those below 0; their squares; the energy; the displacement.
+#define TOTALS ((uint)(7))
+
 // The elements that each of them sorts at a time; bits of a digit, and how many values it has.
 #define SORT_EACH ((uint)(8))
 
@@ -461,6 +464,23 @@ typedef struct {
     __global const double *sums, \
     double per_unit, \
     __global double *cells
+
+#define SUM_CELLS_ARGUMENTS \
+    __global const Params *params, \
+    uint count, \
+    __global const double4 *placed, \
+    __global const uint *outcome, \
+    __global const double *sums, \
+    __global double *parts
+
+#define MOVE_SITES_ARGUMENTS \
+    __global const Params *params, \
+    uint count, \
+    __global const double4 *placed, \
+    __global const uint *outcome, \
+    __global const double *sums, \
+    __global const double *positions, \
+    __global double *moved
 
 #define MULTIPLY_ARGUMENTS \
     uint count, \

@@ -101,7 +101,7 @@ impl Backend for Cpu {
 }
 
 fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
-    let prepared = diagram.prepare()?.with_octree_if_hard();
+    let prepared = diagram.prepare()?.with_octree_if_hard(&|| request.advance(0))?;
     let integrand = request.integral().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let mut assembler = Assembler::new(diagram, &prepared.container, &request);
     let mut geometry = request

@@ -181,6 +181,7 @@ impl Device {
         let energy = if request.second_moments() { energy } else { f64::NAN };
         let size = volume - 2.0 * negative;
         let mean = volume / count as f64;
+        let displacement = (displacement / size).sqrt();
         let spread = (squares / count as f64 / (mean * mean) - 1.0).max(0.0).sqrt();
         let (cells, uncertified) = (cells as usize, uncertified as usize);
         Ok(Totals::new([cells, count - cells, uncertified], [volume, size, spread, energy, displacement]))

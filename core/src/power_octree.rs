@@ -12,6 +12,7 @@
 //! least power in the part's middle and in the middles of its faces. So a site that is not listed has more power at each point of the box than one
 //! that is; a vertex that no listed site cuts off stays.
 
+use crate::Result;
 use crate::cell::UNIT_ROUNDOFF;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
 use pulp::{Arch, NullaryFnOnce};
@@ -25,6 +26,10 @@ const MOST_DEPTH: usize = 18;
 /// A box is not split where it lists more than this share of what the box before lists, twice in a row: sites that nearly tie, as at a sphere's middle.
 const BARREN: f64 = 0.8;
 const MOST_BARREN: u32 = 2;
+
+/// There is no octree where its boxes would list more leaves than this for each site: where cells lie side by side as slabs do, each part of a box
+/// lists half of them. (In a cube some 10.)
+const MOST_OF_SITE: usize = 32;
 
 /// By how much a box is taken to be larger on each side, as a share of the container's extent: a place may be off by a quarter of it.
 const MARGIN: f64 = 1e-9;
@@ -86,8 +91,16 @@ pub struct PowerOctree {
 }
 
 impl PowerOctree {
-    /// The octree over the box from `lo` to `hi`, which lists up to `most` leaves a box; `None` where there are too many to number.
-    pub fn new(tree: &SiteTree, lo: [f64; 3], hi: [f64; 3], most: usize) -> Option<Self> {
+    /// The octree over the box from `lo` to `hi`, which lists up to `most` leaves a box; `None` where there would be too many.
+    ///
+    /// # Errors
+    /// What `go_on` says, which is asked now and then.
+    pub fn new(
+        tree: &SiteTree,
+        [lo, hi]: [[f64; 3]; 2],
+        most: usize,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Option<Self>> {
         let bounds = Bounds { lo, hi };
         let margin = MARGIN * (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max);
         let mut octree = Self {
@@ -102,6 +115,12 @@ impl PowerOctree {
         let leaves = (0..tree.len().div_ceil(WIDTH) as u32).collect();
         let mut front = vec![Front { node: 0, bounds, leaves, barren: 0 }];
         for depth in 0..=MOST_DEPTH {
+            go_on()?;
+            let of_front: usize = front.iter().map(|part| part.leaves.len()).sum();
+            let numbers = octree.listed.len() + of_front + 8 * front.len();
+            if numbers > MOST_OF_SITE.saturating_mul(tree.len()) || numbers > UNLISTED as usize / 8 {
+                return Ok(None);
+            }
             let (whole, done): (Vec<Front>, Vec<Front>) =
                 front.into_iter().partition(|b| depth < MOST_DEPTH && b.leaves.len() > FEW && b.barren < MOST_BARREN);
             done.iter().for_each(|done| octree.list(done, most));
@@ -120,12 +139,9 @@ impl PowerOctree {
                 Front { node: first + i, bounds, leaves, barren: if is_barren { whole.barren + 1 } else { 0 } }
             };
             front = (0..8 * whole.len()).into_par_iter().map(part).collect();
-            if octree.listed.len().max(octree.nodes.len()) > UNLISTED as usize / 16 {
-                return None;
-            }
         }
         octree.find_homes(tree);
-        Some(octree)
+        Ok(Some(octree))
     }
 
     fn list(&mut self, done: &Front, most: usize) {
@@ -191,6 +207,11 @@ impl PowerOctree {
             node = self.nodes[node].begin as usize + octant;
         }
         self.leaves_of(node)
+    }
+
+    /// Whether leaves are listed for each place in the container.
+    pub fn is_whole(&self) -> bool {
+        self.is_whole
     }
 
     /// Where the cell of a sorted site is.

@@ -23,7 +23,7 @@ pub struct Totals {
     pub spread: f64,
     /// `Σ ∫ (‖x − p_i‖² − w_i) dx` (length⁵); NaN where second moments are not asked for.
     pub energy: f64,
-    /// `Σ |V_i| ‖p_i − b_i‖²` (length⁵), how far sites are from the barycenters of their cells.
+    /// `√(Σ |V_i| ‖p_i − b_i‖² / Σ |V_i|)` (length), how far sites are from the barycenters of their cells.
     pub displacement: f64,
 }
 
@@ -46,7 +46,7 @@ impl Totals {
             volume: self.volume * volume,
             size: self.size * volume,
             energy: self.energy * energy,
-            displacement: self.displacement * energy,
+            displacement: self.displacement * unit,
             ..self
         }
     }
@@ -55,6 +55,9 @@ impl Totals {
     pub fn of(diagram: &PowerDiagram, output: &Output) -> Self {
         let (positions, weights, volumes) = (diagram.positions(), diagram.weights(), output.volume());
         let second = output.second_moment();
+        // (Products of volumes and squares of tiny lengths may be below all numbers.)
+        let largest = chunks(volumes.len(), |range| volumes[range].iter().fold(0.0, |a: f64, v| a.max(v.abs())));
+        let largest = largest.into_iter().fold(0.0, f64::max);
         let parts = chunks(volumes.len(), |range| {
             let (mut cells, mut uncertified, mut part) = (0, 0, [Sum::default(); 4]);
             let [volume, negative, energy, displacement] = &mut part;
@@ -71,7 +74,7 @@ impl Totals {
                     let weight = weights.get(i).copied().unwrap_or(0.0);
                     energy.add((xx + yy + zz) + v * (off - weight));
                 }
-                displacement.add(v.abs() * off);
+                displacement.add(v.abs() / largest * off);
             }
             (cells, uncertified, part)
         });
@@ -82,15 +85,16 @@ impl Totals {
             all.iter_mut().zip(part).for_each(|(sum, part)| sum.join(part));
         }
         let [volume, negative, energy, displacement] = all.map(|sum| sum.total());
+        let size = volume - 2.0 * negative;
         Self {
             cells,
             empty: volumes.len() - cells,
             uncertified,
             volume,
-            size: volume - 2.0 * negative,
+            size,
             spread: relative_deviation(volumes),
             energy: if second.is_some() { energy } else { f64::NAN },
-            displacement,
+            displacement: (displacement / (size / largest)).sqrt(),
         }
     }
 }
@@ -129,6 +133,9 @@ pub trait Resident {
     fn read(&mut self, diagram: &PowerDiagram) -> Result<Option<Output>>;
 }
 
+/// Times in a row that sites were evaluated in vain where they stay, after which they stay there no longer: each costs an evaluation.
+const MOST_DECLINED: usize = 2;
+
 /// What is known of the sites as they stand.
 struct Evaluated {
     totals: Totals,
@@ -160,6 +167,8 @@ pub struct Session<'a> {
     is_brought: bool,
     here: Option<Evaluated>,
     before: Option<(Before, Option<Evaluated>)>,
+    /// Times in a row that the backend could not evaluate the sites where they stay.
+    declined: usize,
 }
 
 impl<'a> Session<'a> {
@@ -171,7 +180,17 @@ impl<'a> Session<'a> {
     pub fn new(backend: &'a dyn Backend, diagram: &'a mut PowerDiagram, request: Request) -> Result<Self> {
         diagram.keep_container()?;
         let resident = backend.resident(&request, &());
-        Ok(Self { backend, diagram, request, resident, is_read: true, is_brought: false, here: None, before: None })
+        Ok(Self {
+            backend,
+            diagram,
+            request,
+            resident,
+            is_read: true,
+            is_brought: false,
+            here: None,
+            before: None,
+            declined: 0,
+        })
     }
 
     /// Evaluates the cells of the sites where they are, unless that is done.
@@ -189,8 +208,17 @@ impl<'a> Session<'a> {
             return Ok(here);
         }
         match self.evaluate_there() {
-            Ok(Some(totals)) => return Ok(Evaluated { totals, output: None }),
-            Ok(None) => self.read_sites()?,
+            Ok(Some(totals)) => {
+                self.declined = 0;
+                return Ok(Evaluated { totals, output: None });
+            }
+            Ok(None) => {
+                self.read_sites()?;
+                self.declined += usize::from(self.resident.is_some());
+                if self.declined == MOST_DECLINED {
+                    self.leave()?;
+                }
+            }
             Err(error) if error.kind() == ErrorKind::Device => self.leave()?,
             Err(error) => return Err(error),
         }
@@ -220,15 +248,21 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// From now on nothing stays with the backend, which has no memory for it, or worse.
+    /// From now on nothing stays with the backend, which has no memory for it, or worse. Where the sites do not come back there is none to step back to.
     fn leave(&mut self) -> Result<()> {
-        self.read_sites()?;
-        if let (Some(resident), Some((before @ Before::Resident, _))) = (&mut self.resident, &mut self.before) {
-            resident.step_back();
-            *before = Before::OnHost(resident.positions()?, None);
-        }
-        self.resident = None;
         self.is_brought = false;
+        let (resident, before) = (self.resident.take(), self.before.take());
+        if let (Some(resident), false) = (&resident, self.is_read) {
+            self.diagram.exchange_sites(&mut resident.positions()?, None)?;
+        }
+        self.is_read = true;
+        self.before = match (resident, before) {
+            (Some(mut resident), Some((Before::Resident, evaluated))) => {
+                resident.step_back();
+                Some((Before::OnHost(resident.positions()?, None), evaluated))
+            }
+            (_, before) => before,
+        };
         Ok(())
     }
 
@@ -250,6 +284,8 @@ impl<'a> Session<'a> {
     /// As [`Session::evaluate`], where that was not done, and [`PowerDiagram::set_sites`].
     pub fn move_to_barycenters(&mut self) -> Result<()> {
         self.evaluate()?;
+        // (What is moved there takes the place of the sites before the last move.)
+        self.before = None;
         let resident = self.resident.as_mut().filter(|_| self.is_brought);
         match resident.map_or(Ok(false), |resident| resident.move_to_barycenters()) {
             Ok(true) => {

@@ -224,7 +224,7 @@ pub fn gradient(diagram: &PowerDiagram, output: &Output) -> Vec<[f64; 3]> {
 /// [`Iteration::gradient`].
 fn residual(totals: &Totals) -> f64 {
     let size = (totals.size / totals.cells as f64).cbrt();
-    (totals.displacement / totals.size).sqrt() / size
+    totals.displacement / size
 }
 
 /// A step that lowers the energy by less than this share of what the slope promises is too long (Armijo's rule, with Liu et al.'s number).

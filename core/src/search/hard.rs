@@ -3,6 +3,7 @@
 use super::one_cell::Cell;
 use super::store::MOST_LISTED;
 use super::{Outcome, Reaches, Search, gather, visit_all};
+use crate::Result;
 use crate::cell::{self, CellStore, EMPTY, PlainStore, Real, V3, v3};
 use crate::diagram::Prepared;
 use crate::power_octree::{Home, PowerOctree};
@@ -17,12 +18,14 @@ const MANY_OPENED: u64 = 40;
 
 impl Prepared {
     /// With an octree over the container where cells look at many nodes of the tree over the sites for want of good bounds of their weights.
-    #[must_use]
-    pub fn with_octree_if_hard(mut self) -> Self {
+    ///
+    /// # Errors
+    /// What `go_on` says, which is asked now and then.
+    pub fn with_octree_if_hard(mut self, go_on: &dyn Fn() -> Result<()>) -> Result<Self> {
         let sites = self.sites.len();
         let tried = MOST_TRIED.min(sites / ONE_IN);
         if !self.sites.has_weights() || tried == 0 {
-            return self;
+            return Ok(self);
         }
         let opened = |i: usize| {
             let site = (i * (sites / tried)) as u32;
@@ -32,10 +35,10 @@ impl Prepared {
         };
         let opened: u64 = (0..tried).into_par_iter().map(opened).sum();
         if opened > MANY_OPENED * tried as u64 {
-            let (lo, hi) = (self.container.lo, self.container.hi);
-            self.octree = PowerOctree::new(&self.sites, lo, hi, MOST_LISTED);
+            let bounds = [self.container.lo, self.container.hi];
+            self.octree = PowerOctree::new(&self.sites, bounds, MOST_LISTED, go_on)?;
         }
-        self
+        Ok(self)
     }
 }
 

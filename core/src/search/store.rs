@@ -377,7 +377,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     }
 
     fn most_asked(&self) -> u32 {
-        if self.octree.is_some() { 1 } else { MOST_ASKED as u32 }
+        if self.octree.is_some_and(PowerOctree::is_whole) { 1 } else { MOST_ASKED as u32 }
     }
     fn asked(&self, i: u32) -> Asked {
         self.room.asked[i as usize]

@@ -6,8 +6,8 @@ use crate::power_octree::{Home, PowerOctree};
 use crate::search::store::MOST_LISTED;
 
 /// Sites `∇φ(x)` of a convex `φ` at even points `x`, each with the weight with which `x` is in its cell: `|p|² − 2 (p·x − φ(x))`. They crowd about the
-/// middle, as those of transport from a cluster do; with some noise, as on the way to it.
-fn transported(noise: f64) -> Prepared {
+/// middle, as those of transport from a cluster do; with some noise, as on the way to it; and some way off.
+fn transported(noise: f64, way: [f64; 3]) -> Prepared {
     let (mut places, mut weights) = (Vec::new(), Vec::new());
     for i in 0..3000 {
         let x = point(i).map(|c| c - 0.5);
@@ -15,27 +15,30 @@ fn transported(noise: f64) -> Prepared {
         let p = x.map(|x| 4.0 * square * x);
         let along: f64 = p.iter().zip(x).map(|(p, x)| p * x).sum();
         let own: f64 = p.iter().map(|p| p * p).sum();
-        weights.push(own - 2.0 * (along - square * square) + noise * point(3 * i)[1]);
-        places.push(p.map(|p| p + 0.5));
+        let weight = own - 2.0 * (along - square * square) + noise * point(3 * i)[1];
+        let p = p.map(|p| p + 0.5);
+        // Moved with weights of slope 2 way, which moves all cells back.
+        weights.push(weight + 2.0 * p.iter().zip(way).map(|(p, t)| p * t).sum::<f64>());
+        places.push(std::array::from_fn(|k| p[k] + way[k]));
     }
     PowerDiagram::new(&places, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap().prepare().unwrap()
 }
 
 fn all_diagrams() -> Vec<Prepared> {
     let mut all = diagrams();
-    all.extend([transported(0.0), transported(1e-4)]);
+    all.extend([transported(0.0, [0.0; 3]), transported(1e-4, [0.0; 3]), transported(1e-4, [500.0, -300.0, 100.0])]);
     all
 }
 
-fn octree_of(prepared: &Prepared) -> PowerOctree {
-    PowerOctree::new(&prepared.sites, prepared.container.lo, prepared.container.hi, MOST_LISTED).unwrap()
+fn octree_of(prepared: &Prepared) -> Option<PowerOctree> {
+    PowerOctree::new(&prepared.sites, [prepared.container.lo, prepared.container.hi], MOST_LISTED, &|| Ok(())).unwrap()
 }
 
 /// Where leaves are listed for a place, the site of least power there is in one of them, on the boxes' faces, too.
 #[test]
 fn the_site_of_least_power_is_listed() {
     for (n, prepared) in all_diagrams().iter().enumerate() {
-        let (tree, octree) = (&prepared.sites, octree_of(prepared));
+        let (tree, octree) = (&prepared.sites, octree_of(prepared).unwrap());
         let (lo, hi) = (prepared.container.lo, prepared.container.hi);
         let mut listed = 0;
         for i in 0..600 {
@@ -75,14 +78,37 @@ fn an_octree_leads_to_the_same_cells() {
             (0..prepared.sites.len()).step_by(19).map(volume).collect()
         };
         let without = volumes(&prepared);
-        let octree = octree_of(&prepared);
+        let octree = octree_of(&prepared).unwrap();
         let nowhere = (0..prepared.sites.len() as u32).filter(|&site| matches!(octree.home(site), Home::Nowhere));
         assert!(nowhere.count() < prepared.sites.len());
         prepared.octree = Some(octree);
         for (i, (with, without)) in volumes(&prepared).iter().zip(without).enumerate() {
-            assert!((with - without).abs() <= 1e-12 * without + 1e-18, "{n}: {}: {with}, not {without}", 19 * i);
+            assert!((with - without).abs() <= 1e-11 * without + 1e-18, "{n}: {}: {with}, not {without}", 19 * i);
         }
     }
+}
+
+/// Sites on a line whose cells are slabs, which an octree would list over and over: there is none, however many they are.
+#[test]
+fn slabs_have_no_octree() {
+    let (mut at, mut potential) = (0.0, 0.0);
+    let gap = |i: usize| point(i)[0].powf(-1.3);
+    let (n, total) = (4000, (0..4000).map(gap).sum::<f64>());
+    let mut sites = Vec::new();
+    for i in 0..n {
+        // As `transported`, along one axis.
+        let x = (i as f64 + 0.5) / n as f64;
+        sites.push(([at, 0.5, 0.5], at * at + 0.5 - 2.0 * (x * at - potential)));
+        let way = gap(i) / total;
+        potential += (at + 0.5 * way) / n as f64;
+        at += way;
+    }
+    let (places, weights): (Vec<_>, Vec<_>) = sites.into_iter().unzip();
+    let diagram = PowerDiagram::new(&places, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    assert!(octree_of(&diagram.prepare().unwrap()).is_none());
+    let go_on = || Err(crate::Error::input("no"));
+    let prepared = diagram.prepare().unwrap();
+    assert!(PowerOctree::new(&prepared.sites, [[0.0; 3], [1.0; 3]], MOST_LISTED, &go_on).is_err());
 }
 
 /// An octree is made for weights as of transport, and not for white sites.
@@ -97,8 +123,8 @@ fn an_octree_is_made_where_it_is_worth_while() {
             };
             (0..prepared.sites.len()).step_by(41).map(opened).sum::<u32>() / 74
         };
-        let has = prepared.with_octree_if_hard().octree.is_some();
-        assert!(has || n < 18, "{n}: {opened}");
+        let has = prepared.with_octree_if_hard(&|| Ok(())).unwrap().octree.is_some();
+        assert!(has || n != 18 && n != 19, "{n}: {opened}");
         assert!(!has || n >= 6, "{n}: {opened}");
     }
 }

@@ -169,18 +169,24 @@ impl Stage {
             Self::Vast => Shape { cells: 1, registers: Some(128), room: 2, teams: 8, ..EXACT },
         }
     }
+
+    /// Cells of a group: of the first stage one less where both what is summed of facets and the search of the tree have room in each, 10.6 kB with it.
+    const fn cells(self, asked: Asked) -> u32 {
+        let has_both = asked.flags & FACETS != 0 && !asked.table;
+        if matches!(self, Self::First) && has_both { 4 } else { self.shape().cells }
+    }
 }
 
 impl Way {
     /// Work-items of a group, at most, and those that compute one cell.
-    pub(crate) const fn group(self) -> (usize, usize) {
+    pub(crate) const fn group(self, asked: Asked) -> (usize, usize) {
         match self {
             // They share nothing; a multiple of what any GPU runs in step.
             Self::Alone(_) => (64, 1),
             Self::Together(lanes, stage) => {
                 let shape = stage.shape();
                 let per_cell = lanes.count() * lanes.teams(shape.teams) as usize;
-                (per_cell * shape.cells as usize, per_cell)
+                (per_cell * stage.cells(asked) as usize, per_cell)
             }
         }
     }
@@ -288,16 +294,16 @@ impl Build {
         let room_of = |room: &Capacities| vec![Flag::Planes(room.planes), Flag::Vertices(room.vertices)];
         match self {
             Self::Grid => Vec::new(),
-            Self::Cells(way, Asked { flags: asked, domain, weights, table }) => {
+            Self::Cells(way, all @ Asked { flags: asked, domain, weights, table }) => {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { cells, short, far, exact, surface, room, teams, .. } = stage.shape();
+                        let Shape { short, far, exact, surface, room, teams, .. } = stage.shape();
                         vec![
                             Flag::Single(stage == Stage::Single),
                             Flag::Short(short && *asked & !FACETS == 0),
                             Flag::Lanes(lanes.count() as u32),
-                            Flag::CellsOfGroup(cells),
+                            Flag::CellsOfGroup(stage.cells(*all)),
                             Flag::Teams(lanes.teams(teams)),
                             Flag::Domain(*domain),
                             Flag::Weights(*weights),

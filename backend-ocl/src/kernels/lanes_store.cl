@@ -82,24 +82,13 @@ typedef struct {
     uint triplet[LANES_V];
     union {
         // While the cell is clipped: positions in single precision and their error radii; and of each directed edge a→b, in place
-        // `edge_place`, the vertex whose triplet has it. And what the search needs.
+        // `edge_place`, the vertex whose triplet has it.
         struct {
             float4 rough[LANES_V];
             Place vertex_of[LANES_P * LANES_P];
-#if SEARCHES_TREE
-            // Of the search (`tree_search.cl`), for each team; keys of candidates are the first one's.
-            uint open[TEAMS * MOST_OPEN];
-            uint leaf[TEAMS * MOST_LEAVES];
-#if KEEPS_KEYS
-            uint open_key[TEAMS * MOST_OPEN];
-            uint leaf_key[TEAMS * MOST_LEAVES];
-#endif
-            uint candidate[TEAMS * MOST_CANDIDATES];
-            uint candidate_key[MOST_CANDIDATES];
-#endif
         };
-        // Afterwards positions and radii in double precision; and what a vertex of each lane adds to the facets of its three half-spaces. (It is where
-        // the edges and the search were: with facets a cell takes up to 0.8 kB more than without, not 8, and as many fit into a group.)
+        // Afterwards positions and radii in double precision; and what a vertex of each lane adds to the facets of its three half-spaces. (Most of it is where
+        // the edges were: with facets a cell takes 0.8 kB more than without, not 8.)
         struct {
             real4 fine[LANES_V];
 #if WITH_FACETS
@@ -117,6 +106,17 @@ typedef struct {
 #if WITH_SURFACE
     // The half-spaces of a truncated cone.
     Plane cone[4];
+#endif
+#if SEARCHES_TREE
+    // Of the search (`tree_search.cl`), for each team; keys of candidates are the first one's.
+    uint open[TEAMS * MOST_OPEN];
+    uint leaf[TEAMS * MOST_LEAVES];
+#if KEEPS_KEYS
+    uint open_key[TEAMS * MOST_OPEN];
+    uint leaf_key[TEAMS * MOST_LEAVES];
+#endif
+    uint candidate[TEAMS * MOST_CANDIDATES];
+    uint candidate_key[MOST_CANDIDATES];
 #endif
 #if TEAMS > 1
     // What each team found, and whether it needed exact arithmetic; what the first one says, and its numbers of half-spaces and vertices.
@@ -140,10 +140,7 @@ typedef struct {
     float outside;
 #endif
 } Cell;
-#if WITH_ROOM != 2
-// What OpenCL promises on GPUs with lanes.
-typedef char cells_fit[((CELLS * sizeof(Cell)) <= 49152u) ? 1 : -1];
-#else
+#if WITH_ROOM == 2
 typedef char vast_cell_fits[(sizeof(Cell) <= (8u * VAST_WORDS)) ? 1 : -1];
 #endif
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Cells that are tried without an octree: so many, one in so many at most. (A hard one takes ten times as long so.)
 const MOST_TRIED: usize = 64;
-const ONE_IN: usize = 64;
+const ONE_IN: usize = 256;
 
 /// Blocks of eight nodes that a cell opens on average, from which on an octree is made.
 const MANY_OPENED: u64 = 40;

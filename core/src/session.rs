@@ -1,113 +1,11 @@
 //! A diagram that is evaluated again and again while its sites move, and what a loop asks of it each time: a few numbers.
 
+mod totals;
+
 use rayon::prelude::*;
+pub use totals::{Totals, relative_deviation};
 
-use crate::summation::{Sum, chunks};
 use crate::{Backend, CellStatus, ErrorKind, Output, PowerDiagram, Request, Result};
-
-/// Sums over the cells of a diagram.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Totals {
-    /// Cells that are not empty.
-    pub cells: usize,
-    /// Of all sites those whose cells are.
-    pub empty: usize,
-    /// Cells that are not certified.
-    pub uncertified: usize,
-    /// `Σ V_i` (length³).
-    pub volume: f64,
-    /// `Σ |V_i|` (length³).
-    pub size: f64,
-    /// Standard deviation of the volumes of all cells over their mean.
-    pub spread: f64,
-    /// `Σ ∫ (‖x − p_i‖² − w_i) dx` (length⁵); NaN where second moments are not asked for.
-    pub energy: f64,
-    /// `√(Σ |V_i| ‖p_i − b_i‖² / Σ |V_i|)` (length), how far sites are from the barycenters of their cells.
-    pub displacement: f64,
-}
-
-impl Totals {
-    /// The numbers of cells and what they sum to, in the order of the fields. For backends.
-    #[doc(hidden)]
-    pub fn new(
-        [cells, empty, uncertified]: [usize; 3],
-        [volume, size, spread, energy, displacement]: [f64; 5],
-    ) -> Self {
-        Self { cells, empty, uncertified, volume, size, spread, energy, displacement }
-    }
-
-    /// Of lengths in some `unit`, and masses of some density: in the caller's. For backends.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn in_units(self, density: f64, unit: f64) -> Self {
-        let (volume, energy) = (density * unit.powi(3), density * unit.powi(5));
-        Self {
-            volume: self.volume * volume,
-            size: self.size * volume,
-            energy: self.energy * energy,
-            displacement: self.displacement * unit,
-            ..self
-        }
-    }
-
-    /// Of a diagram from what came of its evaluation, compensated, on all threads.
-    pub fn of(diagram: &PowerDiagram, output: &Output) -> Self {
-        let (positions, weights, volumes) = (diagram.positions(), diagram.weights(), output.volume());
-        let second = output.second_moment();
-        // (Products of volumes and squares of tiny lengths may be below all numbers.)
-        let largest = chunks(volumes.len(), |range| volumes[range].iter().fold(0.0, |a: f64, v| a.max(v.abs())));
-        let largest = largest.into_iter().fold(0.0, f64::max);
-        let parts = chunks(volumes.len(), |range| {
-            let (mut cells, mut uncertified, mut part) = (0, 0, [Sum::default(); 4]);
-            let [volume, negative, energy, displacement] = &mut part;
-            for i in range.filter(|&i| output.status()[i] != CellStatus::Empty) {
-                let (v, p, b) = (volumes[i], positions[i], output.barycenter()[i]);
-                let off: f64 = (0..3).map(|k| (p[k] - b[k]) * (p[k] - b[k])).sum();
-                cells += 1;
-                uncertified += usize::from(output.status()[i] == CellStatus::Uncertified);
-                volume.add(v);
-                if v < 0.0 {
-                    negative.add(v);
-                }
-                if let Some([xx, yy, zz, ..]) = second.map(|second| second[i]) {
-                    let weight = weights.get(i).copied().unwrap_or(0.0);
-                    energy.add((xx + yy + zz) + v * (off - weight));
-                }
-                displacement.add(v.abs() / largest * off);
-            }
-            (cells, uncertified, part)
-        });
-        let (mut cells, mut uncertified, mut all) = (0, 0, [Sum::default(); 4]);
-        for (more, unsure, part) in parts {
-            cells += more;
-            uncertified += unsure;
-            all.iter_mut().zip(part).for_each(|(sum, part)| sum.join(part));
-        }
-        let [volume, negative, energy, displacement] = all.map(|sum| sum.total());
-        let size = volume - 2.0 * negative;
-        Self {
-            cells,
-            empty: volumes.len() - cells,
-            uncertified,
-            volume,
-            size,
-            spread: relative_deviation(volumes),
-            energy: if second.is_some() { energy } else { f64::NAN },
-            displacement: (displacement / (size / largest)).sqrt(),
-        }
-    }
-}
-
-/// Standard deviation over mean. Two passes, so that plain sums suffice for a figure that is compared with a tenth, and nothing overflows.
-pub fn relative_deviation(volumes: &[f64]) -> f64 {
-    let n = volumes.len() as f64;
-    let sum = |term: &(dyn Fn(f64) -> f64 + Sync)| -> f64 {
-        chunks(volumes.len(), |range| volumes[range].iter().map(|&v| term(v)).sum::<f64>()).iter().sum()
-    };
-    let mean = sum(&|v| v) / n;
-    (sum(&|v| (v / mean - 1.0).powi(2)) / n).sqrt()
-}
 
 /// Sites that stay in a backend's memory, with what comes of their cells: what a [`Session`] computes with where its backend has it. For backends.
 ///
@@ -173,7 +71,7 @@ pub struct Session<'a> {
 
 impl<'a> Session<'a> {
     /// Of a diagram, for evaluations by `request`. A diagram without a domain or box keeps the bounding box that its sites have now. It has
-    /// the sites as they stand when [`Session::positions`], [`Session::read`] or [`Session::finish`] was called; until then they may be with the backend.
+    /// the sites as they stand when [`Session::positions`] or [`Session::read`] was called, and at the end; until then they may be with the backend.
     ///
     /// # Errors
     /// As [`PowerDiagram::container`].
@@ -385,154 +283,12 @@ impl<'a> Session<'a> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::oracle::Naive;
-    use crate::{BackendInfo, Error, Observer};
-    use std::sync::atomic::{AtomicUsize, Ordering};
-
-    /// A backend whose sites stay, until a call of some number, which fails in some way, or fails and so do all after it.
-    struct Staying {
-        naive: Naive,
-        calls: AtomicUsize,
-        fails_at: usize,
-        with_error: bool,
-    }
-
-    struct Stay<'a> {
-        backend: &'a Staying,
-        diagram: Option<PowerDiagram>,
-        request: Request,
-        before: Vec<[f64; 3]>,
-        output: Option<Output>,
-        output_before: Option<Output>,
-    }
-
-    impl Staying {
-        /// Whether the next call does what it is to do.
-        fn works(&self) -> Result<bool> {
-            let is_well = self.calls.fetch_add(1, Ordering::Relaxed) != self.fails_at;
-            if is_well || !self.with_error { Ok(is_well) } else { Err(Error::new(ErrorKind::Device, "a fault")) }
-        }
-    }
-
-    impl Backend for Staying {
-        fn info(&self) -> BackendInfo {
-            self.naive.info()
-        }
-
-        fn resident<'a>(&'a self, request: &Request, _: &'a dyn Observer) -> Option<Box<dyn Resident + 'a>> {
-            let (request, before) = (request.clone(), Vec::new());
-            Some(Box::new(Stay { backend: self, diagram: None, request, before, output: None, output_before: None }))
-        }
-
-        fn evaluate_watched(
-            &self,
-            diagram: &PowerDiagram,
-            request: &Request,
-            observer: &dyn Observer,
-        ) -> Result<Output> {
-            self.naive.evaluate_watched(diagram, request, observer)
-        }
-    }
-
-    impl Resident for Stay<'_> {
-        fn set_sites(&mut self, diagram: &PowerDiagram) -> Result<()> {
-            self.backend.works()?;
-            (self.diagram, self.output) = (Some(diagram.clone()), None);
-            Ok(())
-        }
-
-        fn evaluate(&mut self) -> Result<Option<Totals>> {
-            self.output = None;
-            if !self.backend.works()? {
-                return Ok(None);
-            }
-            let diagram = self.diagram.as_ref().unwrap();
-            let output = self.output.insert(self.backend.naive.evaluate(diagram, &self.request)?);
-            Ok(Some(Totals::of(diagram, output)))
-        }
-
-        fn move_to_barycenters(&mut self) -> Result<bool> {
-            let (Some(output), true) = (self.output.take(), self.backend.works()?) else { return Ok(false) };
-            self.before = output.barycenter().to_vec();
-            self.diagram.as_mut().unwrap().exchange_sites(&mut self.before, None)?;
-            self.output_before = Some(output);
-            Ok(true)
-        }
-
-        fn step_back(&mut self) {
-            self.diagram.as_mut().unwrap().exchange_sites(&mut self.before, None).unwrap();
-            self.output = self.output_before.take();
-        }
-
-        fn positions(&self) -> Result<Vec<[f64; 3]>> {
-            Ok(self.diagram.as_ref().unwrap().positions().to_vec())
-        }
-
-        fn read(&mut self, diagram: &PowerDiagram) -> Result<Option<Output>> {
-            assert_eq!(diagram.positions(), self.diagram.as_ref().unwrap().positions());
-            Ok(if self.backend.works()? { self.output.clone() } else { None })
-        }
-    }
-
-    fn sites(count: usize) -> PowerDiagram {
-        let at = |i: usize| [0.754_877, 0.569_840, 0.430_159].map(|s| (i as f64 * s).fract());
-        let sites: Vec<[f64; 3]> = (1..=count).map(at).collect();
-        PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap()
-    }
-
-    /// Every kind of step, what is known after each, and positions and volumes at the end.
-    fn walk(backend: &dyn Backend) -> Result<(Vec<Totals>, Vec<f64>)> {
-        let mut diagram = sites(9);
-        let other = sites(7);
-        let mut session = Session::new(backend, &mut diagram, Request::moments().with_second_moments())?;
-        let mut known = Vec::new();
-        for step in 0..3 {
-            known.push(session.evaluate()?);
-            session.move_to_barycenters()?;
-            if step == 1 {
-                session.positions()?;
-            }
-        }
-        known.push(session.evaluate()?);
-        session.move_to_barycenters()?;
-        session.step_back();
-        known.push(session.evaluate()?);
-        session.move_to_barycenters()?;
-        known.push(session.evaluate()?);
-        session.step_back();
-        let (now, output) = session.read()?;
-        known.push(Totals::of(now, output));
-        session.move_to_barycenters_in(&|p| p[0] < 0.5)?;
-        known.push(session.evaluate()?);
-        session.set_sites(other.positions().to_vec(), Some(vec![0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.02]))?;
-        session.move_to_barycenters()?;
-        known.push(session.evaluate()?);
-        session.step_back();
-        known.push(session.evaluate()?);
-        session.move_to_barycenters()?;
-        session.step_back();
-        let output = session.finish()?;
-        Ok((known, diagram.positions().iter().flatten().chain(output.volume()).copied().collect()))
-    }
-
-    /// Whatever fails where sites stay, and whenever: the session goes the host's way, to the same end.
-    #[test]
-    fn what_fails_where_sites_stay_is_done_here() {
-        let right = walk(&Naive::default()).unwrap();
-        let mut most = usize::MAX;
-        for with_error in [false, true] {
-            let staying =
-                |fails_at| Staying { naive: Naive::default(), calls: AtomicUsize::new(0), fails_at, with_error };
-            let well = staying(usize::MAX);
-            assert!(walk(&well).unwrap() == right);
-            most = well.calls.into_inner().min(most);
-            for fails_at in 0..most {
-                assert!(walk(&staying(fails_at)).unwrap() == right, "{fails_at}");
-            }
-        }
-        assert!(most > 15, "{most}");
+/// The diagram has the sites as they stand, also where a loop ends with an error.
+impl Drop for Session<'_> {
+    fn drop(&mut self) {
+        let _ = self.read_sites();
     }
 }
+
+#[cfg(test)]
+mod tests;

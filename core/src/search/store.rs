@@ -1,13 +1,15 @@
 //! What the dialect's search (`core/src/cell/far.rs`) reads and keeps, on the host: one lane, which looks at eight nodes or sites in one go.
 
+mod look;
+
 use super::in_order;
 use super::one_cell::{Cell, reach_from, rounding_about};
-use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NO_SITE, NodeBox, NodeSlab, NodeWeights, SearchStore};
 use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Lanes, Real, Rough, UNIT_ROUNDOFF, UNTOUCHED, V3, v3};
 use crate::power_octree::PowerOctree;
 use crate::site_tree::{SiteTree, WIDTH};
-use pulp::{Arch, NullaryFnOnce};
+use look::{Look, Take};
+use pulp::Arch;
 use std::collections::HashSet;
 
 /// Leaves that an octree lists for a box at most: all may be at hand.
@@ -40,51 +42,6 @@ pub(super) struct Room {
     opened: u32,
     /// The instructions that the CPU has.
     arch: Arch,
-}
-
-/// A look at the eight nodes of a block, or sites of a leaf, by the widest instructions that the CPU has; all give the same bits, as no sum or product
-/// is contracted. (With 32-byte vectors instead of 16 sites on a bumpy surface take 14 % less time, with 64 another 7.)
-struct Look<'s, 'c, 'a, S, const OF_LEAF: bool> {
-    search: &'s mut Searched<'c, 'a, S>,
-    number: usize,
-    asks: u32,
-}
-
-impl<S: CellStore, const OF_LEAF: bool> NullaryFnOnce for Look<'_, '_, '_, S, OF_LEAF> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        match OF_LEAF {
-            true => self.search.look_at_leaf(self.number, self.asks),
-            false => self.search.look_at_block(self.number, self.asks),
-        }
-    }
-}
-
-/// Takes those of some leaves to hand where a site may have less power at the asked vertex.
-struct Take<'s, 'c, 'a, S> {
-    search: &'s mut Searched<'c, 'a, S>,
-    leaves: &'c [u32],
-    asks: u32,
-}
-
-impl<S: CellStore> NullaryFnOnce for Take<'_, '_, '_, S> {
-    type Output = u32;
-
-    #[inline(always)]
-    fn call(self) -> u32 {
-        let Self { search, leaves, asks } = self;
-        let Asked { place, limit, .. } = search.room.asked[0];
-        let mut count = 0;
-        for &number in leaves {
-            let powers = search.powers_of_leaf(place, number);
-            search.room.leaves[count] = Entry { number, key: 0, asks };
-            // Without a branch.
-            count += usize::from(powers.iter().any(|&power| power < limit));
-        }
-        count as u32
-    }
 }
 
 impl Default for Room {
@@ -167,83 +124,10 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
         NodeWeights { offset: bounds.c[k], slope: along(&bounds.g, k), curvature: along(&bounds.q, k) }
     }
 
-    /// The least powers at `place` of the sites of the eight nodes of a block. (Each loop becomes one over vectors.)
-    #[inline(always)]
-    fn least_powers(&self, place: V3, block: usize) -> [Real; WIDTH] {
-        let mut powers = [0.0; WIDTH];
-        let site = self.own();
-        if self.tree.has_weights() {
-            let seer = Seer { site, excess: self.own_excess(), has_weights: true };
-            for (k, power) in powers.iter_mut().enumerate() {
-                let (bounds, slab) = (self.boxed(block, k), self.slab(block, k));
-                *power = least_power_of_node(seer, place, bounds, slab, self.weights(block, k));
-            }
-        } else {
-            let seer = Seer { site, excess: 0.0, has_weights: false };
-            for (k, power) in powers.iter_mut().enumerate() {
-                let (bounds, slab) = (self.boxed(block, k), self.slab(block, k));
-                *power = least_power_of_node(seer, place, bounds, slab, NodeWeights::default());
-            }
-        }
-        powers
-    }
-
-    /// Finds what `asks_by_powers` says of the eight nodes of a block.
-    #[inline(always)]
-    fn look_at_block(&mut self, block: usize, asks: u32) {
-        self.room.opened += 1;
-        let (mut of, mut least) = ([0; WIDTH], [Real::INFINITY; WIDTH]);
-        for i in bits(asks) {
-            let Asked { place, limit, .. } = self.room.asked[i];
-            let powers = self.least_powers(place, block);
-            for k in 0..WIDTH {
-                let is_below = powers[k] < limit;
-                of[k] |= u32::from(is_below) << i;
-                least[k] = super::smaller(if is_below { powers[k] } else { Real::INFINITY }, least[k]);
-            }
-        }
-        (self.room.asks, self.room.keys) = (of, least.map(in_order));
-    }
-
-    /// Finds at which of some asked vertices the eight sites of a leaf have a power below the limit.
-    #[inline(always)]
-    fn look_at_leaf(&mut self, leaf: usize, asks: u32) {
-        let mut of = [0; WIDTH];
-        for i in bits(asks) {
-            let Asked { place, limit, .. } = self.room.asked[i];
-            let powers = self.powers_of_leaf(place, leaf as u32);
-            for k in 0..WIDTH {
-                of[k] |= u32::from(powers[k] < limit) << i;
-            }
-        }
-        self.room.asks = of;
-    }
-
-    /// The powers at `place` of the sites of a leaf, as if the cell's site weighed nothing.
-    #[inline(always)]
-    fn powers_of_leaf(&self, place: V3, leaf: u32) -> [Real; WIDTH] {
-        let leaf = self.tree.leaf(leaf);
-        let ([xs, ys, zs], [px, py, pz]) = (&leaf.at, self.cell.position);
-        std::array::from_fn(|k| {
-            let (x, y, z) = (place.x - (xs[k] - px), place.y - (ys[k] - py), place.z - (zs[k] - pz));
-            (((x * x) + (y * y)) + (z * z)) - (leaf.weight[k] - self.cell.weight)
-        })
-    }
-
     /// The block of a node of the tree, and its number there.
     fn block(&self, level: u32, node: u32) -> (usize, usize) {
         (self.tree.level_begin(level as usize) + node as usize / WIDTH, node as usize % WIDTH)
     }
-}
-
-/// The numbers of the bits that are set.
-#[inline(always)]
-fn bits(mut word: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = word.trailing_zeros();
-        word &= word.wrapping_sub(1);
-        (bit < 32).then_some(bit as usize)
-    })
 }
 
 #[inline(always)]

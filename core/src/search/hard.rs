@@ -9,9 +9,11 @@ use crate::diagram::Prepared;
 use crate::power_octree::{Home, PowerOctree};
 use rayon::prelude::*;
 
-/// Cells that are tried without an octree: so many, one in so many at most. (A hard one takes ten times as long so.)
+/// Cells that are tried without an octree: so many, one in so many at most, and none where that would be too few to go by. (A hard one takes ten times as
+/// long so; a thousand sites are as fast without.)
 const MOST_TRIED: usize = 64;
 const ONE_IN: usize = 256;
+const LEAST_TRIED: usize = 4;
 
 /// Blocks of eight nodes that a cell opens on average, from which on an octree is made. (At 90, clusters with weights of transport, cells take half the
 /// time with it; white sites with any weights open 2 to 27.)
@@ -25,7 +27,7 @@ impl Prepared {
     pub fn with_octree_if_hard(mut self, go_on: &dyn Fn() -> Result<()>) -> Result<Self> {
         let sites = self.sites.len();
         let tried = MOST_TRIED.min(sites / ONE_IN);
-        if !self.sites.has_weights() || tried == 0 {
+        if !self.sites.has_weights() || tried < LEAST_TRIED {
             return Ok(self);
         }
         let opened = |i: usize| {

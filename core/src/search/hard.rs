@@ -30,13 +30,13 @@ impl Prepared {
         if !self.sites.has_weights() || tried < LEAST_TRIED {
             return Ok(self);
         }
-        let opened = |i: usize| {
+        let opened = |search: &mut Search<'_>, i: usize| {
             let site = (i * (sites / tried)) as u32;
             let [x, y, z, _] = self.sites.site(site);
             let mut store = PlainStore::new([x, y, z], self.domain_grid());
-            u64::from(Search::new(&self).complete(&mut store, site, None).opened)
+            u64::from(search.complete(&mut store, site, None).opened)
         };
-        let opened: u64 = (0..tried).into_par_iter().map(opened).sum();
+        let opened: u64 = (0..tried).into_par_iter().map_init(|| Search::new(&self), opened).sum();
         if opened > MANY_OPENED * tried as u64 {
             let bounds = [self.container.lo, self.container.hi];
             self.octree = PowerOctree::new(&self.sites, bounds, MOST_LISTED, go_on)?;

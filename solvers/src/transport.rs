@@ -21,6 +21,7 @@ mod newton;
 mod sparse;
 mod start;
 mod system;
+mod tangents;
 mod worst;
 
 use std::ops::ControlFlow;

@@ -1,0 +1,143 @@
+//! The highest of the planes that touch the potential, one for each cell.
+//!
+//! The potential `ψ(p) = (‖p‖² − w)/2` is convex, and the cell of a site is the set of its gradients there. So a cell of barycenter b, of a site q,
+//! has the plane `ψ(q) + b·(p − q)`, which `ψ` is nowhere below. Where another site p is on the highest of them, its weight is the least with which it
+//! has some cell's barycenter in its own.
+
+use laguerre_core::Output;
+use rayon::prelude::*;
+
+use crate::vectors::inner;
+
+/// Children of a node, and planes of a leaf.
+const CHILDREN: usize = 8;
+
+/// The planes of some cells.
+pub(super) struct Tangents {
+    tangents: Vec<Tangent>,
+    /// The nodes of each level, the leaves first, a single one last.
+    levels: Vec<Vec<Node>>,
+}
+
+/// The plane of a cell.
+struct Tangent {
+    weight: f64,
+    site: [f64; 3],
+    barycenter: [f64; 3],
+}
+
+/// Some planes that follow each other.
+struct Node {
+    /// The site of one, the least weight that a site there is to have, and the box of the barycenters.
+    site: [f64; 3],
+    least: f64,
+    lo: [f64; 3],
+    hi: [f64; 3],
+}
+
+impl Tangent {
+    /// The weight of a site at p that is on this plane: `w + (p − q)·(p + q − 2b)`.
+    fn weight_at(&self, p: [f64; 3]) -> f64 {
+        let (q, b) = (self.site, self.barycenter);
+        let way = std::array::from_fn(|k| p[k] - q[k]);
+        self.weight + inner(way, std::array::from_fn(|k| (p[k] - b[k]) + (q[k] - b[k])))
+    }
+}
+
+impl Node {
+    fn new(tangents: &[Tangent]) -> Self {
+        let site = tangents[tangents.len() / 2].site;
+        let along = |k: usize| tangents.iter().map(move |tangent| tangent.barycenter[k]);
+        Self {
+            site,
+            least: tangents.iter().map(|tangent| tangent.weight_at(site)).fold(f64::INFINITY, f64::min),
+            lo: std::array::from_fn(|k| along(k).fold(f64::INFINITY, f64::min)),
+            hi: std::array::from_fn(|k| along(k).fold(f64::NEG_INFINITY, f64::max)),
+        }
+    }
+
+    /// On none of these planes a site at p has a smaller weight: from `site` to p the weight changes by `(p − site)·(p + site − 2b)`.
+    fn bound(&self, p: [f64; 3]) -> f64 {
+        let q = self.site;
+        let change = |k: usize| {
+            let way = p[k] - q[k];
+            let b = if way > 0.0 { self.hi[k] } else { self.lo[k] };
+            way * ((p[k] - b) + (q[k] - b))
+        };
+        self.least + change(0) + change(1) + change(2)
+    }
+}
+
+impl Tangents {
+    /// Of the cells of some of these sites, none of which is empty; that neighbours in space follow each other makes it fast.
+    pub(super) fn new(positions: &[[f64; 3]], weights: &[f64], output: &Output, sites: &[u32]) -> Self {
+        let tangent = |&i: &u32| {
+            let i = i as usize;
+            Tangent { weight: weights[i], site: positions[i], barycenter: output.barycenter()[i] }
+        };
+        Self::of(sites.iter().map(tangent).collect())
+    }
+
+    fn of(tangents: Vec<Tangent>) -> Self {
+        let mut levels: Vec<Vec<Node>> = Vec::new();
+        let mut width = CHILDREN;
+        while levels.last().is_none_or(|last| last.len() > 1) {
+            levels.push(tangents.par_chunks(width).map(Node::new).collect());
+            width *= CHILDREN;
+        }
+        Self { tangents, levels }
+    }
+
+    /// The weight of a site at p that is on the highest plane, and the row of the cell whose plane that is; of equals the first.
+    pub(super) fn highest(&self, p: [f64; 3]) -> (f64, usize) {
+        let mut found = (f64::INFINITY, 0);
+        self.descend(p, self.levels.len() - 1, 0, &mut found);
+        found
+    }
+
+    fn descend(&self, p: [f64; 3], level: usize, node: usize, found: &mut (f64, usize)) {
+        let begin = node * CHILDREN;
+        if level == 0 {
+            for (k, tangent) in self.tangents[begin..self.tangents.len().min(begin + CHILDREN)].iter().enumerate() {
+                let weight = tangent.weight_at(p);
+                if weight < found.0 || (weight == found.0 && begin + k < found.1) {
+                    *found = (weight, begin + k);
+                }
+            }
+            return;
+        }
+        let below = &self.levels[level - 1];
+        let mut children: Vec<(f64, usize)> =
+            (begin..below.len().min(begin + CHILDREN)).map(|child| (below[child].bound(p), child)).collect();
+        children.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (bound, child) in children {
+            if bound <= found.0 {
+                self.descend(p, level - 1, child, found);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tree_finds_the_highest_of_all() {
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut point = || std::array::from_fn(|_| unit());
+        for cells in [1, 7, 8, 9, 700] {
+            let one = |_| Tangent { weight: point()[0], site: point(), barycenter: point() };
+            let tangents = Tangents::of((0..cells).map(one).collect());
+            for _ in 0..100 {
+                let p = point();
+                let all = tangents.tangents.iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
+                assert_eq!(tangents.highest(p), all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap());
+            }
+        }
+    }
+}

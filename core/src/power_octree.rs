@@ -209,11 +209,6 @@ impl PowerOctree {
         self.leaves_of(node)
     }
 
-    /// Whether leaves are listed for each place in the container.
-    pub fn is_whole(&self) -> bool {
-        self.is_whole
-    }
-
     /// Where the cell of a sorted site is.
     pub fn home(&self, site: u32) -> Home<'_> {
         match self.homes[site as usize] {

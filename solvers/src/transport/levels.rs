@@ -130,7 +130,7 @@ fn bounds(n: usize, depth: u32, part: usize) -> Range<usize> {
 }
 
 /// The sites so that each part, down to a depth of halving, is a range: halves along the axis that they are widest in.
-fn halved(positions: &[[f64; 3]], depth: u32) -> Vec<u32> {
+pub(super) fn halved(positions: &[[f64; 3]], depth: u32) -> Vec<u32> {
     fn halve(positions: &[[f64; 3]], order: &mut [u32], n: usize, part: usize, depth: u32, most: u32) {
         if depth == most {
             return;

@@ -112,14 +112,6 @@ impl Density {
         }
     }
 
-    /// Where a quadrature of a function takes `all` cells, one of as many nodes that takes fewer.
-    pub(crate) fn refined(&self, sites: usize, all: usize) -> Self {
-        match self {
-            Self::Function(function) => Self::Function(function.refined(sites, all)),
-            other => other.clone(),
-        }
-    }
-
     /// The mass of each cell; 0 where it is empty. `None` where the density is a function and `output` is not of [`Density::evaluate`].
     pub fn masses(&self, output: &Output) -> Option<Vec<f64>> {
         match self {

@@ -7,6 +7,7 @@ use laguerre_solvers::derivatives::Derivatives;
 use laguerre_solvers::transport::{Cotangent, End, Options, Solution, pull_back, solve, targets};
 use std::ops::ControlFlow::Continue;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 /// Low discrepancy (Roberts' sequence), so that cells are of nearly one size.
 fn even(count: usize) -> Vec<[f64; 3]> {
@@ -25,7 +26,7 @@ fn solved(diagram: &mut PowerDiagram, masses: &[f64], options: &Options) -> Solu
 }
 
 fn gaussians() -> [Gaussian; 2] {
-    let covariance = [[0.01, 0.004, 0.0], [0.004, 0.012, -0.003], [0.0, -0.003, 0.008]];
+    let covariance = [[0.01, 0.004, 0.002], [0.004, 0.012, -0.003], [0.002, -0.003, 0.008]];
     [Gaussian { mean: [0.45, 0.5, 0.55], covariance, mass: 0.75 }, Gaussian::round([0.6, 0.45, 0.5], 0.07, 0.25)]
 }
 
@@ -124,9 +125,12 @@ fn gaussians_are_normal_distributions() {
     let cost = fine.cost(&one, &output).unwrap();
     let trace: f64 = (0..3).map(|k| all[0].covariance[k][k]).sum();
     assert!((cost / (0.75 * trace) - 1.0).abs() < 1e-3, "{cost} {trace}");
-    // Off the diagonal the inverse covariance is −3.2e-5 over the determinant, 7.42e-7.
-    let ratio = density.at([0.55, 0.6, 0.55]) / density.at([0.55, 0.4, 0.55]);
-    assert!((ratio.ln() - 0.02 * 3.2e-5 / 7.42e-7).abs() < 1e-9, "{ratio}");
+    // With z = Σu it falls from the mean to z by the factor exp(−½ uᵀΣu).
+    let (alone, u) = (Density::gaussians(1, 0.0, &all[..1]).unwrap(), [5.0, -4.0, 7.0]);
+    let times = |row: [f64; 3]| (0..3).map(|k| row[k] * u[k]).sum::<f64>();
+    let z = all[0].covariance.map(times);
+    let fall = (alone.at(std::array::from_fn(|k| all[0].mean[k] + z[k])) / alone.at(all[0].mean)).ln();
+    assert!((fall + 0.5 * times(z)).abs() < 1e-12 && fall < -0.1, "{fall}");
 }
 
 /// Sites that begin with groups, in a domain that is not convex, to the last bit for any number of threads.
@@ -163,10 +167,21 @@ fn what_is_no_density_is_said() {
     };
     // The place is named, and the value there.
     let dips = |[x, y, z]: [f64; 3]| x + y * z - 0.2;
-    let line = said(Density::function(3, dips).unwrap());
+    // It is the least of all such places.
+    let least = Arc::new(Mutex::new([f64::INFINITY; 3]));
+    let noted = Arc::clone(&least);
+    let noting = move |x: [f64; 3]| {
+        let mut least = noted.lock().unwrap();
+        if dips(x) <= 0.0 && x < *least {
+            *least = x;
+        }
+        dips(x)
+    };
+    let line = said(Density::function(3, noting).unwrap());
     let number = |text: &str| text.parse::<f64>().unwrap();
     let (value, place) = line.strip_prefix("the density is ").unwrap().split_once(" at [").unwrap();
     let place: Vec<f64> = place.split_once(']').unwrap().0.split(", ").map(number).collect();
+    assert_eq!(place, *least.lock().unwrap(), "{line}");
     assert_eq!(number(value), dips([place[0], place[1], place[2]]), "{line}");
     assert!(
         said(Density::function(3, |[x, _, _]| if x > 0.9 { f64::NAN } else { 1.0 }).unwrap()).contains("is NaN at")
@@ -177,8 +192,8 @@ fn what_is_no_density_is_said() {
     let narrow = Gaussian::round([0.5; 3], 1e-3, 1.0);
     assert!(said(Density::gaussians(3, 0.0, &[narrow]).unwrap()).contains("is 0 at ["));
     // What is found at a later step only is no reason to take a shorter one.
-    let calls = std::sync::Arc::new(AtomicUsize::new(0));
-    let counted = std::sync::Arc::clone(&calls);
+    let calls = Arc::new(AtomicUsize::new(0));
+    let counted = Arc::clone(&calls);
     let good = Density::function(2, move |x| {
         counted.fetch_add(1, Ordering::Relaxed);
         1.0 + x[0]
@@ -187,9 +202,9 @@ fn what_is_no_density_is_said() {
     good.unwrap().total(&cpu, &cube(&sites)).unwrap();
     let (one, seen) = (calls.load(Ordering::Relaxed), AtomicUsize::new(0));
     let late = Density::function(2, move |x| {
-        // Two diagrams are good, and part of the third.
-        let is_early = seen.fetch_add(1, Ordering::Relaxed) < 5 * one / 2;
-        if is_early { 1.0 + x[0] } else { -1.0 }
+        // Bad while the third diagram is evaluated, a step's; good again after it.
+        let seen = seen.fetch_add(1, Ordering::Relaxed);
+        if (5 * one / 2..3 * one).contains(&seen) { -1.0 } else { 1.0 + x[0] }
     });
     let options = Options::default().of(late.unwrap());
     let error = solve(&cpu, &mut cube(&sites), &[], &options, &mut |_| Continue(())).unwrap_err();

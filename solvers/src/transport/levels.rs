@@ -63,9 +63,9 @@ pub(super) fn state(problem: &mut Problem<'_>) -> Result<State> {
 
 /// The state of a level near the targets; `None` where two of its sites coincide, or a cell stays empty, so that the next is to begin from the one before.
 fn solved(problem: &mut Problem<'_>, level: &Level, weights: Vec<f64>) -> Result<Option<State>> {
-    // Few cells are large: a function is integrated over them by as many nodes as over all.
-    let density = problem.density.refined(level.positions.len(), problem.positions.len());
-    let options = Options::default().of(density).until(MOST_STEPS, ENOUGH);
+    // (A function is integrated by the same degree, though cells are larger: with as many nodes for all cells as at the end, first weights took three times
+    // as long, and steps after them were as many.)
+    let options = Options::default().of(problem.density.clone()).until(MOST_STEPS, ENOUGH);
     let targets = level.targets.iter().map(|target| target * problem.unit).collect();
     let mut diagram = problem.diagram.clone();
     let first = diagram.set_sites(&level.positions, &weights).and_then(|()| {

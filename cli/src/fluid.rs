@@ -11,7 +11,6 @@ use std::time::Instant;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use laguerre::Container;
-use laguerre::solvers::density::Density;
 use laguerre::solvers::fluid::{Fluid, Scene, lattice, settle};
 use laguerre::{Backend, Domain, Error, Result, io};
 
@@ -300,13 +299,11 @@ fn save(args: &FluidArgs, scene: Scene, container: &Container, fluid: &Fluid) ->
 
 /// Corners of the container's box, and its volume.
 fn extents(container: &Container) -> ([f64; 3], [f64; 3], f64) {
-    match container {
-        Container::Domain(domain) => {
-            let (lo, hi) = domain.bounding_box();
-            (lo, hi, domain.volume())
-        }
-        Container::Box(lo, hi) => (*lo, *hi, Density::Uniform.total(container)),
-    }
+    let (lo, hi) = match container {
+        Container::Domain(domain) => domain.bounding_box(),
+        Container::Box(lo, hi) => (*lo, *hi),
+    };
+    (lo, hi, container.volume())
 }
 
 fn scene_of(name: SceneName) -> Scene {

@@ -125,14 +125,15 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     page::check_sites(args.html.as_ref(), diagram.positions().len())?;
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
     let options =
-        Options::default().of(args.density.unwrap_or_default()).until(args.iterations as usize, args.tolerance);
+        Options::default().of(args.density.clone().unwrap_or_default()).until(args.iterations as usize, args.tolerance);
     let options = if args.normalize { options.normalized() } else { options };
     // (Text counts them.)
     let is_text = args.cells.as_ref().is_some_and(|path| path.extension().is_none_or(|ending| ending != "npy"));
     let options = if is_text { options.with_facets() } else { options };
     options.density.check(&diagram.container().map_err(of_sites)?).map_err(|e| e.at("--density"))?;
     if let Some(path) = &args.masses {
-        let aimed = transport::targets(&diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
+        let aimed =
+            transport::targets(backend.as_ref(), &diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
         let factor = aimed[0] / masses[0];
         if (factor - 1.0).abs() > args.tolerance {
             note(&format!("{}: each mass is multiplied by {factor:?}: they then sum to the domain's", path.display()));

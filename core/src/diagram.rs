@@ -31,6 +31,16 @@ pub enum Container {
     Domain(Domain),
 }
 
+impl Container {
+    /// Its volume (length³); a domain's is weighted by its winding number and density.
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Box(lo, hi) => (0..3).map(|k| hi[k] - lo[k]).product(),
+            Self::Domain(domain) => domain.volume(),
+        }
+    }
+}
+
 /// Weighted sites and the container of their cells: the input of [`Backend::evaluate`](crate::Backend::evaluate).
 ///
 /// The power distance of `x` to site `i` is `‖x − p_i‖² − w_i`; a larger weight is a larger cell.

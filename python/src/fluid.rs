@@ -1,6 +1,5 @@
 //! Incompressible fluids by power particles, with a callback at each step.
 
-use laguerre::solvers::density::Density;
 use laguerre::solvers::fluid::{Energy, Fluid, Gravity, Scene, Settings, Start, State, lattice};
 use laguerre::{Backend as _, Error, Request};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
@@ -179,7 +178,7 @@ pub(crate) fn scene<'py>(
         laguerre::Container::Domain(domain) => domain.bounding_box(),
     };
     let densities = scene.densities(&centers, lo, hi);
-    let size = (Density::Uniform.total(&container) / centers.len() as f64).cbrt();
+    let size = (container.volume() / centers.len() as f64).cbrt();
     let settings = scene.settings(&densities, lo, hi, size, gravity);
     let start = scene.start(&centers, densities, &settings);
     let found = PyDict::new(py);

@@ -98,7 +98,7 @@ fn facts(
     backend: &dyn laguerre::Backend,
 ) -> Result<Vec<(&'static str, String)>> {
     let empty = output.count(CellStatus::Empty);
-    let whole = laguerre::solvers::density::Density::Uniform.total(&diagram.container()?);
+    let whole = diagram.container()?.volume();
     let mut sum = laguerre::summation::Sum::default();
     sum.extend(output.volume().iter().copied());
     let info = backend.info();

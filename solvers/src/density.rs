@@ -1,15 +1,26 @@
-//! Densities over a domain: uniform or linear.
+//! Densities over a domain: uniform, linear, or any function.
+
+mod function;
 
 use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, Error, Integrand, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, Facets, Integrand, Output, PowerDiagram, Request, Result};
+
+use function::COLUMNS;
+pub(crate) use function::is_of_density;
+pub use function::{Function, Gaussian};
 
 /// A density `ρ` (mass per volume) on the whole of a container.
 ///
-/// Both kinds need no more than the integrals that [`Output`] has, and are exact: with `V` the volume and `b` the barycenter of a
+/// The uniform and the linear need no more than the integrals that [`Output`] has, and are exact: with `V` the volume and `b` the barycenter of a
 /// cell, its mass is `ρ(b)·V`, its first moment `V ρ(b) b + M₂ g`, where `M₂` is its second moment about `b`; a facet has the mass
 /// `ρ(b_f)·area`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+///
+/// A function is integrated over the cells by quadrature ([`Integrand`]), in the evaluation that [`Density::evaluate`] asks for, and only by a backend
+/// that can call it: the CPU's. What is not within the rule's degree is off by what [`Integrand`] leaves out, and so are masses, centres and cost.
+///
+/// Where a domain has a density of its own (of voxels, of tetrahedra), the two are multiplied.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum Density {
     /// 1 everywhere: masses are volumes.
     #[default]
@@ -21,18 +32,22 @@ pub enum Density {
         /// Change per length.
         gradient: [f64; 3],
     },
+    /// Any that is positive: [`Density::function`], [`Density::gaussians`].
+    Function(Function),
 }
 
 impl Density {
     /// `ρ(x)`.
     pub fn at(&self, x: [f64; 3]) -> f64 {
-        match *self {
+        match self {
             Self::Uniform => 1.0,
             Self::Linear { value, gradient: [a, b, c] } => value + (a * x[0] + b * x[1] + c * x[2]),
+            Self::Function(function) => function.at(x),
         }
     }
 
-    /// Checks that the density is positive on all of `container`: its least value is at a vertex or a corner.
+    /// Checks that the density is positive on all of `container`: the least value of a linear one is at a vertex or a corner. Of a function nothing is
+    /// known before it is evaluated: then its first value that is not positive and finite, in the order of places, is an error.
     ///
     /// # Errors
     /// `Input`, naming the place where it is not.
@@ -54,30 +69,87 @@ impl Density {
         })
     }
 
-    /// The mass of all of `container`.
-    pub fn total(&self, container: &Container) -> f64 {
-        match container {
-            Container::Domain(domain) => self.at(middle(container)) * domain.volume(),
-            Container::Box(lo, hi) => self.at(middle(container)) * (0..3).map(|k| hi[k] - lo[k]).product::<f64>(),
+    /// The mass of all of the container of `diagram`. That of a function is the sum over the cells of `diagram`, which takes an evaluation: the more
+    /// cells, the nearer.
+    ///
+    /// # Errors
+    /// With a function as [`Density::evaluate`]; `Input` where its mass is beyond all numbers.
+    pub fn total(&self, backend: &dyn Backend, diagram: &PowerDiagram) -> Result<f64> {
+        let container = diagram.container()?;
+        let Self::Function(_) = self else { return Ok(self.at(middle(&container)) * container.volume()) };
+        let mut total = Sum::default();
+        let output = self.evaluate(backend, diagram, &Request::moments())?;
+        total.extend(self.masses(&output).into_iter().flatten());
+        let total = total.total();
+        if total > 0.0 && total.is_finite() {
+            return Ok(total);
+        }
+        Err(Error::input(format!("the density's mass over the domain is {total:?}: choose another unit of mass")))
+    }
+
+    /// Evaluates `diagram` for what `request` asks, and for what [`Density::masses`] needs.
+    ///
+    /// # Errors
+    /// As [`Backend::evaluate`], which refuses a function where it cannot call one; `Input` for a function that is somewhere not positive or not finite.
+    pub fn evaluate(&self, backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        match self {
+            Self::Uniform | Self::Linear { .. } => backend.evaluate(diagram, request),
+            Self::Function(function) => function.evaluate(backend, diagram, request, None),
         }
     }
 
-    /// The mass of each cell; 0 where it is empty.
-    pub fn masses(&self, output: &Output) -> Vec<f64> {
+    /// The same for what also [`Density::centers`] and [`Density::transport_cost`] need. With a function each cell is computed six times.
+    ///
+    /// # Errors
+    /// As [`Density::evaluate`].
+    pub fn evaluate_moments(&self, backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        let request = request.clone().with_second_moments();
         match self {
-            Self::Uniform => output.volume().to_vec(),
-            Self::Linear { .. } => {
-                // An empty cell has no barycenter.
-                let mass = |(&v, &b)| if v == 0.0 { 0.0 } else { self.at(b) * v };
-                output.volume().iter().zip(output.barycenter()).map(mass).collect()
+            Self::Uniform | Self::Linear { .. } => backend.evaluate(diagram, &request),
+            Self::Function(function) => {
+                function.evaluate(backend, diagram, &request, Some(middle(&diagram.container()?)))
             }
         }
     }
 
-    /// The centre of mass of each cell, NaN where it is empty. `None` where the density is not uniform and `output` is without second
-    /// moments.
-    pub fn centers(&self, output: &Output) -> Option<Vec<[f64; 3]>> {
-        let Self::Linear { gradient: g, .. } = *self else { return Some(output.barycenter().to_vec()) };
+    /// The mass of each cell; 0 where it is empty. `None` where the density is a function and `output` is not of [`Density::evaluate`].
+    pub fn masses(&self, output: &Output) -> Option<Vec<f64>> {
+        match self {
+            Self::Uniform => Some(output.volume().to_vec()),
+            Self::Linear { .. } => {
+                // An empty cell has no barycenter.
+                let mass = |(&v, &b)| if v == 0.0 { 0.0 } else { self.at(b) * v };
+                Some(output.volume().iter().zip(output.barycenter()).map(mass).collect())
+            }
+            Self::Function(_) => {
+                let integrals = output.integral()?;
+                Some(integrals.iter().step_by(integrals.len() / output.sites()).copied().collect())
+            }
+        }
+    }
+
+    /// The mass of facet number `k`: of a function near it, and nearer where there are second moments.
+    pub(crate) fn of_facet(&self, facets: &Facets, k: usize) -> f64 {
+        let facet = facets.get(k);
+        let mean = match (self, facets.second_moment()) {
+            (Self::Function(function), Some(seconds)) => function.mean(&facet, &seconds[k]),
+            _ => self.at(facet.barycenter),
+        };
+        mean * facet.area
+    }
+
+    /// The centre of mass of each cell of `diagram`, NaN where it is empty. `None` where the density is not uniform and `output` is not of
+    /// [`Density::evaluate_moments`], which has second moments.
+    pub fn centers(&self, diagram: &PowerDiagram, output: &Output) -> Option<Vec<[f64; 3]>> {
+        let g = match self {
+            Self::Uniform => return Some(output.barycenter().to_vec()),
+            Self::Linear { gradient, .. } => gradient,
+            Self::Function(_) => {
+                let o = middle(&diagram.container().ok()?);
+                let center = |&[m, x, y, z, _]: &[f64; COLUMNS]| [x / m + o[0], y / m + o[1], z / m + o[2]];
+                return Some(columns(output)?.iter().map(center).collect());
+            }
+        };
         let moments = output.second_moment()?;
         let center = |i: usize| {
             let (b, [xx, yy, zz, xy, xz, yz]) = (output.barycenter()[i], moments[i]);
@@ -92,13 +164,25 @@ impl Density {
         Some((0..output.volume().len()).map(center).collect())
     }
 
-    /// The transport cost `Σ_i ∫_i ‖x − p_i‖² dx` (length⁵) of a uniform density, from what `output` holds. `None` where that is without
-    /// second moments, and for a linear density, which takes more: see [`Density::transport_cost`].
-    pub fn cost(&self, positions: &[[f64; 3]], output: &Output) -> Option<f64> {
-        let Self::Uniform = self else { return None };
+    /// The transport cost `Σ_i ∫_i ρ(x) ‖x − p_i‖² dx` (mass·length²) from what `output` holds. `None` where that is not of [`Density::evaluate_moments`],
+    /// which has second moments, and for a linear density, which takes more: see [`Density::transport_cost`].
+    pub fn cost(&self, diagram: &PowerDiagram, output: &Output) -> Option<f64> {
         let mut cost = Sum::default();
+        match self {
+            Self::Uniform => {}
+            Self::Linear { .. } => return None,
+            Self::Function(_) => {
+                let o = middle(&diagram.container().ok()?);
+                for (&[m, x, y, z, square], p) in columns(output)?.iter().zip(diagram.positions()) {
+                    let d: [f64; 3] = std::array::from_fn(|k| p[k] - o[k]);
+                    cost.add(square);
+                    (0..3).for_each(|k| cost.add_product(d[k], d[k] * m - 2.0 * [x, y, z][k]));
+                }
+                return Some(cost.total());
+            }
+        }
         for (i, m) in output.second_moment()?.iter().enumerate() {
-            let (v, b, p) = (output.volume()[i], output.barycenter()[i], positions[i]);
+            let (v, b, p) = (output.volume()[i], output.barycenter()[i], diagram.positions()[i]);
             if v != 0.0 {
                 let d: [f64; 3] = std::array::from_fn(|k| b[k] - p[k]);
                 cost.add(m[0] + m[1] + m[2] + v * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
@@ -122,8 +206,8 @@ impl Density {
         diagram: &PowerDiagram,
         output: &Output,
     ) -> Result<Option<f64>> {
-        let Self::Linear { gradient: g, .. } = *self else { return Ok(self.cost(diagram.positions(), output)) };
-        let (Some(_), Some(centers)) = (output.second_moment(), self.centers(output)) else { return Ok(None) };
+        let Self::Linear { gradient: g, .. } = *self else { return Ok(self.cost(diagram, output)) };
+        let (Some(_), Some(centers)) = (output.second_moment(), self.centers(diagram, output)) else { return Ok(None) };
         let mut cost = Sum::default();
         let container = diagram.container()?;
         let o = middle(&container);
@@ -143,7 +227,7 @@ impl Density {
         };
         let request = Request::moments().with_integral(Integrand::polynomial(o, &terms)?);
         cost.extend(backend.evaluate(&one, &request)?.integral().into_iter().flatten().copied());
-        for (i, mass) in self.masses(output).into_iter().enumerate() {
+        for (i, mass) in self.masses(output).into_iter().flatten().enumerate() {
             if mass != 0.0 {
                 let (c, p) = (centers[i], diagram.positions()[i]);
                 (0..3).for_each(|k| cost.add_product(mass * (p[k] - o[k]), (p[k] - c[k]) + (o[k] - c[k])));
@@ -151,6 +235,12 @@ impl Density {
         }
         Ok(Some(cost.total()))
     }
+}
+
+/// What [`Density::evaluate_moments`] has of each cell, with a function.
+fn columns(output: &Output) -> Option<&[[f64; COLUMNS]]> {
+    let (columns, rest) = output.integral()?.as_chunks();
+    (rest.is_empty() && columns.len() == output.sites()).then_some(columns)
 }
 
 /// The barycenter of a container.

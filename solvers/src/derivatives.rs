@@ -41,6 +41,7 @@ impl<const N: usize> Rows<N> {
 /// The derivatives at an evaluated diagram.
 #[derive(Clone, Copy, Debug)]
 pub struct Derivatives<'a> {
+    diagram: &'a PowerDiagram,
     positions: &'a [[f64; 3]],
     output: &'a Output,
     facets: &'a Facets,
@@ -68,17 +69,18 @@ impl<'a> Derivatives<'a> {
     pub fn request(density: &Density) -> Request {
         let request = Request::moments().with_facet_second_moments();
         match density {
-            Density::Uniform => request,
             // For the barycenters of mass.
             Density::Linear { .. } => request.with_second_moments(),
+            _ => request,
         }
     }
 
     /// Of what a backend made of `diagram`, asked for [`Derivatives::request`].
     ///
     /// # Errors
-    /// `Input` where `output` is not of `diagram`, or lacks what is needed.
+    /// `Input` where `output` is not of `diagram`, or lacks what is needed; or the density is a function, which facets tell too little of.
     pub fn new(diagram: &'a PowerDiagram, output: &'a Output, density: &'a Density) -> Result<Self> {
+        check(density)?;
         let positions = diagram.positions();
         if output.status().len() != positions.len() {
             return Err(Error::input(format!(
@@ -89,11 +91,11 @@ impl<'a> Derivatives<'a> {
         }
         let facets = output.facets();
         let (Some(facets), Some(facet_moments), Some(_)) =
-            (facets, facets.and_then(|f| f.second_moment()), density.centers(output))
+            (facets, facets.and_then(|f| f.second_moment()), density.centers(diagram, output))
         else {
             return Err(Error::input("derivatives: the cells are without moments: evaluate `Derivatives::request`"));
         };
-        Ok(Self { positions, output, facets, facet_moments, density })
+        Ok(Self { diagram, positions, output, facets, facet_moments, density })
     }
 
     /// `∂m_i/∂w_j` (mass per length²): symmetric, and every row and column sums to 0. It is minus the weighted Laplacian.
@@ -218,7 +220,8 @@ impl<'a> Derivatives<'a> {
 
     /// Masses and their barycenters.
     fn cells(&self) -> (Vec<f64>, Vec<[f64; 3]>) {
-        (self.density.masses(self.output), self.density.centers(self.output).unwrap_or_default())
+        let (masses, centers) = (self.density.masses(self.output), self.density.centers(self.diagram, self.output));
+        (masses.unwrap_or_default(), centers.unwrap_or_default())
     }
 
     /// `∫ ρ` over a facet.
@@ -230,8 +233,8 @@ impl<'a> Derivatives<'a> {
     fn moment(&self, facet: &Seen, o: [f64; 3]) -> [f64; 3] {
         let (mass, b) = (self.mass(facet), facet.barycenter);
         let gradient = match *self.density {
-            Density::Uniform => [0.0; 3],
             Density::Linear { gradient, .. } => gradient,
+            _ => [0.0; 3],
         };
         std::array::from_fn(|r| {
             let pulled: f64 = (0..3).map(|c| entry(&facet.second, r, c) * gradient[c]).sum();
@@ -265,6 +268,19 @@ impl<'a> Derivatives<'a> {
             made.offsets.push(made.columns.len());
         }
         made
+    }
+}
+
+/// Checks that derivatives with a density are exact: the barycenter of a facet tells no more of a function than a Newton step needs.
+///
+/// # Errors
+/// `Input` where it is a function.
+pub(crate) fn check(density: &Density) -> Result<()> {
+    match density {
+        Density::Function(_) => Err(Error::input(
+            "derivatives are there for uniform and linear densities, and for those of voxels or tetrahedra, not for functions",
+        )),
+        _ => Ok(()),
     }
 }
 

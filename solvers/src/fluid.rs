@@ -30,7 +30,6 @@ use laguerre_core::{Backend, Error, PowerDiagram, Result};
 
 use crate::vectors::inner;
 
-use crate::density::Density;
 use cells::{Cells, check_places, equal_volumes, within};
 pub use cells::{VOLUME_TOLERANCE, settle};
 pub use scene::{Scene, Start, lattice};
@@ -207,7 +206,7 @@ impl Fluid {
                 "epsilon {epsilon:e}, time step {time_step:?}, viscosity {viscosity:e}: positive numbers are needed"
             )));
         }
-        let volume = Density::Uniform.total(&diagram.container()?) / n as f64;
+        let volume = diagram.container()?.volume() / n as f64;
         let mut sum = Sum::default();
         sum.extend(state.densities.iter().copied());
         let lightest = state.densities.iter().copied().fold(f64::INFINITY, f64::min);

@@ -173,11 +173,17 @@ pub struct Solution {
 ///
 /// The result does not depend on the number of threads.
 ///
+/// Masses of a density that is a function ([`Density::function`]) are those of a quadrature, whose sum differs a little from diagram to diagram: what is asked for are
+/// shares of it, and the residual that of shares. Newton's matrix is not exact then, so that the end is not quadratic: steps divide
+/// the error by a factor, a large one where cells are smaller than the length over which the density changes. Where the rule's degree is too low for
+/// that, masses jump by the rule's error, and it is [`End::Stalled`] with residuals of that size: give a higher degree. It computes the last diagram six times more
+/// for centres of mass and cost, unless [`Options::without_cost`].
+///
 /// `Break` from `on_iteration`, or a watched backend that says [`Interrupted`](laguerre_core::ErrorKind::Interrupted), ends it, with the weights of the last step.
 ///
 /// # Errors
 /// `Interrupted` where there are not even first weights; `Input` where the tolerance is no number from 0, the masses are not positive, or do not sum to the domain's (by more than the tolerance, where the options do not
-/// say that they are to be scaled; by less they are), where two sites coincide, the density is not positive, or no first weights without empty cells are found. What
+/// say that they are to be scaled; by less they are), where two sites coincide, the density is not positive wherever it is evaluated, or no first weights without empty cells are found. What
 /// [`Backend::evaluate`] says.
 pub fn solve(
     backend: &dyn Backend,
@@ -190,7 +196,7 @@ pub fn solve(
         return Err(Error::input(format!("tolerance {}: a number from 0 is needed", options.tolerance)));
     }
     let begin = Instant::now();
-    let masses = targets(diagram, masses, options)?;
+    let masses = targets(backend, diagram, masses, options)?;
     let mut problem = Problem::new(backend, diagram, masses, options)?;
     let state = start::first(&mut problem)?;
     let mut iterations = Vec::new();
@@ -211,17 +217,17 @@ pub fn solve(
     if !options.laplacian || end == End::Interrupted {
         state.output.take_laplacian();
     }
-    let (density, unit, positions) = (options.density, problem.unit, std::mem::take(&mut problem.positions));
+    let (density, positions) = (&options.density, std::mem::take(&mut problem.positions));
     diagram.set_sites(&positions, &state.weights)?;
     let cost = match end {
-        End::Interrupted => density.cost(diagram.positions(), &state.output),
+        End::Interrupted => density.cost(diagram, &state.output),
         _ => density.transport_cost(backend, diagram, &state.output)?,
     };
     Ok(Solution {
         cost,
         weights: state.weights,
         output: state.output,
-        masses: state.masses.iter().map(|mass| mass * unit).collect(),
+        masses: state.masses.iter().map(|mass| mass / state.scale).collect(),
         iterations,
         residual: state.residual,
         worst,
@@ -229,15 +235,17 @@ pub fn solve(
     })
 }
 
-/// The masses that [`solve`] aims at: those asked for, checked, and scaled to sum to the domain's; all equal for an empty slice.
+/// The masses that [`solve`] aims at: those asked for, checked, and scaled to sum to the domain's ([`Density::total`], which takes an evaluation where the density is
+/// a function); all equal for an empty slice.
 ///
 /// # Errors
+/// What [`Density::total`] says;
 /// `Input` where the density is not positive, or the masses are not one for each site, not positive, or do not sum to the domain's and the
 /// options do not say that they are to be scaled.
-pub fn targets(diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Result<Vec<f64>> {
+pub fn targets(backend: &dyn Backend, diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Result<Vec<f64>> {
     let container = diagram.container()?;
     options.density.check(&container)?;
-    let (sites, total) = (diagram.positions().len(), options.density.total(&container));
+    let (sites, total) = (diagram.positions().len(), options.density.total(backend, diagram)?);
     if masses.is_empty() {
         return Ok(vec![total / sites as f64; sites]);
     }
@@ -273,6 +281,7 @@ fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
         Density::Uniform if is_kept => Request::moments().with_laplacian_kept(),
         Density::Uniform => Request::moments().with_laplacian(),
         Density::Linear { .. } => Request::moments().with_facets(),
+        Density::Function(_) => Request::moments().with_facet_second_moments(),
     };
     if options.second_moments { request.with_second_moments() } else { request }
 }

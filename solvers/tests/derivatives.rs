@@ -57,8 +57,8 @@ fn derivatives_are_what_differences_tend_to() {
         let (diagram, output) = evaluate(&positions, &weights, &density);
         assert!(output.count(CellStatus::Empty) < 30);
         let all = Derivatives::new(&diagram, &output, &density).unwrap();
-        let mass = |output: &Output, i: usize| [density.masses(output)[i]];
-        let center = |output: &Output, i: usize| density.centers(output).unwrap()[i];
+        let mass = |output: &Output, i: usize| [density.masses(output).unwrap()[i]];
+        let center = |output: &Output, i: usize| density.centers(&diagram, output).unwrap()[i];
         let (by_weights, centers_by_weights) = (all.masses_by_weights(), all.barycenters_by_weights());
         let by_positions = all.masses_by_positions();
         for site in (0..positions.len()).step_by(7) {

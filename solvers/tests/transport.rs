@@ -39,8 +39,8 @@ fn solved(diagram: &mut PowerDiagram, masses: &[f64], options: &Options) -> Solu
 
 /// Holds the masses of a fresh evaluation against those asked for.
 fn check(diagram: &PowerDiagram, solution: &Solution, masses: &[f64], density: &Density) {
-    let output = cpu().evaluate(diagram, &Request::moments()).unwrap();
-    for (i, mass) in density.masses(&output).iter().enumerate() {
+    let output = density.evaluate(&cpu(), diagram, &Request::moments()).unwrap();
+    for (i, mass) in density.masses(&output).unwrap().iter().enumerate() {
         assert!((mass / masses[i] - 1.0).abs() <= 1e-9, "cell {i}: {mass} for {}", masses[i]);
     }
     assert!(solution.residual <= 1e-9);
@@ -150,7 +150,7 @@ fn parts_that_do_not_touch_exchange_mass() {
 #[test]
 fn linear_densities_are_exact() {
     let density = Density::Linear { value: 1.0, gradient: [0.5, -0.25, 2.0] };
-    let options = Options::default().of(density);
+    let options = Options::default().of(density.clone());
     let (lo, hi) = ([0.0; 3], [1.0, 2.0, 1.0]);
     let sites = white(500, lo, hi, 11);
     let total = 2.0 * (1.0 + 0.25 - 0.25 + 1.0);
@@ -162,7 +162,7 @@ fn linear_densities_are_exact() {
     let solution = solved(&mut diagram, &masses, &options);
     check(&diagram, &solution, &masses, &density);
     // The centres of mass are those of the whole.
-    let centers = density.centers(&solution.output).unwrap();
+    let centers = density.centers(&diagram, &solution.output).unwrap();
     let first: [f64; 3] = std::array::from_fn(|k| (0..500).map(|i| solution.masses[i] * centers[i][k]).sum());
     // ∫ρx over the box, by hand: the mean of x² is a third of the squared edge.
     let right = [2.0 * (0.5 * 1.75 + 0.5 / 3.0), 2.0 * (2.25 - 0.25 * 4.0 / 3.0), 2.0 * (0.5 + 2.0 / 3.0)];
@@ -210,7 +210,7 @@ fn hard_starts_take_few_steps() {
     ];
     for (name, sites, mut diagram) in cases {
         diagram.set_sites(&sites, &[]).unwrap();
-        let mass = targets(&diagram, &[], &Options::default()).unwrap();
+        let mass = targets(&cpu(), &diagram, &[], &Options::default()).unwrap();
         let solution = solved(&mut diagram, &[], &Options::default());
         check(&diagram, &solution, &mass, &Density::Uniform);
         let steps = solution.iterations.len() - 1;
@@ -229,7 +229,7 @@ fn an_image_is_shared_out_evenly() {
     let sites = white(300, [0.0; 3], [1.0; 3], 37);
     let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
     let solution = solved(&mut diagram, &[], &Options::default());
-    let mass = targets(&diagram, &[], &Options::default()).unwrap();
+    let mass = targets(&cpu(), &diagram, &[], &Options::default()).unwrap();
     assert!((mass[0] - values.iter().sum::<f64>() / 216.0 / 300.0).abs() < 1e-15 * values.iter().sum::<f64>());
     check(&diagram, &solution, &mass, &Density::Uniform);
     assert!(solution.iterations.len() <= 16, "{} steps", solution.iterations.len() - 1);
@@ -308,11 +308,11 @@ fn what_cannot_be_is_said() {
     assert!(said(&sites, &[], &plain.clone().of(density)).starts_with("the density is 0 at [0.0, 1.0, 0.0]: "));
     // What is off by less than the tolerance is scaled.
     let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-    let aimed = targets(&diagram, &[0.1 * (1.0 + 1e-10); 10], &plain).unwrap();
+    let aimed = targets(&cpu(), &diagram, &[0.1 * (1.0 + 1e-10); 10], &plain).unwrap();
     assert!((aimed.iter().sum::<f64>() - 1.0).abs() < 1e-15);
     // And what is off by any factor, where the options say so.
     let shares: Vec<f64> = (1..11).map(|i| 3.0 * f64::from(i)).collect();
-    let aimed = targets(&diagram, &shares, &plain.normalized()).unwrap();
+    let aimed = targets(&cpu(), &diagram, &shares, &plain.normalized()).unwrap();
     assert!(aimed.iter().zip(&shares).all(|(a, share)| (a * 165.0 - share).abs() < 1e-12));
 }
 
@@ -328,7 +328,7 @@ fn unequal_masses_are_met() {
             None => diagram.in_box([0.0; 3], [1.0; 3]).unwrap(),
             Some(domain) => diagram.restricted_to(domain),
         };
-        let aimed = targets(&diagram, &masses, &options).unwrap();
+        let aimed = targets(&cpu(), &diagram, &masses, &options).unwrap();
         let solution = solved(&mut diagram, &masses, &options);
         check(&diagram, &solution, &aimed, &Density::Uniform);
     }

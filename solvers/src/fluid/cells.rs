@@ -67,7 +67,7 @@ impl Cells {
                 output.volume()[i]
             )));
         }
-        let cost = Density::Uniform.cost(diagram.positions(), &output);
+        let cost = Density::Uniform.cost(diagram, &output);
         let residual = output.volume().iter().map(error).fold(0.0, f64::max);
         Self::of(output, cost, residual)
     }

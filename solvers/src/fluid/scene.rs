@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use laguerre_core::diagram::Container;
 
 use super::{Gravity, Settings};
-use crate::density::Density;
 use crate::vectors::inner;
 
 /// A fluid to begin with. Up is +y.
@@ -194,7 +193,7 @@ impl Start {
             Container::Box(lo, hi) => (*lo, *hi),
         };
         let fastest = self.velocities.iter().map(|&v| inner(v, v)).fold(0.0, f64::max).sqrt();
-        let h = (Density::Uniform.total(container) / self.positions.len() as f64).cbrt();
+        let h = (container.volume() / self.positions.len() as f64).cbrt();
         suited(&self.densities, fastest, longest(lo, hi), h, gravity)
     }
 }

@@ -1,9 +1,9 @@
 //! Cells that fall into parts which do not touch, as in a domain of several components: no Newton step moves mass from one part to
 //! another, for no weight changes any mass there to first order.
 
-use laguerre_core::{ErrorKind, Result};
+use laguerre_core::Result;
 
-use super::newton::{Problem, State};
+use super::newton::{Problem, State, is_out_of_range};
 use super::sparse::center;
 
 /// Evaluations that are made at most in search of the shift.
@@ -36,7 +36,7 @@ pub(super) fn bridge(problem: &mut Problem<'_>, state: &State, part: &[bool]) ->
                 }
             }
             // Weights out of range: much too far.
-            Err(error) if error.kind() == ErrorKind::Input => high = shift,
+            Err(error) if is_out_of_range(&error) => high = shift,
             Err(error) => return Err(error),
         }
         shift = if high.is_finite() { (low + high) / 2.0 } else { 2.0 * shift };

@@ -15,7 +15,7 @@ use super::laplacian::of_masses;
 use super::multigrid::Multigrid;
 use super::sparse::{Matrix, center, center_parts, norm};
 use crate::density::Density;
-use crate::derivatives::Derivatives;
+use crate::derivatives::{self, Derivatives};
 use crate::vectors::for_each;
 
 /// The system is solved to this part of its right-hand side; a solution that is left with more than `TOO_MUCH` of it is none.
@@ -50,7 +50,7 @@ pub struct Gradient {
 /// Where cells are in parts that do not touch, the weights of each are told apart from their own mean only.
 ///
 /// # Errors
-/// `Input` where there is not one number for each site, a cell is empty, the density is not uniform and the function changes with barycenters, or the system is too
+/// `Input` where there is not one number for each site, a cell is empty, the density is a function, or is not uniform and the function changes with barycenters, or the system is too
 /// ill-conditioned to be solved. What [`Backend::evaluate`] says.
 pub fn pull_back(
     backend: &dyn Backend,
@@ -58,6 +58,7 @@ pub fn pull_back(
     density: &Density,
     cotangent: &Cotangent,
 ) -> Result<Gradient> {
+    derivatives::check(density)?;
     let n = diagram.positions().len();
     let output = backend.evaluate(diagram, &Derivatives::request(density))?;
     if let Some(i) = output.status().iter().position(|status| *status == CellStatus::Empty) {
@@ -80,7 +81,8 @@ pub fn pull_back(
     let less: Vec<f64> = masses.iter().map(|z| -z).collect();
     let (mut positions, _) = derivatives.pull_back(&less, &cotangent.barycenters)?;
     if cotangent.cost != 0.0 {
-        let (cells, centers) = (density.masses(&output), density.centers(&output).unwrap_or_default());
+        let (cells, centers) =
+            (density.masses(&output).unwrap_or_default(), density.centers(diagram, &output).unwrap_or_default());
         for_each(&mut positions, |i, by| {
             let p = diagram.positions()[i];
             (0..3).for_each(|k| by[k] += cotangent.cost * 2.0 * cells[i] * (p[k] - centers[i][k]));

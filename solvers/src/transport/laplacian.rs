@@ -1,6 +1,6 @@
 //! The Laplacian of transport, from the cells of a diagram.
 
-use laguerre_core::{Facet, Facets, Laplacian};
+use laguerre_core::{Facets, Laplacian};
 
 use super::sparse::Matrix;
 use crate::density::Density;
@@ -22,7 +22,7 @@ pub(super) fn of_volumes(laplacian: &Laplacian, unit: f64) -> Matrix {
 /// The same for a density, with `a_ij = ∫_facet ρ / (2 ‖p_i − p_j‖)`: rows and columns in `order`. Both sides of a facet have the mean of what the two
 /// cells found, so that the matrix is symmetric to the last bit; a facet that one of them has alone is below its rounding bound, and left out.
 pub(super) fn of_masses(facets: &Facets, density: &Density, order: &[u32], place: &[u32], unit: f64) -> Matrix {
-    let coefficient = |facet: Facet| density.at(facet.barycenter) * facet.area / (2.0 * facet.distance);
+    let coefficient = |k: usize| density.of_facet(facets, k) / (2.0 * facets.get(k).distance);
     Matrix::from_rows(
         order.len(),
         || (),
@@ -30,7 +30,7 @@ pub(super) fn of_masses(facets: &Facets, density: &Density, order: &[u32], place
             let site = order[row] as usize;
             let each = facets.of(site).filter_map(|facet| {
                 let back = facets.between(facet.neighbor, site)?;
-                Some((place[facet.neighbor], (coefficient(facet) + coefficient(facets.get(back))) / 2.0))
+                Some((place[facet.neighbor], (coefficient(facet.number) + coefficient(back)) / 2.0))
             });
             append(row, each, unit, columns, values);
         },

@@ -7,12 +7,12 @@
 //!
 //! There is a number of such steps at most, and none empties a cell: from where they end Newton's converge as from any start.
 
+use laguerre_core::Result;
 use laguerre_core::algebra::{Algebra, CELL, Held, rise};
-use laguerre_core::{ErrorKind, Result};
 use rayon::prelude::*;
 
 use super::mend;
-use super::newton::{Problem, State};
+use super::newton::{Problem, State, is_out_of_range};
 use super::sparse::{Matrix, center};
 use super::system::System;
 use crate::vectors::{for_each, sum};
@@ -100,7 +100,7 @@ pub(super) fn step<'a>(
             }
             Ok(_) => {}
             // Weights out of range: much too far.
-            Err(error) if error.kind() == ErrorKind::Input => {}
+            Err(error) if is_out_of_range(&error) => {}
             Err(error) => return Err(error),
         }
     }

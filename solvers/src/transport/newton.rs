@@ -16,7 +16,7 @@ use super::multigrid::Multigrid;
 use super::sparse::{center, center_parts};
 use super::system::{Aim, System};
 use super::{End, Iteration, Options, bridge, limited, mend, request, start};
-use crate::density::Density;
+use crate::density::{Density, is_of_density};
 use crate::vectors::{for_each, sum};
 
 /// Weights, and what they give.
@@ -24,6 +24,8 @@ pub(super) struct State {
     pub(super) weights: Vec<f64>,
     pub(super) output: Output,
     pub(super) masses: Vec<f64>,
+    /// What these masses were multiplied by.
+    pub(super) scale: f64,
     /// Least of the masses.
     pub(super) least: f64,
     /// Largest `|mass / target − 1|`.
@@ -70,6 +72,11 @@ pub(super) struct Problem<'a> {
     pub(super) seconds: f64,
 }
 
+/// Whether an error says that weights are out of range: a step was too long.
+pub(super) fn is_out_of_range(error: &Error) -> bool {
+    error.kind() == ErrorKind::Input && !is_of_density(error)
+}
+
 /// A Newton step is not made shorter than this, nor so short that no weight changes by more than a rounding of the largest.
 const SHORTEST_STEP: f64 = 1.0 / (1_u64 << 24) as f64;
 /// The linear system is solved to this part of its right-hand side at least (with 0.1 steps have to be shorter); closer to the end to a
@@ -95,7 +102,7 @@ impl<'a> Problem<'a> {
         Ok(Self {
             backend,
             diagram,
-            density: options.density,
+            density: options.density.clone(),
             tolerance: options.tolerance,
             request: request(options, backend, positions.len()),
             mean_density,
@@ -171,17 +178,28 @@ impl<'a> Problem<'a> {
     pub(super) fn evaluate(&mut self, weights: Vec<f64>) -> Result<State> {
         let begin = Instant::now();
         self.diagram.set_sites(&self.positions, &weights)?;
-        let output = self.backend.evaluate(self.diagram, &self.request)?;
+        let output = self.density.evaluate(self.backend, self.diagram, &self.request)?;
         self.seconds += begin.elapsed().as_secs_f64();
         self.evaluations += 1;
         self.stand_as(output.kept().map(Kept::order).or(output.laplacian().map(Laplacian::order)))?;
-        let mut masses = self.density.masses(&output);
-        masses.par_iter_mut().for_each(|mass| *mass /= self.unit);
+        let missing = || Error::new(ErrorKind::Device, "the backend gave no integrals though asked to");
+        let mut masses = self.density.masses(&output).ok_or_else(missing)?;
+        let scale = self.scale(&masses);
+        masses.par_iter_mut().for_each(|mass| *mass *= scale);
         let least = masses.par_iter().copied().reduce(|| f64::INFINITY, f64::min);
         let each = masses.par_iter().zip(&self.targets);
         let residual = each.map(|(m, t)| (m / t - 1.0).abs()).reduce(|| 0.0, f64::max);
         let error = sum(masses.len(), |i| (self.targets[i] - masses[i]).powi(2)).sqrt();
-        Ok(State { weights, output, masses, least, residual, error })
+        Ok(State { weights, output, masses, scale, least, residual, error })
+    }
+
+    /// What masses are multiplied by: to be in the unit, and those of a quadrature to sum to the targets'. They do so up to its error alone, which
+    /// differs from diagram to diagram, and no weights would make up for that.
+    fn scale(&self, masses: &[f64]) -> f64 {
+        match self.density {
+            Density::Uniform | Density::Linear { .. } => self.unit.recip(),
+            Density::Function(_) => sum(masses.len(), |i| self.targets[i]) / sum(masses.len(), |i| masses[i]),
+        }
     }
 
     /// Completes the output of the last state that was evaluated: with what is asked for of it, and with facets where they are to say why it stalled.
@@ -196,10 +214,15 @@ impl<'a> Problem<'a> {
             None => state.output.take_laplacian(),
         };
         let needs_laplacian = options.laplacian && laplacian.is_none();
-        if needs_facets || needs_laplacian {
+        let needs_moments = options.second_moments && matches!(self.density, Density::Function(_));
+        if needs_facets || needs_laplacian || needs_moments {
             let request = if needs_facets { self.request.clone().with_facets() } else { self.request.clone() };
+            let request = request.with_laplacian();
             self.diagram.set_sites(&self.positions, &state.weights)?;
-            state.output = self.backend.evaluate(self.diagram, &request.with_laplacian())?;
+            state.output = match needs_moments {
+                true => self.density.evaluate_moments(self.backend, self.diagram, &request)?,
+                false => self.density.evaluate(self.backend, self.diagram, &request)?,
+            };
             laplacian = laplacian.or(state.output.take_laplacian());
         }
         if let Some(laplacian) = laplacian.filter(|_| options.laplacian) {
@@ -391,7 +414,7 @@ impl<'a> Problem<'a> {
                 }
                 Ok(_) => {}
                 // Weights out of range: much too far.
-                Err(error) if error.kind() == ErrorKind::Input => {}
+                Err(error) if is_out_of_range(&error) => {}
                 Err(error) => return Err(error),
             }
             step /= 2.0;

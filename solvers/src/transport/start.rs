@@ -26,8 +26,9 @@ pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteTree) -> Res
 const TINY: f64 = 1e-3;
 /// Weights are good to start from where no more than one cell, or one in so many, is tiny or empty, and none has more than so many times what it is
 /// to have (of white noise some 5). (With one in 10, 6,833 cells of a cube that a bunny cuts slivers of took 15 steps and 25 diagrams from there; from few
-/// sites to all 7 and 9.)
+/// sites to all 7 and 9.) Weights that were given may be near those sought where more are.
 const ONE_IN: usize = 1000;
+const ONE_IN_OF_GIVEN: usize = 10;
 const LARGEST: f64 = 10.0;
 
 /// A state without empty cells: that of the diagram's own weights, or of the Voronoi diagram, if hardly any of its cells are tiny; else one that is found
@@ -40,13 +41,15 @@ pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
     given.resize(n, 0.0);
     center(&mut given);
     let mut state = problem.evaluate(given)?;
-    if !is_good(problem, &state) && !are_equal {
+    let mut one_in = if are_equal { ONE_IN } else { ONE_IN_OF_GIVEN };
+    if !is_good(problem, &state, one_in) && !are_equal {
         state = problem.evaluate(vec![0.0; n])?;
+        one_in = ONE_IN;
     }
-    if is_good(problem, &state) {
+    if is_good(problem, &state, one_in) {
         state = mend::mended(problem, state)?;
     }
-    if !is_good(problem, &state) || state.least <= 0.0 {
+    if !is_good(problem, &state, one_in) || state.least <= 0.0 {
         state = levels::state(problem)?;
     }
     if state.least > 0.0 {
@@ -72,7 +75,7 @@ fn nearest(positions: &[[f64; 3]], site: usize) -> (usize, f64) {
     (other, away2.sqrt())
 }
 
-fn is_good(problem: &Problem<'_>, state: &State) -> bool {
+fn is_good(problem: &Problem<'_>, state: &State, one_in: usize) -> bool {
     let tiny = state.masses.iter().zip(&problem.targets).filter(|&(mass, target)| *mass < TINY * target).count();
-    tiny.saturating_sub(1) * ONE_IN <= state.masses.len() && state.residual <= LARGEST
+    tiny.saturating_sub(1) * one_in <= state.masses.len() && state.residual <= LARGEST
 }

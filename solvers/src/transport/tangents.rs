@@ -8,7 +8,7 @@ use laguerre_core::Output;
 use rayon::prelude::*;
 
 use super::levels::halved;
-use crate::vectors::inner;
+use crate::vectors::{distance2, inner};
 
 /// Children of a node, and planes of a leaf.
 const CHILDREN: usize = 8;
@@ -50,13 +50,18 @@ impl Tangent {
 
 impl Node {
     fn new(tangents: &[Tangent]) -> Self {
-        let site = tangents[tangents.len() / 2].site;
         let along = |k: usize| tangents.iter().map(move |tangent| tangent.barycenter[k]);
+        let lo = std::array::from_fn(|k| along(k).fold(f64::INFINITY, f64::min));
+        let hi = std::array::from_fn(|k| along(k).fold(f64::NEG_INFINITY, f64::max));
+        // That whose barycenter is in the middle: the bound misses half of the box's width then, not up to all of it.
+        let middle = std::array::from_fn(|k| 0.5 * (lo[k] + hi[k]));
+        let away = |tangent: &Tangent| distance2(tangent.barycenter, middle);
+        let site = tangents.iter().min_by(|a, b| away(a).total_cmp(&away(b))).map_or(middle, |tangent| tangent.site);
         Self {
             site,
             least: tangents.iter().map(|tangent| tangent.weight_at(site)).fold(f64::INFINITY, f64::min),
-            lo: std::array::from_fn(|k| along(k).fold(f64::INFINITY, f64::min)),
-            hi: std::array::from_fn(|k| along(k).fold(f64::NEG_INFINITY, f64::max)),
+            lo,
+            hi,
         }
     }
 

@@ -40,6 +40,36 @@ class Relaxation:
 
 
 @dataclass(frozen=True, eq=False)
+class Gaussians:
+    """The density ``constant + sum of mass * N(x; mean, covariance)``, for :func:`transport` on the CPU.
+
+    ``means`` is (K, 3). ``covariances`` is (K, 3, 3), symmetric and positive definite (length squared), or (K,): standard deviations (length) along every
+    direction. ``masses`` is (K,): the integral of each over all of space, of which a domain has a part. It is integrated over each cell by quadrature of that
+    ``degree``, 0 to 31: cells are to be no larger than the deviations, or the degree is to be high. Where a Gaussian underflows to 0, some 38
+    deviations from its mean, it takes a ``constant``.
+    """
+
+    means: ArrayLike
+    covariances: ArrayLike
+    masses: ArrayLike
+    constant: float = 0.0
+    degree: int = 5
+
+    def _given(self) -> tuple[int, float, list[tuple[Any, Any, float]]]:
+        means = numbers(self.means, "Gaussians: means", (None, 3))
+        k = len(means)
+        if np.ndim(self.covariances) == 1:
+            deviations = numbers(self.covariances, "Gaussians: deviations", (k,))
+            covariances = deviations[:, None, None] ** 2 * np.eye(3)
+        else:
+            covariances = numbers(self.covariances, "Gaussians: covariances", (k, 3, 3))
+        masses = numbers(self.masses, "Gaussians: masses", (k,))
+        if isinstance(self.degree, bool) or not isinstance(self.degree, (int, np.integer)) or self.degree < 0:
+            raise ValueError(f"Gaussians: degree is {self.degree!r}; an integer from 0 is needed")
+        return int(self.degree), float(self.constant), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
+
+
+@dataclass(frozen=True, eq=False)
 class Transport:
     """What :func:`transport` came to."""
 
@@ -59,7 +89,7 @@ class Transport:
     """Which point's mass is farthest from the one asked for, and what stands in its way, where that can be shown; none where it converged."""
     cells: Cells
     """The cells of these weights."""
-    _density: tuple[float, Any] | None = None
+    _density: tuple[Any, ...] | None = None
 
     @property
     def converged(self) -> bool:
@@ -71,7 +101,7 @@ class Transport:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The gradients of a function by points, (N, 3), and masses, (N,), through the solve, from those by ``weights``, (N,), centroids, (N, 3), and the ``cost``:
         what reverse differentiation asks for. Masses change so that their sum stays: their gradient sums to 0. With a ``density`` that is linear there is none
-        by centroids. It takes one diagram and one linear system."""
+        by centroids, with :class:`Gaussians` none at all. It takes one diagram and one linear system."""
         given = self.cells._given
         n = len(given.points)
         return _laguerre.pull_back(
@@ -119,7 +149,7 @@ def transport(
     domain: Container = None,
     masses: ArrayLike | None = None,
     weights: ArrayLike | None = None,
-    density: tuple[float, ArrayLike] | None = None,
+    density: tuple[float, ArrayLike] | Gaussians | None = None,
     iterations: int = 100,
     tolerance: float = 1e-9,
     normalize: bool = False,
@@ -129,7 +159,7 @@ def transport(
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
-    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``; without, it is 1. The masses have to sum to the
+    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, or :class:`Gaussians`; without, it is 1. The masses have to sum to the
     domain's; with ``normalize`` they are scaled so that they do, and ``Transport.masses`` are those of the domain.
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
     start included; a true answer ends it with what there is. With ``facets`` its cells have facets, which takes one more diagram. ``options`` are those of :class:`Diagram`.
@@ -137,7 +167,11 @@ def transport(
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
-    rho = None if density is None else (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
+    rho: tuple[Any, ...] | None = None
+    if isinstance(density, Gaussians):
+        rho = density._given()
+    elif density is not None:
+        rho = (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
     found = _laguerre.transport(
         given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, normalize, facets, callback
     )

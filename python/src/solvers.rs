@@ -1,7 +1,7 @@
 //! Lloyd's relaxation and optimal transport, with a callback at each iteration.
 
 use laguerre::Result;
-use laguerre::solvers::density::Density;
+use laguerre::solvers::density::{Density, Gaussian};
 use laguerre::solvers::lloyd::{self as relaxation, Method};
 use laguerre::solvers::transport::{self as solution, Cotangent, End};
 use laguerre_page::Remembering;
@@ -75,7 +75,7 @@ pub(crate) fn transport<'py>(
     weights: Option<PyReadonlyArray1<'py, f64>>,
     container: Option<Container<'py>>,
     masses: Option<PyReadonlyArray1<'py, f64>>,
-    density: Option<(f64, [f64; 3])>,
+    density: Option<Given>,
     iterations: usize,
     tolerance: f64,
     normalize: bool,
@@ -84,7 +84,7 @@ pub(crate) fn transport<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let masses = masses.as_ref().map(|masses| masses.as_slice().map(<[f64]>::to_vec)).transpose()?.unwrap_or_default();
-    let density = linear(density);
+    let density = density_of(density).map_err(raised)?;
     let options = solution::Options::default().of(density).until(iterations, tolerance);
     let options = if normalize { options.normalized() } else { options };
     let options = if facets { options.with_facets() } else { options };
@@ -126,7 +126,7 @@ pub(crate) fn pull_back<'py>(
     points: PyReadonlyArray2<'py, f64>,
     weights: PyReadonlyArray1<'py, f64>,
     container: Option<Container<'py>>,
-    density: Option<(f64, [f64; 3])>,
+    density: Option<Given>,
     by_weights: Option<PyReadonlyArray1<'py, f64>>,
     by_centroids: Option<PyReadonlyArray2<'py, f64>>,
     by_cost: f64,
@@ -139,7 +139,7 @@ pub(crate) fn pull_back<'py>(
     if let Some(by_centroids) = &by_centroids {
         cotangent.barycenters = rows(by_centroids.as_slice()?, "centroid").map_err(raised)?.to_vec();
     }
-    let density = linear(density);
+    let density = density_of(density).map_err(raised)?;
     let backend = backend.get()?;
     let found = detached_in_pool(py, backend.info().threads, |stop| {
         solution::pull_back(&Stoppable { backend, stop }, &diagram, &density, &cotangent)
@@ -147,7 +147,23 @@ pub(crate) fn pull_back<'py>(
     Ok((table(py, found.positions)?, PyArray1::from_vec(py, found.masses)))
 }
 
-/// Uniform, or a value and a gradient.
-fn linear(density: Option<(f64, [f64; 3])>) -> Density {
-    density.map_or(Density::Uniform, |(value, gradient)| Density::Linear { value, gradient })
+/// A density as Python gives it.
+#[derive(FromPyObject)]
+pub(crate) enum Given {
+    /// A value and a gradient.
+    Linear(f64, [f64; 3]),
+    /// The degree of the rule, a constant, and mean, covariance and mass of each.
+    Gaussians(u32, f64, Vec<([f64; 3], [[f64; 3]; 3], f64)>),
+}
+
+/// Uniform, where none is given.
+fn density_of(given: Option<Given>) -> Result<Density> {
+    match given {
+        None => Ok(Density::Uniform),
+        Some(Given::Linear(value, gradient)) => Ok(Density::Linear { value, gradient }),
+        Some(Given::Gaussians(degree, constant, each)) => {
+            let one = |(mean, covariance, mass)| Gaussian { mean, covariance, mass };
+            Density::gaussians(degree, constant, &each.into_iter().map(one).collect::<Vec<_>>())
+        }
+    }
 }

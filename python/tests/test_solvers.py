@@ -69,6 +69,26 @@ def test_transport_equalizes():
     assert linear.masses == pytest.approx(np.full(300, 2 / 300), rel=1e-9)
 
 
+def test_gaussians_are_transported():
+    points = white(200)
+    round_ = lg.Gaussians([[0.3, 0.5, 0.5], [0.8, 0.4, 0.6]], [0.2, 0.15], [2.0, 1.0], constant=0.5)
+    found = lg.transport(points, domain=CUBE, density=round_, backend="cpu")
+    assert found.converged and found.masses == pytest.approx(np.full(200, found.masses.mean()), rel=1e-8)
+    # Cells are smaller where it is denser.
+    at = np.array([0.3, 0.5, 0.5])
+    near = np.linalg.norm(found.cells.centroid - at, axis=1) < 0.15
+    assert found.cells.volume[near].mean() < 0.5 * found.cells.volume[~near].mean()
+    whole = lg.Gaussians(round_.means, [np.eye(3) * 0.04, np.eye(3) * 0.15**2], round_.masses, constant=0.5)
+    again = lg.transport(points, domain=CUBE, density=whole, backend="cpu")
+    assert again.weights == pytest.approx(found.weights, abs=1e-12)
+    with pytest.raises(ValueError, match="Gaussian 1.*covariance"):
+        lg.transport(points, domain=CUBE, density=lg.Gaussians([at, at], [0.1, 0.0], [1, 1]), backend="cpu")
+    with pytest.raises(ValueError, match="means"):
+        lg.transport(points, domain=CUBE, density=lg.Gaussians(at, [0.1], [1]), backend="cpu")
+    with pytest.raises(ValueError, match="not for functions"):
+        found.pullback(cost=1.0)
+
+
 def test_what_transport_cannot_meet_is_named():
     near = np.array([[0.2, 0.3, 0.4], [0.7, 0.6, 0.5], [0.7 + 1e-15, 0.6, 0.5]])
     solved = lg.transport(near, domain=CUBE)

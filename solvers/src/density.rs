@@ -84,13 +84,16 @@ impl Density {
         if total > 0.0 && total.is_finite() {
             return Ok(total);
         }
-        Err(Error::input(format!("the density's mass over the domain is {total:?}: choose another unit of mass")))
+        Err(Error::input(format!(
+            "the density's mass over the domain is {total:?}: give a higher degree, or choose another unit of mass"
+        )))
     }
 
     /// Evaluates `diagram` for what `request` asks, and for what [`Density::masses`] needs.
     ///
     /// # Errors
-    /// As [`Backend::evaluate`], which refuses a function where it cannot call one; `Input` for a function that is somewhere not positive or not finite.
+    /// As [`Backend::evaluate`], which refuses a function where it cannot call one; `Input` for a function that is somewhere not positive or not finite, or where `request` has an
+    /// integral of its own beside it.
     pub fn evaluate(&self, backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         match self {
             Self::Uniform | Self::Linear { .. } => backend.evaluate(diagram, request),
@@ -112,7 +115,7 @@ impl Density {
         }
     }
 
-    /// The mass of each cell; 0 where it is empty. `None` where the density is a function and `output` is not of [`Density::evaluate`].
+    /// The mass of each cell; 0 where it is empty. `None` where the density is a function and `output` has no integrals, as those of [`Density::evaluate`] have.
     pub fn masses(&self, output: &Output) -> Option<Vec<f64>> {
         match self {
             Self::Uniform => Some(output.volume().to_vec()),
@@ -128,11 +131,11 @@ impl Density {
         }
     }
 
-    /// The mass of facet number `k`: of a function near it, and nearer where there are second moments.
-    pub(crate) fn of_facet(&self, facets: &Facets, k: usize) -> f64 {
+    /// The mass of facet number `k`: of a function near it, and nearer where there are second moments; it is called within `bounds` alone, where they are given.
+    pub(crate) fn of_facet(&self, facets: &Facets, k: usize, bounds: Option<[[f64; 3]; 2]>) -> f64 {
         let facet = facets.get(k);
         let mean = match (self, facets.second_moment()) {
-            (Self::Function(function), Some(seconds)) => function.mean(&facet, &seconds[k]),
+            (Self::Function(function), Some(seconds)) => function.mean(&facet, &seconds[k], bounds),
             _ => self.at(facet.barycenter),
         };
         mean * facet.area

@@ -168,7 +168,7 @@ pub struct Solution {
 }
 
 /// Finds weights for which the cell of each site of `diagram` has the mass asked for in `masses` (an empty slice stands for all equal).
-/// The diagram's own weights are the first; where they leave a cell empty, others are taken. Afterwards it has the weights found,
+/// The diagram's own weights are the first; where they leave a tenth of the cells tiny or empty, others are taken. Afterwards it has the weights found,
 /// converged or not. `on_iteration` sees each step when it is done.
 ///
 /// The result does not depend on the number of threads.
@@ -219,6 +219,8 @@ pub fn solve(
     }
     let (density, positions) = (&options.density, std::mem::take(&mut problem.positions));
     diagram.set_sites(&positions, &state.weights)?;
+    let found = density.masses(&state.output);
+    let found = found.unwrap_or_else(|| state.masses.iter().map(|mass| mass / state.scale).collect());
     let cost = match end {
         End::Interrupted => density.cost(diagram, &state.output),
         _ => density.transport_cost(backend, diagram, &state.output)?,
@@ -227,7 +229,7 @@ pub fn solve(
         cost,
         weights: state.weights,
         output: state.output,
-        masses: state.masses.iter().map(|mass| mass / state.scale).collect(),
+        masses: found,
         iterations,
         residual: state.residual,
         worst,
@@ -240,8 +242,8 @@ pub fn solve(
 ///
 /// # Errors
 /// What [`Density::total`] says;
-/// `Input` where the density is not positive, or the masses are not one for each site, not positive, or do not sum to the domain's and the
-/// options do not say that they are to be scaled.
+/// `Input` where the density is not positive, or the masses are not one for each site, not positive, or do not sum to the domain's and
+/// neither the options say that they are to be scaled nor the density is a function, of whose quadrature masses are shares.
 pub fn targets(backend: &dyn Backend, diagram: &PowerDiagram, masses: &[f64], options: &Options) -> Result<Vec<f64>> {
     let container = diagram.container()?;
     options.density.check(&container)?;
@@ -267,7 +269,8 @@ pub fn targets(backend: &dyn Backend, diagram: &PowerDiagram, masses: &[f64], op
         )));
     }
     // Scaling changes what each cell is asked for by as much, no more than the tolerance leaves open.
-    if !options.normalize && (scale - 1.0).abs() > options.tolerance {
+    let are_shares = options.normalize || matches!(options.density, Density::Function(_));
+    if !are_shares && (scale - 1.0).abs() > options.tolerance {
         return Err(Error::input(format!(
             "the masses sum to {sum:?}, but the domain has {total:?}: multiply each by {scale:?}, or have them normalized"
         )));

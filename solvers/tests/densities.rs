@@ -1,12 +1,15 @@
 //! Laws of densities that are functions: what they are to agree with, and what is refused.
 
-use laguerre_core::{Backend, BackendInfo, Capabilities, Observer, Output, PowerDiagram, Request, Result, shapes};
+use laguerre_core::{
+    Backend, BackendInfo, Capabilities, Integrand, Observer, Output, PowerDiagram, Request, Result, shapes,
+};
 use laguerre_cpu::Cpu;
 use laguerre_solvers::density::{Density, Gaussian};
 use laguerre_solvers::derivatives::Derivatives;
 use laguerre_solvers::transport::{Cotangent, End, Options, Solution, pull_back, solve, targets};
 use std::ops::ControlFlow::Continue;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Low discrepancy (Roberts' sequence), so that cells are of nearly one size.
@@ -252,7 +255,45 @@ fn what_functions_do_not_have_is_said() {
     let device = Device(Cpu::new(Some(1)).unwrap());
     let error = solve(&device, &mut diagram.clone(), &[], &options, &mut |_| Continue(())).unwrap_err().to_string();
     assert!(error.contains("a device cannot call a function") && error.ends_with("compute on the CPU"), "{error}");
-    // Masses that do not sum to what is found: the factor is told.
-    let error = targets(&cpu, &diagram, &[0.1; 30], &options).unwrap_err().to_string();
-    assert!(error.starts_with("the masses sum to 3.0") && error.contains("1.3333333333"), "{error}");
+    let error = density.evaluate(&cpu, &diagram, &density_request()).unwrap_err().to_string();
+    assert!(error.starts_with("the request has an integral of its own"), "{error}");
+    // Masses are shares.
+    let aimed = targets(&cpu, &diagram, &[0.1; 30], &options).unwrap();
+    assert!(aimed.iter().all(|mass| (mass - 4.0 / 90.0).abs() < 1e-12), "{aimed:?}");
+}
+
+fn density_request() -> Request {
+    Request::moments().with_integral(Integrand::function(1, |[x, ..]| x).unwrap())
+}
+
+/// A start that sees hardly anything of the density leads to the same end, in about as many steps; and a function is called in the box alone.
+#[test]
+fn what_the_start_sees_of_a_function_does_not_matter() {
+    let cpu = Cpu::new(None).unwrap();
+    let is_outside = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&is_outside);
+    let density = Density::function(5, move |x| {
+        if x.iter().any(|&x| !(0.0..=1.0).contains(&x)) {
+            seen.store(true, Relaxed);
+        }
+        0.1 + (-((x[0] - 0.7).powi(2) + (x[1] - 0.6).powi(2) + (x[2] - 0.4).powi(2)) / (2.0 * 0.12 * 0.12)).exp()
+    })
+    .unwrap();
+    let sites = even(300);
+    let mut steps = Vec::new();
+    for weight in [0.0, 3.0] {
+        // With this one cell is all of the cube.
+        let mut weights = vec![0.0; 300];
+        weights[0] = weight;
+        let mut diagram = PowerDiagram::new(&sites, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        let options = Options::default().of(density.clone());
+        let solution = solve(&cpu, &mut diagram, &[], &options, &mut |_| Continue(())).unwrap();
+        assert_eq!(solution.end, End::Converged, "{} after {}", solution.residual, solution.iterations.len());
+        let worst = &solution.worst;
+        assert_eq!(worst.mass, solution.masses[worst.site]);
+        steps.push(solution.iterations.len());
+    }
+    eprintln!("{steps:?}");
+    assert!(steps[0].abs_diff(steps[1]) <= 3, "{steps:?}");
+    assert!(!is_outside.load(Relaxed));
 }

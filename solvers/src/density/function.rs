@@ -116,17 +116,23 @@ impl Function {
     /// It is for the matrix of a Newton step alone, which need not be exact: each step leaves of the error the part that the matrix is off, some `(h/ℓ)³`, where `h`
     /// is a facet's size and `ℓ` the length over which ρ changes. Of 300 white sites in a cube, with three Gaussians whose deviations are two cells, one
     /// and a half, it takes 5, 10 and 11 steps to 1e-9; with ρ at the facet's barycenter, which leaves `(h/ℓ)²`, it took 7, 26 and 33.
-    pub(super) fn mean(&self, facet: &Facet, second: &[f64; 6]) -> f64 {
+    pub(super) fn mean(&self, facet: &Facet, second: &[f64; 6], bounds: Option<[[f64; 3]; 2]>) -> f64 {
+        let [lo, hi] = bounds.unwrap_or([[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]]);
         let spread = sides(second.map(|m| m / facet.area));
         let mut mean = 0.0;
         for (u, share_u) in GAUSS {
             for (v, share_v) in GAUSS {
-                let x = std::array::from_fn(|k| facet.barycenter[k] + u * spread[0][k] + v * spread[1][k]);
-                mean += share_u * share_v * self.at(x);
+                // (The parallelogram reaches a little beyond the facet.)
+                let node = |k: usize| facet.barycenter[k] + u * spread[0][k] + v * spread[1][k];
+                let value = self.at(std::array::from_fn(|k| node(k).clamp(lo[k], hi[k])));
+                if value.is_nan() || value <= 0.0 {
+                    return self.at(facet.barycenter);
+                }
+                mean += share_u * share_v * value;
             }
         }
         // A facet that the domain cuts may have nodes where ρ is not asked for otherwise, and need not be positive.
-        if mean > 0.0 && mean.is_finite() { mean } else { self.at(facet.barycenter) }
+        if mean.is_finite() { mean } else { self.at(facet.barycenter) }
     }
 
     /// Evaluates a diagram with the masses of its cells as integrals, or with all [`COLUMNS`] about `o`.
@@ -137,6 +143,11 @@ impl Function {
         request: &Request,
         about: Option<[f64; 3]>,
     ) -> Result<Output> {
+        if request.integral().is_some() {
+            return Err(Error::input(
+                "the request has an integral of its own beside that of the density: evaluate them one after the other",
+            ));
+        }
         let found = Arc::new(Mutex::new(None));
         let (function, noted) = (Arc::clone(&self.value), Arc::clone(&found));
         let value = move |x: [f64; 3]| {

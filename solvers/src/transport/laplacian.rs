@@ -14,15 +14,22 @@ pub(super) fn of_volumes(laplacian: &Laplacian, unit: f64) -> Matrix {
         |row, (), columns, values| {
             let entries = laplacian.row(row);
             let each = laplacian.columns()[entries.clone()].iter().zip(&laplacian.values()[entries]);
-            append(row, each.map(|(&column, value)| (column, value / 2.0)), unit, columns, values);
+            append(row, each.map(|(&column, value)| (column, value / 2.0)), unit.recip(), columns, values);
         },
     )
 }
 
-/// The same for a density, with `a_ij = ∫_facet ρ / (2 ‖p_i − p_j‖)`: rows and columns in `order`. Both sides of a facet have the mean of what the two
+/// The same for a density, where masses are times `scale` and a function is not to be called outside of some bounds, with `a_ij = ∫_facet ρ / (2 ‖p_i − p_j‖)`: rows and columns in `order`. Both sides of a facet have the mean of what the two
 /// cells found, so that the matrix is symmetric to the last bit; a facet that one of them has alone is below its rounding bound, and left out.
-pub(super) fn of_masses(facets: &Facets, density: &Density, order: &[u32], place: &[u32], unit: f64) -> Matrix {
-    let coefficient = |k: usize| density.of_facet(facets, k) / (2.0 * facets.get(k).distance);
+pub(super) fn of_masses(
+    facets: &Facets,
+    density: &Density,
+    bounds: Option<[[f64; 3]; 2]>,
+    order: &[u32],
+    place: &[u32],
+    scale: f64,
+) -> Matrix {
+    let coefficient = |k: usize| density.of_facet(facets, k, bounds) / (2.0 * facets.get(k).distance);
     Matrix::from_rows(
         order.len(),
         || (),
@@ -32,7 +39,7 @@ pub(super) fn of_masses(facets: &Facets, density: &Density, order: &[u32], place
                 let back = facets.between(facet.neighbor, site)?;
                 Some((place[facet.neighbor], (coefficient(facet.number) + coefficient(back)) / 2.0))
             });
-            append(row, each, unit, columns, values);
+            append(row, each, scale, columns, values);
         },
     )
 }
@@ -41,7 +48,7 @@ pub(super) fn of_masses(facets: &Facets, density: &Density, order: &[u32], place
 fn append(
     row: usize,
     others: impl Iterator<Item = (u32, f64)>,
-    unit: f64,
+    scale: f64,
     columns: &mut Vec<u32>,
     values: &mut Vec<f64>,
 ) {
@@ -50,7 +57,7 @@ fn append(
     values.push(0.0);
     for (column, a) in others.filter(|(_, a)| *a > 0.0) {
         columns.push(column);
-        values.push(-(a / unit));
-        values[diagonal] += a / unit;
+        values.push(-(a * scale));
+        values[diagonal] += a * scale;
     }
 }

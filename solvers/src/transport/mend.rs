@@ -38,7 +38,7 @@ fn rounds(problem: &mut Problem<'_>, mut state: State, most: usize) -> Result<St
         if empty.is_empty() || full.is_empty() {
             break;
         }
-        let tangents = Tangents::new(&problem.positions, &state.weights, &state.output, &full);
+        let tangents = Tangents::new(&problem.positions, &state.weights, &state.output, &full, empty.len());
         let raised: Vec<(f64, usize)> =
             empty.par_iter().map(|&i| tangents.highest(problem.positions[i as usize])).collect();
         let mut weights = std::mem::take(&mut state.weights);

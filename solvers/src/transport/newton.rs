@@ -184,7 +184,7 @@ impl<'a> Problem<'a> {
         self.stand_as(output.kept().map(Kept::order).or(output.laplacian().map(Laplacian::order)))?;
         let missing = || Error::new(ErrorKind::Device, "the backend gave no integrals though asked to");
         let mut masses = self.density.masses(&output).ok_or_else(missing)?;
-        let scale = self.scale(&masses);
+        let scale = self.scale(&masses)?;
         masses.par_iter_mut().for_each(|mass| *mass *= scale);
         let least = masses.par_iter().copied().reduce(|| f64::INFINITY, f64::min);
         let each = masses.par_iter().zip(&self.targets);
@@ -195,10 +195,16 @@ impl<'a> Problem<'a> {
 
     /// What masses are multiplied by: to be in the unit, and those of a quadrature to sum to the targets'. They do so up to its error alone, which
     /// differs from diagram to diagram, and no weights would make up for that.
-    fn scale(&self, masses: &[f64]) -> f64 {
+    fn scale(&self, masses: &[f64]) -> Result<f64> {
         match self.density {
-            Density::Uniform | Density::Linear { .. } => self.unit.recip(),
-            Density::Function(_) => sum(masses.len(), |i| self.targets[i]) / sum(masses.len(), |i| masses[i]),
+            Density::Uniform | Density::Linear { .. } => Ok(self.unit.recip()),
+            Density::Function(_) => {
+                let scale = sum(masses.len(), |i| self.targets[i]) / sum(masses.len(), |i| masses[i]);
+                match scale > 0.0 && scale.is_finite() {
+                    true => Ok(scale),
+                    false => Err(Error::input("the quadrature of the density gives no mass: give a higher degree")),
+                }
+            }
         }
     }
 
@@ -268,7 +274,13 @@ impl<'a> Problem<'a> {
         }
         let matrix = match (state.output.take_laplacian(), state.output.take_facets()) {
             (Some(laplacian), _) => of_volumes(&laplacian, self.unit),
-            (None, Some(facets)) => of_masses(&facets, &self.density, &self.order, &self.place, self.unit),
+            (None, Some(facets)) => {
+                let bounds = match self.diagram.container()? {
+                    Container::Box(lo, hi) => Some([lo, hi]),
+                    Container::Domain(_) => None,
+                };
+                of_masses(&facets, &self.density, bounds, &self.order, &self.place, state.scale)
+            }
             (None, None) => return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to")),
         };
         Ok((&HOST, HOST.matrix(matrix.into_rows())?))

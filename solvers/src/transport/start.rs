@@ -25,7 +25,7 @@ pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteTree) -> Res
 /// Of the mass asked for: cells with less are tiny.
 const TINY: f64 = 1e-3;
 /// Weights are good to start from where no more than one cell, or one in so many, is tiny or empty, and none has more than so many times what it is
-/// to have (of white noise some 5). (With one in 10, 6,833 cells of a cube that a bunny cuts slivers of took 15 steps and 25 diagrams from there; from few
+/// to have (of white noise some 5). (With one in 10, 6,833 cells of the bunny's box, of which it cuts slivers, took 15 steps and 25 diagrams from there; from few
 /// sites to all 7 and 9.) Weights that were given may be near those sought where more are.
 const ONE_IN: usize = 1000;
 const ONE_IN_OF_GIVEN: usize = 10;

@@ -13,12 +13,15 @@ use crate::vectors::{distance2, inner};
 /// Children of a node, and planes of a leaf.
 const CHILDREN: usize = 8;
 
+/// For so few questions all planes are gone through: to put them in order takes as long as some ten times that.
+const FEW: usize = 8;
+
 /// The planes of some cells.
 pub(super) struct Tangents {
     tangents: Vec<Tangent>,
     /// The row of the cell of each.
     rows: Vec<u32>,
-    /// The nodes of each level, the leaves first, a single one last.
+    /// The nodes of each level, the leaves first, a single one last; none where there are few questions.
     levels: Vec<Vec<Node>>,
 }
 
@@ -78,13 +81,14 @@ impl Node {
 }
 
 impl Tangents {
-    /// Of the cells of some of these sites, none of which is empty.
-    pub(super) fn new(positions: &[[f64; 3]], weights: &[f64], output: &Output, sites: &[u32]) -> Self {
+    /// Of the cells of some of these sites, none of which is empty, for so many questions.
+    pub(super) fn new(positions: &[[f64; 3]], weights: &[f64], output: &Output, sites: &[u32], asked: usize) -> Self {
         let tangent = |&i: &u32| {
             let i = i as usize;
             Tangent { weight: weights[i], site: positions[i], barycenter: output.barycenter()[i] }
         };
-        Self::of(&sites.iter().map(tangent).collect::<Vec<_>>())
+        let tangents = sites.par_iter().map(tangent).collect::<Vec<_>>();
+        if asked <= FEW { Self { tangents, rows: Vec::new(), levels: Vec::new() } } else { Self::of(&tangents) }
     }
 
     fn of(given: &[Tangent]) -> Self {
@@ -105,8 +109,13 @@ impl Tangents {
 
     /// The weight of a site at p that is on the highest plane, and the row of the cell whose plane that is; of equals the first.
     pub(super) fn highest(&self, p: [f64; 3]) -> (f64, usize) {
+        let Some(top) = self.levels.len().checked_sub(1) else {
+            let all = self.tangents.par_iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
+            let less = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+            return all.min_by(less).unwrap_or((f64::INFINITY, 0));
+        };
         let mut found = (f64::INFINITY, 0);
-        self.descend(p, self.levels.len() - 1, 0, &mut found);
+        self.descend(p, top, 0, &mut found);
         found
     }
 
@@ -153,9 +162,11 @@ mod tests {
             let one = |_| Tangent { weight: point()[0], site: point(), barycenter: point() };
             let given: Vec<Tangent> = (0..cells).map(one).collect();
             let tangents = Tangents::of(&given);
+            let none = Tangents { tangents: given.clone(), rows: Vec::new(), levels: Vec::new() };
             for _ in 0..100 {
                 let p = point();
                 let all = given.iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
+                assert_eq!(tangents.highest(p), none.highest(p));
                 assert_eq!(tangents.highest(p), all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap());
             }
         }

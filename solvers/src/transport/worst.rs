@@ -62,12 +62,12 @@ impl Worst {
         let cause = match stuck {
             Some(_) => Some(Cause::Apart {
                 cells: all.clone().filter(is_among).count(),
-                lacking: all.filter(is_among).map(lacking).sum::<f64>() * problem.unit,
+                lacking: all.filter(is_among).map(lacking).sum::<f64>() / state.scale,
             }),
             None if end == End::Stalled => rounding(problem, state, site),
             None => None,
         };
-        let (mass, target) = (state.masses[site] * problem.unit, problem.targets[site] * problem.unit);
+        let (mass, target) = (state.masses[site] / state.scale, problem.targets[site] / state.scale);
         Self { site, position: problem.positions[site], mass, target, cause }
     }
 }
@@ -91,7 +91,7 @@ fn rounding(problem: &Problem<'_>, state: &State, worst: usize) -> Option<Cause>
         let changes = || facets.of(site).map(|facet| (over(&facet), facet));
         let (mass, facet) = changes().max_by(|a, b| a.0.total_cmp(&b.0))?;
         // And the mass is a sum, rounded as well.
-        let all = changes().map(|(mass, _)| mass).sum::<f64>() / problem.unit + f64::EPSILON * state.masses[site];
+        let all = changes().map(|(mass, _)| mass).sum::<f64>() * state.scale + f64::EPSILON * state.masses[site];
         Some(Change { part: all / problem.targets[site], facet, mass })
     };
     let explains = |change: &Change| state.residual <= ROUNDINGS * change.part;

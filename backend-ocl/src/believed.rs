@@ -21,21 +21,13 @@ fn share_of(precision: Precision) -> f64 {
     if precision == Precision::F32 { SHARE_IN_SINGLE } else { SHARE }
 }
 
-/// The volume of a container.
-pub(crate) fn volume_of(container: &Container) -> f64 {
-    match container {
-        Container::Domain(domain) => domain.volume(),
-        Container::Box(lo, hi) => (0..3).map(|k| hi[k] - lo[k]).product(),
-    }
-}
-
 /// That the volumes of all cells sum to the container's. It takes a look at each volume.
 ///
 /// # Errors
 /// `Device` where they do not.
 pub(crate) fn check_volumes(diagram: &PowerDiagram, output: &Output, precision: Precision, device: &str) -> Result<()> {
     let container = diagram.container()?;
-    let volume = volume_of(&container);
+    let volume = container.volume();
     let add = |(sum, all): (f64, f64), (v, size): (f64, f64)| (sum + v, all + size);
     let (sum, all) = output.volume().par_iter().map(|v| (*v, v.abs())).reduce(|| (0.0, 0.0), add);
     if is_near(sum, all, volume, precision) {

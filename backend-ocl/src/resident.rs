@@ -1,6 +1,6 @@
 //! Sites that stay on the device with what comes of their cells, for a loop that asks for a few sums and lets each site move to the barycenter of its cell.
 
-use crate::believed::{is_near, volume_of};
+use crate::believed::is_near;
 use crate::buffer::Room;
 use crate::device::Device;
 use crate::evaluate::Ocl;
@@ -89,7 +89,7 @@ impl Resident for Stay<'_> {
     fn set_sites(&mut self, diagram: &PowerDiagram) -> Result<()> {
         Capabilities::OF_DEVICES.check(&self.request, diagram)?;
         (self.found, self.found_before) = (None, None);
-        self.container = Some((diagram.framed_container()?, volume_of(&diagram.container()?)));
+        self.container = Some((diagram.framed_container()?, diagram.container()?.volume()));
         self.backend.on_first(|device| self.given.bring(&device.context, &device.queue, diagram))
     }
 

@@ -79,13 +79,14 @@ pub(crate) struct Whole {
 impl Whole {
     pub(crate) fn of(diagram: &PowerDiagram) -> Result<Self> {
         use laguerre::Container;
-        let whole = match diagram.container()? {
+        let container = diagram.container()?;
+        let volume = container.volume();
+        let whole = match container {
             Container::Domain(domain) => {
                 let (lo, hi) = domain.bounding_box();
-                Self { lo, hi, volume: domain.volume(), barycenter: domain.barycenter() }
+                Self { lo, hi, volume, barycenter: domain.barycenter() }
             }
             Container::Box(lo, hi) => {
-                let volume = (0..3).map(|k| hi[k] - lo[k]).product();
                 Self { lo, hi, volume, barycenter: std::array::from_fn(|k| lo[k] + (hi[k] - lo[k]) / 2.0) }
             }
         };

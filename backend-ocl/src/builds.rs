@@ -5,9 +5,18 @@ use crate::sources::Text;
 use laguerre_core::cell::{FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS};
 use laguerre_core::passes::Capacities;
 
-/// The kernels that sort sites, those that find how near the surface is to them, those of the Laplacian, and those of sites that stay.
+/// The kernels that sort sites and make the trees, those that find how near the surface is to them, those of the Laplacian, and those of sites that stay.
 const GRID: Text = Text {
-    entries: &["grid.cl", "order.cl", "bound_nodes.cl", "clearance.cl", "laplacian.cl", "algebra.cl", "totals.cl"],
+    entries: &[
+        "grid.cl",
+        "order.cl",
+        "bound_nodes.cl",
+        "power_octree.cl",
+        "clearance.cl",
+        "laplacian.cl",
+        "algebra.cl",
+        "totals.cl",
+    ],
     prelude: "prelude.cl",
     store: None,
 };

@@ -14,6 +14,7 @@ use crate::interface::data::{Counters, Params};
 use crate::interface::kernels::MeasureClearances;
 use crate::lanes;
 use crate::laplacian::{LaplacianMemory, MadeLaplacian};
+use crate::octree::OctreeMemory;
 use crate::params::Shared;
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
@@ -60,6 +61,7 @@ pub(crate) struct Device {
     seconds: f64,
     pub(crate) results: Results,
     pub(crate) laplacian: LaplacianMemory,
+    octree: OctreeMemory,
     /// The number of the last evaluation, which no other device has.
     pub(crate) evaluation: u64,
     /// The Laplacian that is on the device.
@@ -147,6 +149,7 @@ impl Device {
             seconds: 0.0,
             results: Results::default(),
             laplacian: LaplacianMemory::new(),
+            octree: OctreeMemory::new(),
             evaluation: 0,
             made: None,
             answers: Answers::new(),

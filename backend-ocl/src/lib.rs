@@ -16,6 +16,7 @@ mod interface;
 mod lanes;
 mod laplacian;
 mod launch;
+mod octree;
 mod params;
 #[cfg(feature = "test-util")]
 pub mod parity;

@@ -5,9 +5,9 @@ use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, Cells, Combine, CountDigits, CountFacets, DotParts, EnterSites, FillLaplacian, FindBeyond,
-    FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal, ListFacets, LookAbout, MarkVoxels, MatchFacets,
-    MeasureClearances, MoveSites, Multiply, PackFacets, PlaceDigits, RankSites, ScanBlocks, SettleRuns, SortFacets,
-    SubtractNumber, SumCells, SumParts, TightenSlabs,
+    FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal, ListFacets, LookAbout, MarkVoxels,
+    MatchFacets, MeasureClearances, MoveSites, Multiply, PackFacets, PlaceDigits, PlaceLeaves, RankSites, ScanBlocks,
+    SettleRuns, SortFacets, SplitBoxes, SubtractNumber, SumCells, SumParts, TightenSlabs,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -45,6 +45,9 @@ pub(crate) struct GridKernels {
     pub(crate) find_voxels: Kernel<FindVoxels<'static>>,
     pub(crate) bound_nodes: Kernel<BoundNodes<'static>>,
     pub(crate) tighten_slabs: Kernel<TightenSlabs<'static>>,
+    pub(crate) split_boxes: Kernel<SplitBoxes<'static>>,
+    pub(crate) place_leaves: Kernel<PlaceLeaves<'static>>,
+    pub(crate) find_homes: Kernel<FindHomes<'static>>,
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
     pub(crate) look_about: Kernel<LookAbout<'static>>,
     pub(crate) count_facets: Kernel<CountFacets<'static>>,
@@ -82,6 +85,9 @@ impl GridKernels {
             find_voxels: Kernel::new(&program)?,
             bound_nodes: Kernel::new(&program)?,
             tighten_slabs: Kernel::new(&program)?,
+            split_boxes: Kernel::new(&program)?,
+            place_leaves: Kernel::new(&program)?,
+            find_homes: Kernel::new(&program)?,
             measure_clearances: Kernel::new(&program)?,
             look_about: Kernel::new(&program)?,
             count_facets: Kernel::new(&program)?,

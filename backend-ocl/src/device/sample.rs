@@ -7,8 +7,9 @@ use crate::interface::data::Counters;
 use crate::program::MOST_PLANES;
 use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL};
 use laguerre_core::passes::{Capacities, Cells as _};
-use laguerre_core::{Request, Result};
+use laguerre_core::{Request, Result, Watched};
 use std::ops::Range;
+use std::time::Instant;
 
 /// Sites from which on a sample is worth its time, its size, and how many of it may fail: a pass costs about as much as what it
 /// saves the next where one cell in twenty fails (paper §6.1: capacities at 95 %).
@@ -83,6 +84,19 @@ impl Device {
         let cuts_facets = self.domain.is_some() && self.shared.params.flags & FACETS != 0;
         let failed = first.later + if cuts_facets { 0 } else { first.left };
         Ok(failed > MOST_OF_SAMPLE)
+    }
+
+    /// Makes an octree over the container, for this evaluation, if that is not too large; whether it is there.
+    pub(super) fn make_octree(&mut self, request: &Watched<'_>) -> Result<bool> {
+        if self.shared.params.equal_weights != 0 {
+            return Ok(false);
+        }
+        let begin = Instant::now();
+        let Self { context, queue, grid_kernels, octree, shared, sites, .. } = self;
+        let off = octree.make(context, queue, grid_kernels, shared, &sites.sites, &|| request.advance(0))?;
+        shared.params.octree_off = off;
+        self.seconds += begin.elapsed().as_secs_f64();
+        Ok(off > 0.0)
     }
 
     /// Tries a way with so many of the cells, or all if they are fewer; how they ended.

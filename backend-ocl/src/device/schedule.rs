@@ -88,6 +88,7 @@ impl Device {
         }
         let begin = match together {
             Some(lanes) if self.shared.params.has_table == 0 && self.most_fail(lanes, share.clone())? => {
+                self.make_octree(request)?;
                 Some((lanes, Stage::Far))
             }
             Some(lanes) if self.begins_in_single() => Some((lanes, Stage::Single)),
@@ -414,11 +415,12 @@ impl Device {
         turns: Range<usize>,
         interior_only: bool,
     ) -> Result<Option<Error>> {
-        let Self { context, queue, memory, programs, sites, shared, counters, .. } = self;
+        let Self { context, queue, memory, octree, programs, sites, shared, counters, .. } = self;
         let kernels = programs.get(context, self.id, way, &shared.params)?;
         memory.facets.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
         memory.vast.grow(context, 1)?;
+        octree.be_there(context)?;
         shared.send(context, queue)?;
         memory.counters.fill(context, queue, &[*counters])?;
         let (has_list, start) = match cells {
@@ -438,6 +440,10 @@ impl Device {
             boxes: &sites.boxes,
             slabs: &sites.slabs,
             weight_bounds: &sites.weight_bounds,
+            octree_nodes: &octree.nodes,
+            octree_leaves: &octree.listed,
+            octree_homes: &octree.homes,
+            octree_middles: &octree.middles,
             domain_vertices: &memory.domain_vertices,
             triangles: &memory.triangles,
             lowest_voxels: &memory.lowest_voxels,

@@ -1,10 +1,16 @@
 //! The tree that the device makes over the sites, held to its sites.
 
 use super::Device;
+#[cfg(feature = "test-util")]
+use crate::interface::data::{FEW_SUMS, OUTCOME_STATUS};
 use crate::platform::choose;
+#[cfg(feature = "test-util")]
+use laguerre_core::cell::search_store::{MOST_LEAVES, OctreeStore as _};
+#[cfg(feature = "test-util")]
+use laguerre_core::power_octree::{Home, PowerOctree};
 use laguerre_core::required::if_available;
-use laguerre_core::site_tree::{MadeTree, WIDTH};
-use laguerre_core::{DeviceChoice, PowerDiagram, Precision, Request};
+use laguerre_core::site_tree::{MadeTree, SiteTree, WIDTH};
+use laguerre_core::{DeviceChoice, PowerDiagram, Precision, Request, Watched};
 
 type Place = fn([f64; 3]) -> [f64; 3];
 type Weight = fn([f64; 3]) -> f64;
@@ -68,6 +74,62 @@ fn what_bounds_a_node_holds_for_its_sites() {
                 }
             }
         }
+    }
+}
+
+/// The octree over the container that the device makes is the host's, and the cells that it leads to are those that are found without.
+#[cfg(feature = "test-util")]
+#[test]
+fn an_octree_leads_to_the_same_cells() {
+    let Some(mut device) = open() else { return };
+    device.share_cells();
+    // Sites `∇φ(x)` of a convex `φ = |x|⁴` at even points, each with about the weight with which that point is in its cell.
+    let (mut positions, mut weights) = (Vec::new(), Vec::new());
+    for (i, x) in spread(600).into_iter().enumerate() {
+        let x = x.map(|c| c - 0.5);
+        let square: f64 = x.iter().map(|x| x * x).sum();
+        let p = x.map(|x| 4.0 * square * x);
+        let along: f64 = p.iter().zip(x).map(|(p, x)| p * x).sum();
+        let own: f64 = p.iter().map(|p| p * p).sum();
+        weights.push(own - 2.0 * (along - square * square) + 1e-4 * (i as f64 * 0.618).fract());
+        positions.push(p.map(|p| p + 0.5));
+    }
+    let diagram = PowerDiagram::new(&positions, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let container = diagram.framed_container().unwrap();
+    let (request, count) = (Request::moments(), positions.len());
+    let watched = Watched::new(&request, &());
+    let mut cells = |with_octree: bool| {
+        device.bring_sites(&diagram).unwrap();
+        device.load(&container, &request, None).unwrap();
+        device.sort(&|| Ok(false)).unwrap().unwrap();
+        if with_octree {
+            assert!(device.make_octree(&watched).unwrap());
+            let made = device.sites.read_tree(&device.queue, &device.shared.params).unwrap();
+            let tree = SiteTree::from_device(made, count);
+            let most = MOST_LEAVES as usize - 1;
+            let octree = PowerOctree::new(&tree, [container.lo, container.hi], most, &|| Ok(())).unwrap().unwrap();
+            let (mut nodes, mut listed, mut homes) = (Vec::new(), Vec::new(), Vec::new());
+            device.octree.nodes.read(&device.queue, usize::MAX, &mut nodes).unwrap();
+            device.octree.listed.read(&device.queue, usize::MAX, &mut listed).unwrap();
+            device.octree.homes.read(&device.queue, count, &mut homes).unwrap();
+            for (site, &home) in homes.iter().enumerate() {
+                assert_eq!(octree.home(site as u32), Home::At(octree.middle(home)), "{site}");
+                let node = octree.octree_node(home);
+                assert_eq!(nodes[home as usize], [node.begin, node.count], "{site}");
+                assert_eq!(octree.leaves_of(node), &listed[node.begin as usize..][..node.count as usize], "{site}");
+            }
+        }
+        let computed = device.compute(&watched, count, 0..count, 1).unwrap();
+        assert!(computed.for_host.is_empty());
+        device.read_results(&request, count).unwrap();
+        (device.results.outcomes.clone(), device.results.sums.clone())
+    };
+    let ((outcomes, sums), (with, sums_with)) = (cells(false), cells(true));
+    let mean = container.lo.iter().zip(&container.hi).map(|(lo, hi)| hi - lo).product::<f64>() / count as f64;
+    for i in 0..count {
+        assert_eq!(outcomes[i] & OUTCOME_STATUS, with[i] & OUTCOME_STATUS, "{i}");
+        let (own, other) = (sums[i * FEW_SUMS as usize], sums_with[i * FEW_SUMS as usize]);
+        assert!((own - other).abs() < 1e-12 * mean, "{i}: {own} {other}");
     }
 }
 

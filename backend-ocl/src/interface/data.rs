@@ -17,6 +17,18 @@ pub(crate) const SAMPLE: u32 = 512;
 /// Room for a cell that is too large for local memory, in units of 8 bytes.
 pub(crate) const VAST_WORDS: u32 = 77_000;
 
+/// Work-items that go over the leaves of a box of the octree over the container: a box lists some sixty where it is split last.
+pub(crate) const OCTREE_GROUP: u32 = 64;
+
+/// Where the leaves of a part go: among those of boxes that are split next, or that boxes list in the end, or nowhere.
+pub(crate) const PLACED_WHOLE: u32 = 0;
+pub(crate) const PLACED_LISTED: u32 = 1;
+pub(crate) const PLACED_NOWHERE: u32 = 2;
+
+/// The home of a site that is not known, and that of one that no box lists.
+pub(crate) const NO_BOX: u32 = 0xffff_fffe;
+pub(crate) const NO_HOME: u32 = 0xffff_ffff;
+
 /// Levels of the tree at most.
 pub(crate) const MOST_TREE_LEVELS: usize = 12;
 
@@ -84,6 +96,8 @@ pub(crate) struct Params {
     pub(crate) origin: [f64; 3],
     /// What the Laplacian is in units of.
     pub(crate) laplacian_unit: f64,
+    /// How far a place may be off where the octree over the container tells the sites of least power; 0 where there is no octree.
+    pub(crate) octree_off: f64,
     /// Where the records of this batch will stand among all.
     pub(crate) facet_base: u64,
     /// How many sums are written for each cell.

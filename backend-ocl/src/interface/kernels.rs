@@ -4,6 +4,7 @@ use super::data::{Counters, Params, Range};
 use super::table::kernels;
 use laguerre_core::assemble::FacetRecord;
 use laguerre_core::cell::FacetSecond;
+use laguerre_core::power_octree::OctreeBox;
 use laguerre_core::site_tree::{Boxes, Slabs, WeightBounds};
 
 kernels! {
@@ -18,6 +19,12 @@ kernels! {
         input boxes: Boxes,
         input slabs: Slabs,
         input weight_bounds: WeightBounds,
+        /// The octree over the container: where the parts of each box begin, or the leaves that it lists, and how many these are; these leaves; the box
+        /// that each sorted site's cell is in; and the boxes' middles.
+        input octree_nodes: [u32; 2],
+        input octree_leaves: u32,
+        input octree_homes: u32,
+        input octree_middles: [f64; 4],
         input domain_vertices: [f64; 3],
         /// Corners, and how often it stands.
         input triangles: [u32; 4],
@@ -166,6 +173,38 @@ kernels! {
         input sites: [f64; 4],
         value level: u32,
         output slabs: Slabs,
+    }
+
+    kernel SplitBoxes = split_boxes {
+        input params: Params,
+        input sites: [f64; 4],
+        input boxes: OctreeBox,
+        input leaves: u32,
+        value margin: f64,
+        /// 1 for each leaf of a box that a part keeps, part by part.
+        output kept: u8,
+        output counts: u32,
+    }
+
+    kernel PlaceLeaves = place_leaves {
+        input boxes: OctreeBox,
+        input leaves: u32,
+        input kept: u8,
+        /// Of each part where its leaves go.
+        input places: [u32; 2],
+        output next: u32,
+        output listed: u32,
+    }
+
+    kernel FindHomes = find_homes {
+        input params: Params,
+        input sites: [f64; 4],
+        input nodes: [u32; 2],
+        input middles: [f64; 4],
+        input listed: u32,
+        value is_second: u32,
+        atomic ways: u32,
+        atomic homes: u32,
     }
 
     kernel MeasureClearances = measure_clearances {

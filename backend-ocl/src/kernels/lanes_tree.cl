@@ -147,7 +147,7 @@ INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *ex
     uint status = UNTOUCHED;
     if (IS_FIRST_TEAM) {
         real proven;
-        status = search_near(s, vantage, visited, &proven);
+        status = search_from(s, vantage, visited, &proven);
 #if WITH_FAR
         if (status == UNTOUCHED) {
             settle_near(s, vantage.center, proven);

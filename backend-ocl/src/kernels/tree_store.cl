@@ -42,8 +42,7 @@ INLINE uint store_candidate(Store *s, uint i);
 INLINE uint store_tied(Store *s, uint team, uint i) { return store_candidate(s, i); }
 #endif
 #endif
-// (There is no octree over the container on a device.)
-INLINE uint store_set_listed_leaves(Store *s, uint asks) { return 0u; }
+#import "octree_store.cl"
 INLINE uint store_most_ties(Store *s) { return MOST_CANDIDATES; }
 
 // (Of a search of the table alone there is none.)

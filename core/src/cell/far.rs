@@ -184,7 +184,7 @@ fn take_answer<S: SearchStore>(s: &mut S, team: u32, its: Answer, end: u32, visi
 /// place times `sign`, and the key; `NO_SITE` where there is none.
 #[inline]
 #[cfg_attr(opencl, hot)]
-fn next_unsettled<S: SearchStore>(s: &S, from: V3, sign: Real, key: &mut u32) -> u32 {
+pub(super) fn next_unsettled<S: SearchStore>(s: &S, from: V3, sign: Real, key: &mut u32) -> u32 {
     let mut nearest: u32 = NO_SITE;
     let mut own: u32 = 0;
     let mut compared: u32 = 0;

@@ -26,6 +26,7 @@
 )]
 
 pub mod bound;
+pub mod boxes;
 mod candidates;
 mod cap;
 mod clip;
@@ -38,6 +39,7 @@ mod integrate;
 mod lanes;
 mod near;
 pub mod node;
+pub mod octree;
 #[cfg(feature = "test-util")]
 pub mod parity;
 mod part;

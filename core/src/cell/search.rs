@@ -14,13 +14,12 @@
 
 use super::bound::reach_of_bisector;
 use super::candidates::{Held, key_limit, nearest_held, take_held, visit_candidates};
-use super::search_store::{MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH};
+use super::search_store::{
+    HOME_KNOWN, HOME_UNKNOWN, LEAVES_AT_ONCE, MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH,
+};
 use super::status::{COMPLETE, CUT, UNTOUCHED};
 use super::tree::{Open, Question, open_blocks, open_path};
 use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, larger, scale, smaller, sub, v3};
-
-/// Leaves whose sites become candidates at one time.
-const LEAVES_AT_ONCE: u32 = 4;
 
 /// All sites are visited first that are within [`NEAR_SQUARE`] times, as a square, the distance of the `NEAR_SITES`th of the own leaf's block: of white
 /// noise some forty.
@@ -47,7 +46,7 @@ const SAFE: Real = 1.0 + (16.0 * UNIT_ROUNDOFF);
 /// The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
 const MOST_CURVATURE: Real = 0.96;
 
-/// From where a cell is searched.
+/// From where a cell is searched: as weights lead to it, or as an octree over the container tells.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Vantage {
@@ -57,13 +56,24 @@ pub struct Vantage {
     pub center: V3,
     /// λ.
     pub lambda: Real,
+    /// What the octree tells (`HOME_KNOWN`, …).
+    pub home: u32,
 }
 
-/// From where the cell of a store is searched: the slope and the curvature of the weights of the sites around its own.
+/// From where the cell of a store is searched: its home, as if half the slope led to it; or else the slope and the curvature of the weights of the
+/// sites around its own.
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
-    let mut vantage: Vantage = Vantage { slope: v3(0.0, 0.0, 0.0), center: v3(0.0, 0.0, 0.0), lambda: 0.5 };
+    let mut vantage: Vantage =
+        Vantage { slope: v3(0.0, 0.0, 0.0), center: v3(0.0, 0.0, 0.0), lambda: 0.5, home: HOME_UNKNOWN };
+    let mut place: V3 = v3(0.0, 0.0, 0.0);
+    vantage.home = s.home(&mut place);
+    if vantage.home == HOME_KNOWN {
+        vantage.center = place;
+        vantage.slope = scale(-2.0, place);
+        return vantage;
+    }
     if !s.has_weights() {
         return vantage;
     }
@@ -116,9 +126,9 @@ fn size_around<S: SearchStore>(s: &S) -> Real {
 /// What becomes a candidate of the sites that are met: keys from `above` on and below `below`.
 #[repr(C)]
 #[derive(Clone, Copy)]
-struct Wanted {
-    above: u32,
-    below: u32,
+pub(super) struct Wanted {
+    pub(super) above: u32,
+    pub(super) below: u32,
 }
 
 /// Cuts the cell by the sites that it reaches: `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended.
@@ -232,7 +242,14 @@ fn near_key<S: SearchStore>(s: &mut S, vantage: Vantage, near: &mut Real) -> u32
 /// Adds those sites of some leaves at hand that are wanted to the candidates, of which there are `count`; returns how many there are now.
 #[inline]
 #[cfg_attr(opencl, hot)]
-fn gather<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, leaves: u32, wanted: Wanted, count: u32) -> u32 {
+pub(super) fn gather<S: SearchStore>(
+    s: &mut S,
+    vantage: Vantage,
+    first: u32,
+    leaves: u32,
+    wanted: Wanted,
+    count: u32,
+) -> u32 {
     let mut there: u32 = count;
     let mut i: u32 = s.lane();
     while (i - s.lane()) < (leaves * WIDTH) {

@@ -2,7 +2,9 @@
 //!
 //! Like `store.rs` the boundary of the dialect.
 
+use super::boxes::visit_leaves;
 use super::lanes::Lanes;
+use super::search::Vantage;
 use super::tree::asks_by_powers;
 use super::vector::{Real, Rough, V3};
 
@@ -18,6 +20,9 @@ pub const MOST_OPEN: u32 = 124;
 pub const MOST_LEAVES: u32 = 40;
 /// Candidates.
 pub const MOST_CANDIDATES: u32 = 112;
+
+/// Leaves whose sites become candidates at one time.
+pub const LEAVES_AT_ONCE: u32 = 4;
 
 /// The box of a node's sites, in the diagram's frame.
 #[repr(C)]
@@ -89,6 +94,42 @@ pub struct Answer {
     pub tried: u32,
 }
 
+/// The count of a box of the octree over the container that has parts, and of one that lists too many leaves.
+pub const HAS_PARTS: u32 = 0xFFFF_FFFF;
+/// Too many.
+pub const UNLISTED: u32 = 0xFFFF_FFFE;
+
+/// A box of the octree over the container: where the leaves that it lists begin, and how many there are; or where its eight parts begin.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OctreeNode {
+    /// Where they begin.
+    pub begin: u32,
+    /// How many leaves, or [`HAS_PARTS`], or [`UNLISTED`].
+    pub count: u32,
+}
+
+/// What the octree over the container tells of a site's cell: nothing; where it is; or that no box lists the site, whose cell is empty.
+pub const HOME_UNKNOWN: u32 = 0;
+/// Where it is.
+pub const HOME_KNOWN: u32 = 1;
+/// It is empty.
+pub const HOME_NOWHERE: u32 = 2;
+
+/// The octree over the container (`core/src/power_octree.rs`), which lists the sites that may have the least power in each of its boxes.
+pub trait OctreeStore {
+    /// The lower corner of its first box, in the diagram's frame.
+    fn octree_lo(&self) -> V3;
+    /// The upper corner.
+    fn octree_hi(&self) -> V3;
+    /// How far along each axis a place may be off.
+    fn octree_off(&self) -> Real;
+    /// Box `i`, the first of all being 0.
+    fn octree_node(&self, i: u32) -> OctreeNode;
+    /// Leaf `i` of all that boxes list.
+    fn octree_leaf(&self, i: u32) -> u32;
+}
+
 /// A cell that is searched, the sites and the tree over them. What a method gives is alike in all lanes unless it says otherwise.
 pub trait SearchStore: Lanes {
     /// A number in the order of numbers, rounded down.
@@ -139,6 +180,19 @@ pub trait SearchStore: Lanes {
     /// they are not listed or several vertices are asked for.
     fn set_listed_leaves(&mut self, _asks: u32) -> u32 {
         0
+    }
+    /// What the octree tells of the own cell: `HOME_KNOWN` with a place that it is about, from its site (that itself where weights do
+    /// not differ); `HOME_NOWHERE`, or `HOME_UNKNOWN`.
+    fn home(&self, _place: &mut V3) -> u32 {
+        HOME_UNKNOWN
+    }
+    /// Cuts the cell by those sites of the first so many leaves at hand that may cut it, which is still the container where that `is_home`: `UNTOUCHED`,
+    /// or how it ended.
+    fn visit_leaves(&mut self, vantage: Vantage, leaves: u32, is_home: bool, visited: &mut u32) -> u32
+    where
+        Self: Sized,
+    {
+        visit_leaves(self, vantage, leaves, is_home, visited)
     }
 
     /// Open block `i` (see `tree.rs`).

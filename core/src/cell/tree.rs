@@ -1,7 +1,8 @@
 //! The tree over the sites, opened from its root or along the way to a cell's site, as far as the search asks for.
 
 use super::bound::{Seer, least_of_node, least_power_of_node};
-use super::search_store::{Asked, NO_SITE, SearchStore, WIDTH};
+use super::octree::{middle_of, part_hi, part_lo};
+use super::search_store::{Asked, HAS_PARTS, NO_SITE, OctreeNode, OctreeStore, SearchStore, UNLISTED, WIDTH};
 use super::vector::{Real, V3};
 
 /// Bits of an open block that say which of its level it is; those above say its level.
@@ -37,6 +38,51 @@ pub(super) struct Open {
 #[inline(always)]
 fn seer_of<S: SearchStore>(s: &S) -> Seer {
     return Seer { site: s.site(), excess: s.own_excess(), has_weights: s.has_weights() };
+}
+
+/// A box of the octree over the container.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub(crate) struct OctreePlace {
+    pub(crate) lo: V3,
+    pub(crate) hi: V3,
+    /// What it lists.
+    pub(crate) node: OctreeNode,
+}
+
+/// The box that a place is in; of no leaves where none are listed, or that is out of the container.
+#[inline(always)]
+pub(crate) fn octree_box_at<S: OctreeStore>(s: &S, place: V3) -> OctreePlace {
+    let off: Real = s.octree_off();
+    let mut lo: V3 = s.octree_lo();
+    let mut hi: V3 = s.octree_hi();
+    let is_above: bool = (place.x >= (lo.x - off)) && ((place.y >= (lo.y - off)) && (place.z >= (lo.z - off)));
+    let is_below: bool = (place.x <= (hi.x + off)) && ((place.y <= (hi.y + off)) && (place.z <= (hi.z + off)));
+    let mut node: OctreeNode = OctreeNode { begin: 0, count: 0 };
+    if is_above && is_below {
+        node = s.octree_node(0);
+    }
+    while node.count == HAS_PARTS {
+        let middle: V3 = middle_of(lo, hi);
+        let mut octant: u32 = 0;
+        if place.x >= middle.x {
+            octant += 1;
+        }
+        if place.y >= middle.y {
+            octant += 2;
+        }
+        if place.z >= middle.z {
+            octant += 4;
+        }
+        let corner: V3 = part_lo(lo, hi, octant);
+        hi = part_hi(lo, hi, octant);
+        lo = corner;
+        node = s.octree_node(node.begin + octant);
+    }
+    if node.count == UNLISTED {
+        node.count = 0;
+    }
+    return OctreePlace { lo: lo, hi: hi, node: node };
 }
 
 /// Where the sites that may have less power at the asked vertex are listed, has their leaves at hand. Else it opens, for some asked vertices, the lowest

@@ -1,10 +1,14 @@
 //! The search where the octree over the container tells which sites have the least power where, and whether it is worth while to make it.
 
 use super::one_cell::Cell;
-use super::store::MOST_LISTED;
-use super::{Outcome, Reaches, Search, gather, visit_all};
+use super::store::{MOST_LISTED, Searched};
+use super::{Outcome, Search};
 use crate::Result;
-use crate::cell::{self, CellStore, EMPTY, PlainStore, Real, V3, v3};
+use crate::cell::boxes::search_boxes;
+use crate::cell::far::search_far;
+use crate::cell::search::Vantage;
+use crate::cell::search_store::HOME_KNOWN;
+use crate::cell::{CellStore, EMPTY, PlainStore, Real, UNTOUCHED, scale, v3};
 use crate::diagram::Prepared;
 use crate::power_octree::{Home, PowerOctree};
 use rayon::prelude::*;
@@ -46,8 +50,7 @@ impl Prepared {
 }
 
 impl Search<'_> {
-    /// Cuts the cell of a sorted site by the sites that are listed where it is, nearest bisector first, and then at its vertices by those that are listed
-    /// there; `None` where it is not known where it is.
+    /// Cuts the cell of a sorted site box by box of the octree, from where it is; `None` where that is not known.
     pub(super) fn complete_at_home<S: CellStore>(
         &mut self,
         store: &mut S,
@@ -56,35 +59,24 @@ impl Search<'_> {
         epsilon: Option<Real>,
     ) -> Option<Outcome> {
         let tree = &self.prepared.sites;
-        let own @ [x, y, z, weight] = tree.site(site);
-        let (leaves, middle) = match octree.home(site) {
-            Home::At(leaves, middle) => (leaves, middle),
+        let own @ [x, y, z, _] = tree.site(site);
+        let middle = match octree.home(site) {
+            Home::At(middle) => middle,
             Home::Nowhere => return Some(Outcome { status: EMPTY, ..Outcome::default() }),
             Home::Unknown => return None,
         };
         // Seen from there, as if half the weights' slope led to it.
-        let slope = v3(-2.0 * (middle[0] - x), -2.0 * (middle[1] - y), -2.0 * (middle[2] - z));
-        let mut cell = Cell::new(store, site, own, Some(slope), epsilon);
+        let center = v3(middle[0] - x, middle[1] - y, middle[2] - z);
+        let vantage = Vantage { slope: scale(-2.0, center), center, lambda: 0.5, home: HOME_KNOWN };
+        let mut cell = Cell::new(store, site, own, Some(vantage.slope), epsilon);
         cell.measure();
-        self.reaches.clear();
-        self.reaches.extend(leaves.iter().map(|&leaf| Reaches::new(tree.leaf(leaf), [x, y, z], weight, Some(slope))));
-        let listed = gather(leaves, &self.reaches, Real::NEG_INFINITY, cell.reach_square, &mut self.candidates);
-        if visit_all(tree, &mut cell, listed, Real::INFINITY, true) && self.is_to_complete(&mut cell) {
-            self.far(&mut cell, 0.0);
+        let mut searched = Searched::new(&mut cell, tree, Some(octree), &mut self.room, 0.0);
+        let mut status = search_boxes(&mut searched, vantage, &mut 0);
+        if status == UNTOUCHED {
+            status = search_far(&mut searched, center, 1, &mut 0);
         }
+        cell.outcome.status = status;
+        cell.outcome.opened = self.room.opened();
         Some(cell.outcome)
-    }
-
-    /// Whether a cell may have something in the domain; what of it is far outside is then cut off.
-    fn is_to_complete<S: CellStore>(&self, cell: &mut Cell<'_, S>) -> bool {
-        if self.prepared.domain_grid().is_none() {
-            return true;
-        }
-        if cell::lies_outside(cell.store) {
-            cell.outcome.status = EMPTY;
-            return false;
-        }
-        let V3 { x: square, .. } = cell.store.farthest_from(cell.center);
-        cell.cap(square.sqrt())
     }
 }

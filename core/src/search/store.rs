@@ -2,9 +2,12 @@
 
 mod look;
 
-use super::in_order;
 use super::one_cell::{Cell, reach_from, rounding_about};
-use crate::cell::search_store::{Asked, MOST_LEAVES, MOST_OPEN, NO_SITE, NodeBox, NodeSlab, NodeWeights, SearchStore};
+use super::{Candidate, Reaches, Visits, gather, in_order, visit_all};
+use crate::cell::search::Vantage;
+use crate::cell::search_store::{
+    Asked, MOST_LEAVES, MOST_OPEN, NO_SITE, NodeBox, NodeSlab, NodeWeights, OctreeNode, OctreeStore, SearchStore,
+};
 use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Lanes, Real, Rough, UNIT_ROUNDOFF, UNTOUCHED, V3, v3};
 use crate::power_octree::PowerOctree;
 use crate::site_tree::{SiteTree, WIDTH};
@@ -38,6 +41,10 @@ pub(super) struct Room {
     keys: [u32; WIDTH],
     /// Sites that the cell was tried with: what was tried once cannot cut what is left. (Of sites on a sphere all tie at many vertices of each.)
     tried: HashSet<u32>,
+    /// What leaves at hand have of sites that may cut the cell, and these.
+    listed: Vec<u32>,
+    reaches: Vec<Reaches>,
+    reaching: Vec<Candidate>,
     /// Blocks that were looked at.
     opened: u32,
     /// The instructions that the CPU has.
@@ -54,6 +61,9 @@ impl Default for Room {
             asks: [0; WIDTH],
             keys: [0; WIDTH],
             tried: HashSet::new(),
+            listed: Vec::new(),
+            reaches: Vec::new(),
+            reaching: Vec::new(),
             opened: 0,
             arch: Arch::new(),
         }
@@ -137,6 +147,30 @@ fn along(axes: &[[Real; WIDTH]; 3], k: usize) -> V3 {
 
 impl<S: CellStore> Lanes for Searched<'_, '_, S> {}
 
+/// (That of a search that has one.)
+impl<S: CellStore> OctreeStore for Searched<'_, '_, S> {
+    #[inline(always)]
+    fn octree_lo(&self) -> V3 {
+        self.octree.map_or(V3::default(), OctreeStore::octree_lo)
+    }
+    #[inline(always)]
+    fn octree_hi(&self) -> V3 {
+        self.octree.map_or(V3::default(), OctreeStore::octree_hi)
+    }
+    #[inline(always)]
+    fn octree_off(&self) -> Real {
+        self.octree.map_or(0.0, OctreeStore::octree_off)
+    }
+    #[inline(always)]
+    fn octree_node(&self, i: u32) -> OctreeNode {
+        self.octree.map_or(OctreeNode::default(), |octree| octree.octree_node(i))
+    }
+    #[inline(always)]
+    fn octree_leaf(&self, i: u32) -> u32 {
+        self.octree.map_or(0, |octree| octree.octree_leaf(i))
+    }
+}
+
 impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     fn key_below(&self, x: Real) -> u32 {
         in_order(x)
@@ -214,9 +248,29 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         let (Asked { place, radius, .. }, own) = (self.room.asked[0], self.own());
         let at = v3(own.x + place.x, own.y + place.y, own.z + place.z);
         let rounding = UNIT_ROUNDOFF * ((at.x.abs() + at.y.abs()) + at.z.abs());
-        let leaves = octree.leaves_at([at.x, at.y, at.z], radius + rounding);
+        let leaves = octree.leaves_at(at, radius + rounding);
         let arch = self.room.arch;
         arch.dispatch(Take { search: self, leaves, asks })
+    }
+
+    /// All of them, nearest first.
+    fn visit_leaves(&mut self, _vantage: Vantage, leaves: u32, _is_home: bool, _visited: &mut u32) -> u32 {
+        let Self { cell, tree, room, .. } = self;
+        room.listed.clear();
+        room.listed.extend(room.leaves[..leaves as usize].iter().map(|leaf| leaf.number));
+        room.reaches.clear();
+        let reaches = |&leaf: &u32| Reaches::new(tree.leaf(leaf), cell.position, cell.weight, cell.slope);
+        room.reaches.extend(room.listed.iter().map(reaches));
+        let reaching = gather(&room.listed, &room.reaches, Real::NEG_INFINITY, cell.reach_square, &mut room.reaching);
+        match visit_all(
+            tree,
+            cell,
+            reaching,
+            Visits { most: u32::MAX, far_square: Real::INFINITY, looks_outside: true },
+        ) {
+            true => UNTOUCHED,
+            false => cell.outcome.status,
+        }
     }
 
     fn open_block(&self, i: u32) -> u32 {

@@ -37,7 +37,7 @@ const FILES: [&str; 16] = [
 const ALONE_FILES: [&str; 2] = ["clip", "restrict"];
 
 /// The files of the search for the sites that cut a cell.
-const SEARCH_FILES: [&str; 6] = ["search_store", "quadratic", "bound", "tree", "search", "far"];
+const SEARCH_FILES: [&str; 8] = ["search_store", "quadratic", "bound", "octree", "tree", "search", "far", "boxes"];
 
 /// The file of what either search does with the sites that it finds.
 const CANDIDATE_FILES: [&str; 1] = ["candidates"];
@@ -46,7 +46,7 @@ const CANDIDATE_FILES: [&str; 1] = ["candidates"];
 const TABLE_FILES: [&str; 1] = ["table"];
 
 /// The files of what bounds the nodes of the tree, which know no cell; the last has types of its own.
-const NODE_FILES: [&str; 3] = ["vector", "quadratic", "node"];
+const NODE_FILES: [&str; 4] = ["vector", "quadratic", "node", "octree"];
 
 /// Generated files, besides one for each module's functions: constants and structs, which the store is made of; the functions of several modules, as their
 /// prototypes and imports; and what holds the functions of a device against the host's, on both.
@@ -72,6 +72,7 @@ const INTERFACES: [Interface; 2] = [
         borrowed: &[
             ("core/src/site_tree.rs", &["WIDTH", "NOWHERE", "Boxes", "WeightBounds", "Slabs"]),
             ("core/src/assemble.rs", &["FacetRecord"]),
+            ("core/src/power_octree.rs", &["OctreeBox"]),
         ],
         target: "interface.cl",
         real: "double",

@@ -56,6 +56,20 @@ typedef struct {
     uint unused;
 } FacetRecord;
 
+// core/src/power_octree.rs
+
+// A box that is to be split: its corners, and where the leaves that it lists begin among those of all such boxes, and how many there are.
+typedef struct {
+    // Lower corner.
+    double lo[3];
+    // Upper corner.
+    double hi[3];
+    // Where they begin.
+    uint begin;
+    // How many there are.
+    uint count;
+} OctreeBox;
+
 // backend-ocl/src/interface/data.rs
 
 // Voxels to each side, along each axis, that the table of offsets (`shells.rs`) holds.
@@ -74,6 +88,21 @@ typedef struct {
 
 // Room for a cell that is too large for local memory, in units of 8 bytes.
 #define VAST_WORDS ((uint)(77000))
+
+// Work-items that go over the leaves of a box of the octree over the container: a box lists some sixty where it is split last.
+#define OCTREE_GROUP ((uint)(64))
+
+// Where the leaves of a part go: among those of boxes that are split next, or that boxes list in the end, or nowhere.
+#define PLACED_WHOLE ((uint)(0))
+
+#define PLACED_LISTED ((uint)(1))
+
+#define PLACED_NOWHERE ((uint)(2))
+
+// The home of a site that is not known, and that of one that no box lists.
+#define NO_BOX ((uint)(0xfffffffe))
+
+#define NO_HOME ((uint)(0xffffffff))
 
 // Levels of the tree at most.
 #define MOST_TREE_LEVELS ((uint)(12))
@@ -147,6 +176,8 @@ typedef struct {
     double origin[3];
     // What the Laplacian is in units of.
     double laplacian_unit;
+    // How far a place may be off where the octree over the container tells the sites of least power; 0 where there is no octree.
+    double octree_off;
     // Where the records of this batch will stand among all.
     ulong facet_base;
     // How many sums are written for each cell.
@@ -213,6 +244,12 @@ typedef struct {
     __global const Boxes *boxes;
     __global const Slabs *slabs;
     __global const WeightBounds *weight_bounds;
+    // The octree over the container: where the parts of each box begin, or the leaves that it lists, and how many these are; these leaves; the box
+    // that each sorted site's cell is in; and the boxes' middles.
+    __global const uint2 *octree_nodes;
+    __global const uint *octree_leaves;
+    __global const uint *octree_homes;
+    __global const double4 *octree_middles;
     __global const double *domain_vertices;
     // Corners, and how often it stands.
     __global const uint4 *triangles;
@@ -231,6 +268,10 @@ typedef struct {
     .boxes = boxes, \
     .slabs = slabs, \
     .weight_bounds = weight_bounds, \
+    .octree_nodes = octree_nodes, \
+    .octree_leaves = octree_leaves, \
+    .octree_homes = octree_homes, \
+    .octree_middles = octree_middles, \
     .domain_vertices = domain_vertices, \
     .triangles = triangles, \
     .lowest_voxels = lowest_voxels, \
@@ -247,6 +288,10 @@ typedef struct {
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
+    __global const uint2 *octree_nodes, \
+    __global const uint *octree_leaves, \
+    __global const uint *octree_homes, \
+    __global const double4 *octree_middles, \
     __global const double *domain_vertices, \
     __global const uint4 *triangles, \
     __global const uint *lowest_voxels, \
@@ -263,6 +308,10 @@ typedef struct {
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
+    __global const uint2 *octree_nodes, \
+    __global const uint *octree_leaves, \
+    __global const uint *octree_homes, \
+    __global const double4 *octree_middles, \
     __global const double *domain_vertices, \
     __global const uint4 *triangles, \
     __global const uint *lowest_voxels, \
@@ -382,6 +431,33 @@ typedef struct {
     __global const double4 *sites, \
     uint level, \
     __global Slabs *slabs
+
+#define SPLIT_BOXES_ARGUMENTS \
+    __global const Params *params, \
+    __global const double4 *sites, \
+    __global const OctreeBox *boxes, \
+    __global const uint *leaves, \
+    double margin, \
+    __global uchar *kept, \
+    __global uint *counts
+
+#define PLACE_LEAVES_ARGUMENTS \
+    __global const OctreeBox *boxes, \
+    __global const uint *leaves, \
+    __global const uchar *kept, \
+    __global const uint2 *places, \
+    __global uint *next, \
+    __global uint *listed
+
+#define FIND_HOMES_ARGUMENTS \
+    __global const Params *params, \
+    __global const double4 *sites, \
+    __global const uint2 *nodes, \
+    __global const double4 *middles, \
+    __global const uint *listed, \
+    uint is_second, \
+    volatile __global uint *ways, \
+    volatile __global uint *homes
 
 #define MEASURE_CLEARANCES_ARGUMENTS \
     __global const Params *params, \
@@ -562,6 +638,7 @@ typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];
 typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];
 typedef char size_of_Slabs[(sizeof(Slabs) == 384) ? 1 : -1];
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 40) ? 1 : -1];
-typedef char size_of_Params[(sizeof(Params) == 352) ? 1 : -1];
+typedef char size_of_OctreeBox[(sizeof(OctreeBox) == 56) ? 1 : -1];
+typedef char size_of_Params[(sizeof(Params) == 360) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
 typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];

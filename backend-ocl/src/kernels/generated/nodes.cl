@@ -27,7 +27,17 @@ HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w);
 HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns);
 INLINE void add_largest(real lo, real hi, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size);
 HOT NodeWeights weights_of_node(Store *s, NodeBox bounds);
+INLINE V3 middle_of(V3 lo, V3 hi);
+INLINE V3 half_of(V3 lo, V3 hi, real margin);
+INLINE V3 part_lo(V3 lo, V3 hi, uint octant);
+INLINE V3 part_hi(V3 lo, V3 hi, uint octant);
+INLINE V3 octree_place(V3 middle, V3 halves, uint i);
+INLINE real power_at(V3 site, real weight, V3 place);
+INLINE SeenSite seen_from(V3 place, real excess, V3 middle);
+INLINE real more_power(SeenSite site, SeenSite other, V3 halves);
+INLINE float way_home(V3 site, real power, V3 first, real least);
 
 #import "generated/vector.cl"
 #import "generated/quadratic.cl"
 #import "generated/node.cl"
+#import "generated/octree.cl"

@@ -1,8 +1,16 @@
 // Generated from core/src/cell/search.rs by `cargo xtask codegen`; do not edit.
 
-// From where the cell of a store is searched: the slope and the curvature of the weights of the sites around its own.
+// From where the cell of a store is searched: its home, as if half the slope led to it; or else the slope and the curvature of the weights of the
+// sites around its own.
 HOT Vantage vantage_of(Store *s) {
-    Vantage vantage = (Vantage){ .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .center = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .lambda = REAL(0.5) };
+    Vantage vantage = (Vantage){ .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .center = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .lambda = REAL(0.5), .home = HOME_UNKNOWN };
+    V3 place = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    vantage.home = store_home(s, &place);
+    if (vantage.home == HOME_KNOWN) {
+        vantage.center = place;
+        vantage.slope = scale(-REAL(2.0), place);
+        return vantage;
+    }
     if (!store_has_weights(s)) {
         return vantage;
     }

@@ -5,6 +5,40 @@ INLINE Seer seer_of(Store *s) {
     return (Seer){ .site = store_site(s), .excess = store_own_excess(s), .has_weights = store_has_weights(s) };
 }
 
+// The box that a place is in; of no leaves where none are listed, or that is out of the container.
+INLINE OctreePlace octree_box_at(Store *s, V3 place) {
+    const real off = store_octree_off(s);
+    V3 lo = store_octree_lo(s);
+    V3 hi = store_octree_hi(s);
+    const bool is_above = (place.x >= (lo.x - off)) && ((place.y >= (lo.y - off)) && (place.z >= (lo.z - off)));
+    const bool is_below = (place.x <= (hi.x + off)) && ((place.y <= (hi.y + off)) && (place.z <= (hi.z + off)));
+    OctreeNode node = (OctreeNode){ .begin = 0, .count = 0 };
+    if (is_above && is_below) {
+        node = store_octree_node(s, 0);
+    }
+    while (node.count == HAS_PARTS) {
+        const V3 middle = middle_of(lo, hi);
+        uint octant = 0;
+        if (place.x >= middle.x) {
+            octant += 1;
+        }
+        if (place.y >= middle.y) {
+            octant += 2;
+        }
+        if (place.z >= middle.z) {
+            octant += 4;
+        }
+        const V3 corner = part_lo(lo, hi, octant);
+        hi = part_hi(lo, hi, octant);
+        lo = corner;
+        node = store_octree_node(s, node.begin + octant);
+    }
+    if (node.count == UNLISTED) {
+        node.count = 0;
+    }
+    return (OctreePlace){ .lo = lo, .hi = hi, .node = node };
+}
+
 // Where the sites that may have less power at the asked vertex are listed, has their leaves at hand. Else it opens, for some asked vertices, the lowest
 // level of which the lanes take all blocks at one time: the root, where there is one lane.
 INLINE Open open_top(Store *s, uint vertices) {

@@ -11,7 +11,17 @@ INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeig
 INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
 INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights);
 INLINE real reach_of_bisector(V3 g, V3 d, real excess);
+INLINE V3 middle_of(V3 lo, V3 hi);
+INLINE V3 half_of(V3 lo, V3 hi, real margin);
+INLINE V3 part_lo(V3 lo, V3 hi, uint octant);
+INLINE V3 part_hi(V3 lo, V3 hi, uint octant);
+INLINE V3 octree_place(V3 middle, V3 halves, uint i);
+INLINE real power_at(V3 site, real weight, V3 place);
+INLINE SeenSite seen_from(V3 place, real excess, V3 middle);
+INLINE real more_power(SeenSite site, SeenSite other, V3 halves);
+INLINE float way_home(V3 site, real power, V3 first, real least);
 INLINE Seer seer_of(Store *s);
+INLINE OctreePlace octree_box_at(Store *s, V3 place);
 INLINE Open open_top(Store *s, uint vertices);
 INLINE Open open_path(Store *s);
 INLINE uint keep_asked(Store *s, bool is_leaf, uint vertices, uint count);
@@ -36,9 +46,18 @@ INLINE Asked asked_at(real largest_excess, uint v, V3 place, real radius);
 HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay);
 INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties);
 INLINE uint larger_count(uint a, uint b);
+HOT uint search_boxes(Store *s, Vantage vantage, uint *visited);
+HOT uint search_from(Store *s, Vantage vantage, uint *visited, real *proven);
+INLINE bool is_in_box(Store *s, OctreePlace at, V3 place, real radius);
+INLINE uint take_fresh(Store *s, OctreeNode node, uint *looked);
+HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint *visited);
+INLINE void drop_candidates(Store *s, uint count);
+INLINE bool may_cut(Store *s, uint j);
 
 #import "generated/quadratic.cl"
 #import "generated/bound.cl"
+#import "generated/octree.cl"
 #import "generated/tree.cl"
 #import "generated/search.cl"
 #import "generated/far.cl"
+#import "generated/boxes.cl"

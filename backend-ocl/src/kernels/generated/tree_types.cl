@@ -19,6 +19,9 @@
 // Candidates.
 #define MOST_CANDIDATES ((uint)(112))
 
+// Leaves whose sites become candidates at one time.
+#define LEAVES_AT_ONCE ((uint)(4))
+
 // The box of a node's sites, in the diagram's frame.
 typedef struct {
     // Minimum corner.
@@ -79,6 +82,29 @@ typedef struct {
     uint tried;
 } Answer;
 
+// The count of a box of the octree over the container that has parts, and of one that lists too many leaves.
+#define HAS_PARTS ((uint)(0xFFFFFFFF))
+
+// Too many.
+#define UNLISTED ((uint)(0xFFFFFFFE))
+
+// A box of the octree over the container: where the leaves that it lists begin, and how many there are; or where its eight parts begin.
+typedef struct {
+    // Where they begin.
+    uint begin;
+    // How many leaves, or [`HAS_PARTS`], or [`UNLISTED`].
+    uint count;
+} OctreeNode;
+
+// What the octree over the container tells of a site's cell: nothing; where it is; or that no box lists the site, whose cell is empty.
+#define HOME_UNKNOWN ((uint)(0))
+
+// Where it is.
+#define HOME_KNOWN ((uint)(1))
+
+// It is empty.
+#define HOME_NOWHERE ((uint)(2))
+
 // core/src/cell/quadratic.rs
 
 // Roundings of a sum of some twenty terms, in units of the sum of their sizes.
@@ -95,6 +121,30 @@ typedef struct {
     // Whether weights differ.
     bool has_weights;
 } Seer;
+
+// core/src/cell/octree.rs
+
+// Roundings of a difference of powers.
+#define ROUNDINGS_OF_MORE ((real)(REAL(32.0) * UNIT_ROUNDOFF))
+
+// By how much a box is taken to be larger on each side, as a share of the container's extent: a place may be off by a quarter of it.
+#define OCTREE_MARGIN ((real)(REAL(1e-9)))
+
+// A box that lists so many leaves of eight sites, or fewer, is not split. (With 10 the octree takes twice as long, with 32 the cells do.)
+#define FEW_LISTED ((uint)(20))
+
+// Places of a box whose sites of least power leave others out: its middle, and the middles of its faces.
+#define OCTREE_PLACES ((uint)(7))
+
+// A site, as a box of the octree sees it.
+typedef struct {
+    // Its place.
+    V3 place;
+    // What it weighs more than the lightest of all.
+    real excess;
+    // The square of its distance from the box's middle.
+    real square;
+} SeenSite;
 
 // core/src/cell/tree.rs
 
@@ -124,10 +174,15 @@ typedef struct {
     uint leaves;
 } Open;
 
-// core/src/cell/search.rs
+// A box of the octree over the container.
+typedef struct {
+    V3 lo;
+    V3 hi;
+    // What it lists.
+    OctreeNode node;
+} OctreePlace;
 
-// Leaves whose sites become candidates at one time.
-#define LEAVES_AT_ONCE ((uint)(4))
+// core/src/cell/search.rs
 
 // All sites are visited first that are within [`NEAR_SQUARE`] times, as a square, the distance of the `NEAR_SITES`th of the own leaf's block: of white
 // noise some forty.
@@ -159,7 +214,7 @@ typedef struct {
 // The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
 #define MOST_CURVATURE ((real)(REAL(0.96)))
 
-// From where a cell is searched.
+// From where a cell is searched: as weights lead to it, or as an octree over the container tells.
 typedef struct {
     // g, the slope of the weights at the site.
     V3 slope;
@@ -167,6 +222,8 @@ typedef struct {
     V3 center;
     // λ.
     real lambda;
+    // What the octree tells (`HOME_KNOWN`, …).
+    uint home;
 } Vantage;
 
 // What becomes a candidate of the sites that are met: keys from `above` on and below `below`.
@@ -199,6 +256,11 @@ typedef struct {
 #else
 #define LEAST_LENGTH ((real)(REAL(1e-150)))
 #endif
+
+// core/src/cell/boxes.rs
+
+// Cuts after which it is looked anew which candidates may cut the cell. (With 3 or 12 a device takes as long.)
+#define CUTS_BETWEEN_LOOKS ((uint)(6))
 
 // core/src/cell/candidates.rs
 

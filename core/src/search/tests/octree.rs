@@ -49,7 +49,7 @@ fn the_site_of_least_power_is_listed() {
                 square(v3(x - place[0], y - place[1], z - place[2])) - w
             };
             let least = (0..tree.len() as u32).map(power).fold(f64::INFINITY, f64::min);
-            let leaves = octree.leaves_at(place, 0.0);
+            let leaves = octree.leaves_at(v3(place[0], place[1], place[2]), 0.0);
             listed += usize::from(!leaves.is_empty());
             let of_leaves = leaves.iter().flat_map(|leaf| leaf * 8..(leaf * 8 + 8).min(tree.len() as u32));
             let found = of_leaves.map(power).fold(f64::INFINITY, f64::min);

@@ -1,0 +1,179 @@
+// Generated from core/src/cell/boxes.rs by `cargo xtask codegen`; do not edit.
+
+// Completes the cell, whose home is known, by the sites that are listed in the boxes that it is in: `COMPLETE`; `UNTOUCHED` where a box lists none, or
+// a vertex may be in one of two, as the vertices that are not settled may be; or how it ended.
+HOT uint search_boxes(Store *s, Vantage vantage, uint *visited) {
+    V3 place = vantage.center;
+    real radius = REAL(0.0);
+    uint looked = 0;
+    bool is_home = 1;
+    for (;;) {
+        const OctreePlace at = octree_box_at(s, add(store_site(s), place));
+        if ((at.node.count == 0) || !is_in_box(s, at, place, radius)) {
+            return UNTOUCHED;
+        }
+        const uint fresh = take_fresh(s, at.node, &looked);
+        const uint status = store_visit_leaves(s, vantage, fresh, is_home, visited);
+        if (status != UNTOUCHED) {
+            return status;
+        }
+        if (is_home && store_has_domain(s)) {
+            const V3 extent = sub(at.hi, at.lo);
+            const uint status = store_cut_outside(s, sqrt(v3_dot(extent, extent)) + sqrt(v3_dot(vantage.center, vantage.center)));
+            if ((status != UNTOUCHED) && (status != CUT)) {
+                return status;
+            }
+        }
+        is_home = 0;
+        uint v = store_lane(s);
+        while (v < store_vertices(s)) {
+            if (is_in_box(s, at, store_position(s, v), store_radius(s, v))) {
+                store_settle_own(s, v);
+            }
+            v += store_lanes(s);
+        }
+        store_lanes_wait(s);
+        uint key = 0;
+        const uint next = next_unsettled(s, vantage.center, -REAL(1.0), &key);
+        if (next == NO_SITE) {
+            return COMPLETE;
+        }
+        place = store_position(s, next);
+        radius = store_radius(s, next);
+    }
+}
+
+// Begins the search for the sites that cut the cell, which [`search_far`](super::far::search_far) ends where that is `UNTOUCHED`: box by box where the
+// cell's home is known, or else as [`search_near`].
+HOT uint search_from(Store *s, Vantage vantage, uint *visited, real *proven) {
+    *proven = REAL(0.0);
+    if (vantage.home == HOME_NOWHERE) {
+        return EMPTY;
+    }
+    if (vantage.home == HOME_KNOWN) {
+        return search_boxes(s, vantage, visited);
+    }
+    return search_near(s, vantage, visited, proven);
+}
+
+// Whether what is within `radius` along each axis of a place, from the cell's site, is in a box, or out of the container beyond it.
+INLINE bool is_in_box(Store *s, OctreePlace at, V3 place, real radius) {
+    const V3 x = add(store_site(s), place);
+    const real off = (radius + (UNIT_ROUNDOFF * norm_1(x))) - store_octree_off(s);
+    const V3 lo = store_octree_lo(s);
+    const V3 hi = store_octree_hi(s);
+    const bool is_above = (((x.x - off) >= at.lo.x) || (at.lo.x <= lo.x)) && ((((x.y - off) >= at.lo.y) || (at.lo.y <= lo.y)) && (((x.z - off) >= at.lo.z) || (at.lo.z <= lo.z)));
+    const bool is_below = (((x.x + off) <= at.hi.x) || (at.hi.x >= hi.x)) && ((((x.y + off) <= at.hi.y) || (at.hi.y >= hi.y)) && (((x.z + off) <= at.hi.z) || (at.hi.z >= hi.z)));
+    return is_above && is_below;
+}
+
+// Has those leaves at hand that a box lists and that were not looked at, as far as there is room to remember them; returns how many.
+INLINE uint take_fresh(Store *s, OctreeNode node, uint *looked) {
+    const uint before = *looked;
+    uint fresh = 0;
+    uint i = store_lane(s);
+    while ((i - store_lane(s)) < node.count) {
+        uint leaf = 0;
+        bool is_fresh = 0;
+        if (i < node.count) {
+            leaf = store_octree_leaf(s, node.begin + i);
+            is_fresh = 1;
+            for (uint k = 0; k < before; k++) {
+                if (store_open_block(s, k) == leaf) {
+                    is_fresh = 0;
+                }
+            }
+        }
+        const uint all = store_lanes_with(s, is_fresh);
+        const uint at = fresh + store_rank_in(s, all);
+        if (is_fresh) {
+            store_set_leaf(s, at, leaf, 0, 0);
+            if ((before + at) < MOST_OPEN) {
+                store_set_open_block(s, before + at, leaf, 0, 0);
+            }
+        }
+        fresh += store_count_of(s, all);
+        i += store_lanes(s);
+    }
+    store_lanes_wait(s);
+    *looked = before + fresh;
+    if (*looked > MOST_OPEN) {
+        *looked = MOST_OPEN;
+    }
+    return fresh;
+}
+
+// Cuts the cell by those sites of so many leaves at hand that may cut it, nearest first as far as there is room for candidates: `UNTOUCHED`, or how it
+// ended. Those that may not are dropped before and in between, each by a lane of its own, but for the first from home, when all may.
+//
+// (By the cell's reach alone some 150 to 300 sites were visited, of which 30 cut it, and took half of the time.)
+HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint *visited) {
+    float reach = store_square_of_reach(s, vantage.center);
+    uint limit = key_limit(s, reach, NO_SITE);
+    uint left = leaves;
+    uint count = 0;
+    uint cuts = 0;
+    bool is_looked_at = is_home;
+    while ((left > 0) || (count > 0)) {
+        if ((left > 0) && ((count + (LEAVES_AT_ONCE * WIDTH)) <= MOST_CANDIDATES)) {
+            uint some = LEAVES_AT_ONCE;
+            if (left < some) {
+                some = left;
+            }
+            left -= some;
+            count = gather(s, vantage, left, some, (Wanted){ .above = 0, .below = limit }, count);
+            is_looked_at = is_home && (*visited == 0);
+        } else {
+            if (!is_looked_at) {
+                drop_candidates(s, count);
+                is_looked_at = 1;
+                cuts = 0;
+            }
+            const Held held = nearest_held(s, count);
+            const uint least = store_least_of_lanes(s, held.key);
+            if (least >= limit) {
+                store_lanes_wait(s);
+                count = 0;
+            } else {
+                const uint j = take_held(s, held, least);
+                *visited += 1;
+                const uint status = store_cut_by(s, j);
+                if (status == CUT) {
+                    reach = store_square_of_reach(s, vantage.center);
+                    limit = key_limit(s, reach, NO_SITE);
+                    cuts += 1;
+                    is_looked_at = cuts < CUTS_BETWEEN_LOOKS;
+                } else if (status != UNTOUCHED) {
+                    return status;
+                }
+            }
+        }
+    }
+    return UNTOUCHED;
+}
+
+// Drops those candidates that cannot cut the cell.
+INLINE void drop_candidates(Store *s, uint count) {
+    for (uint c = 0; c < store_held(s, count); c++) {
+        if ((store_held_key(s, c) != NO_SITE) && !may_cut(s, store_held_site(s, c))) {
+            store_let_go(s, c);
+        }
+    }
+}
+
+// Whether site `j`, this lane's own, may have less power than the cell's at one of its vertices: not alike.
+INLINE bool may_cut(Store *s, uint j) {
+    const V3 d = store_way_to(s, j);
+    const real excess = store_excess_of(s, j);
+    const real square = v3_dot(d, d);
+    const real length = norm_1(d);
+    for (uint v = 0; v < store_vertices(s); v++) {
+        const V3 p = store_position(s, v);
+        const real more = (square - excess) - (REAL(2.0) * v3_dot(d, p));
+        const real off = (REAL(2.0) * length) * (store_radius(s, v) + (FEW_ROUNDINGS_OF_SUM * norm_max(p)));
+        if (more <= (off + (FEW_ROUNDINGS_OF_SUM * (square + fabs(excess))))) {
+            return 1;
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,138 @@
+//! The host goes over the leaves that the boxes of an octree list.
+
+use super::{Lists, OctreeBox, Place};
+use crate::Result;
+use crate::cell::octree::{
+    FEW_LISTED, OCTREE_PLACES, SeenSite, middle_of, more_power, octree_place, power_at, seen_from,
+};
+use crate::cell::octree::{half_of, part_hi, part_lo};
+use crate::cell::{V3, v3};
+use crate::site_tree::{Leaf, SiteTree, WIDTH};
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
+/// The lists of the boxes that are split, one after the other, and of those that are not.
+pub(super) struct OnHost<'a> {
+    tree: &'a SiteTree,
+    margin: f64,
+    whole: Vec<u32>,
+    parts: Vec<Vec<u32>>,
+    pub(super) listed: Vec<u32>,
+}
+
+impl<'a> OnHost<'a> {
+    pub(super) fn new(tree: &'a SiteTree, margin: f64) -> Self {
+        let whole = (0..tree.len().div_ceil(WIDTH) as u32).collect();
+        Self { tree, margin, whole, parts: Vec::new(), listed: Vec::new() }
+    }
+}
+
+impl Lists for OnHost<'_> {
+    fn split(&mut self, front: &[OctreeBox]) -> Result<Vec<u32>> {
+        let part = |i: usize| {
+            let (whole, octant) = (&front[i / 8], i as u32 % 8);
+            let [lo, hi] = [whole.lo, whole.hi].map(|[x, y, z]| v3(x, y, z));
+            let (lo, hi) = (part_lo(lo, hi, octant), part_hi(lo, hi, octant));
+            let leaves = &self.whole[whole.begin as usize..][..whole.count as usize];
+            let job = Job { tree: self.tree, middle: middle_of(lo, hi), half: half_of(lo, hi, self.margin), leaves };
+            Arch::new().dispatch(job)
+        };
+        self.parts = (0..8 * front.len()).into_par_iter().map(part).collect();
+        Ok(self.parts.iter().map(|leaves| leaves.len() as u32).collect())
+    }
+
+    fn place(&mut self, places: &[Place]) -> Result<()> {
+        self.whole.clear();
+        for (leaves, place) in std::mem::take(&mut self.parts).into_iter().zip(places) {
+            match place {
+                Place::Whole(_) => self.whole.extend(leaves),
+                Place::Listed(_) => self.listed.extend(leaves),
+                Place::Nowhere => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Finds those of some leaves with a site that may have the least power somewhere in a box, by the widest instructions that the CPU has.
+struct Job<'a> {
+    tree: &'a SiteTree,
+    middle: V3,
+    half: V3,
+    leaves: &'a [u32],
+}
+
+impl NullaryFnOnce for Job<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<u32> {
+        let Self { tree, middle, half, leaves } = self;
+        let kept = undominated(tree, middle, half, leaves, least_at(tree, [middle], leaves));
+        if kept.len() <= FEW_LISTED as usize {
+            return kept;
+        }
+        let faces: [V3; OCTREE_PLACES as usize - 1] = std::array::from_fn(|i| octree_place(middle, half, i as u32 + 1));
+        undominated(tree, middle, half, &kept, least_at(tree, faces, &kept))
+    }
+}
+
+/// The powers of the sites of a leaf at a place.
+#[inline(always)]
+pub(super) fn powers_at(leaf: &Leaf, place: V3) -> [f64; WIDTH] {
+    let Leaf { at: [xs, ys, zs], weight } = leaf;
+    std::array::from_fn(|k| power_at(v3(xs[k], ys[k], zs[k]), weight[k], place))
+}
+
+/// The sites of least power at some places, of equals one; 0 where there are none.
+#[inline(always)]
+pub(super) fn least_at<const N: usize>(tree: &SiteTree, places: [V3; N], leaves: &[u32]) -> [u32; N] {
+    let mut least = [[f64::INFINITY; WIDTH]; N];
+    let mut of = [[0_u32; WIDTH]; N];
+    for &leaf in leaves {
+        for (place, &at) in places.iter().enumerate() {
+            let powers = powers_at(tree.leaf(leaf), at);
+            for k in 0..WIDTH {
+                let is_less = powers[k] < least[place][k];
+                least[place][k] = if is_less { powers[k] } else { least[place][k] };
+                of[place][k] = if is_less { leaf } else { of[place][k] };
+            }
+        }
+    }
+    std::array::from_fn(|place| {
+        let best = (1..WIDTH).fold(0, |best, k| if least[place][k] < least[place][best] { k } else { best });
+        of[place][best] * WIDTH as u32 + best as u32
+    })
+}
+
+/// Those leaves with a site that has certainly more power than none of some `others`, everywhere in the box `middle ± half`.
+#[inline(always)]
+fn undominated<const N: usize>(tree: &SiteTree, middle: V3, half: V3, leaves: &[u32], others: [u32; N]) -> Vec<u32> {
+    let base = tree.base_weight();
+    let others = others.map(|other| {
+        let [x, y, z, weight] = tree.site(other);
+        seen_from(v3(x, y, z), weight - base, middle)
+    });
+    let mut kept = Vec::with_capacity(leaves.len());
+    for &leaf in leaves {
+        let Leaf { at: [xs, ys, zs], weight } = tree.leaf(leaf);
+        let (mut squares, mut excesses) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for k in 0..WIDTH {
+            let seen = seen_from(v3(xs[k], ys[k], zs[k]), weight[k] - base, middle);
+            (squares[k], excesses[k]) = (seen.square, seen.excess);
+        }
+        // By how much each has more power than one of the others at least.
+        let mut most = [f64::NEG_INFINITY; WIDTH];
+        for other in others {
+            for k in 0..WIDTH {
+                let site = SeenSite { place: v3(xs[k], ys[k], zs[k]), excess: excesses[k], square: squares[k] };
+                let more = more_power(site, other, half);
+                most[k] = if more > most[k] { more } else { most[k] };
+            }
+        }
+        if most.iter().any(|&more| more <= 0.0) {
+            kept.push(leaf);
+        }
+    }
+    kept
+}

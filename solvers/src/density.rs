@@ -7,8 +7,7 @@ use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, Facets, Integrand, Output, PowerDiagram, Request, Result};
 
 use function::COLUMNS;
-pub(crate) use function::is_of_density;
-pub use function::{Function, Gaussian};
+pub use function::{Function, Gaussian, is_of_density};
 
 /// A density `ρ` (mass per volume) on the whole of a container.
 ///

@@ -73,8 +73,8 @@ impl fmt::Display for NotPositive {
 
 impl std::error::Error for NotPositive {}
 
-/// Whether an error says that a density is not positive: no step mends that.
-pub(crate) fn is_of_density(error: &Error) -> bool {
+/// Whether an error of a solver says that a function is not positive and finite where a density has to be: no step mends that.
+pub fn is_of_density(error: &Error) -> bool {
     std::error::Error::source(error).is_some_and(|source| source.is::<NotPositive>())
 }
 

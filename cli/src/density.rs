@@ -70,8 +70,9 @@ impl DensityArgs {
             (density, None) => {
                 let density = density.clone().unwrap_or_default();
                 let words = match density {
-                    Density::Linear { value, gradient: [x, y, z] } => {
-                        Some(format!("{value:?} + {x:?}·x + {y:?}·y + {z:?}·z"))
+                    Density::Linear { value, gradient } => {
+                        let terms = gradient.iter().zip(["x", "y", "z"]).filter(|(slope, _)| **slope != 0.0);
+                        Some(terms.fold(format!("{value:?}"), |sum, (slope, axis)| format!("{sum} + {slope:?}·{axis}")))
                     }
                     _ => None,
                 };

@@ -6,6 +6,7 @@ use laguerre_core::{
 use laguerre_cpu::Cpu;
 use laguerre_solvers::density::{Density, Gaussian};
 use laguerre_solvers::derivatives::Derivatives;
+use laguerre_solvers::lloyd;
 use laguerre_solvers::transport::{Cotangent, End, Options, Solution, pull_back, solve, targets};
 use std::ops::ControlFlow::Continue;
 use std::sync::atomic::Ordering::Relaxed;
@@ -255,6 +256,9 @@ fn what_functions_do_not_have_is_said() {
     let device = Device(Cpu::new(Some(1)).unwrap());
     let error = solve(&device, &mut diagram.clone(), &[], &options, &mut |_| Continue(())).unwrap_err().to_string();
     assert!(error.contains("a device cannot call a function") && error.ends_with("compute on the CPU"), "{error}");
+    let moving = lloyd::Options::default().of(density.clone());
+    let error = lloyd::relax(&device, &mut diagram.clone(), &moving, &mut |_| Continue(())).unwrap_err().to_string();
+    assert!(error.contains("a device cannot call a function"), "{error}");
     let error = density.evaluate(&cpu, &diagram, &density_request()).unwrap_err().to_string();
     assert!(error.starts_with("the request has an integral of its own"), "{error}");
     // Masses are shares.

@@ -1,6 +1,6 @@
 //! Densities that are functions, sums of Gaussians among them: known by their values alone, and integrated by quadrature.
 
-use laguerre_core::{Backend, Error, Facet, Integrand, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, Facet, Integrand, Observer, Output, PowerDiagram, Request, Result};
 use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -142,6 +142,7 @@ impl Function {
         diagram: &PowerDiagram,
         request: &Request,
         about: Option<[f64; 3]>,
+        observer: &dyn Observer,
     ) -> Result<Output> {
         if request.integral().is_some() {
             return Err(Error::input(
@@ -172,7 +173,7 @@ impl Function {
                 Ok(places.iter().flat_map(columns).collect())
             })?,
         };
-        let output = backend.evaluate(diagram, &request.clone().with_integral(integrand));
+        let output = backend.evaluate_watched(diagram, &request.clone().with_integral(integrand), observer);
         let first = *found.lock().unwrap_or_else(PoisonError::into_inner);
         match first {
             None => output,

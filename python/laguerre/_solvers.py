@@ -25,9 +25,11 @@ class Relaxation:
     points: NDArray[np.float64]
     """The points, (N, 3)."""
     energy: NDArray[np.float64]
-    """The energy at the start and after each iteration (length to the fifth): the integral of ``|x - p|**2 - w`` over all cells."""
+    """The energy at the start and after each iteration (length to the fifth, times the density's unit): the integral of ``density * (|x - p|**2 - w)`` over all cells."""
     gradient: NDArray[np.float64]
-    """The mean distance of points from centroids, over the mean cell's size, likewise."""
+    """The mean distance of points from centroids (by mass, of mass), over the mean cell's size, likewise."""
+    masses: NDArray[np.float64]
+    """The masses of their cells, (N,); volumes without a density."""
     end: str
     """``"converged"``, ``"iterations"`` (there were no more) or ``"stopped"`` (by the callback)."""
     cells: Cells
@@ -41,7 +43,7 @@ class Relaxation:
 
 @dataclass(frozen=True, eq=False)
 class Gaussians:
-    """The density ``constant + sum of mass * N(x; mean, covariance)``, for :func:`transport` on the CPU.
+    """The density ``constant + sum of mass * N(x; mean, covariance)``, for :func:`transport` and :func:`lloyd` on the CPU.
 
     ``means`` is (K, 3). ``covariances`` is (K, 3, 3), symmetric and positive definite (length squared), or (K,): standard deviations (length) along every
     direction. ``masses`` is (K,): the integral of each over all of space, of which a domain has a part. It is integrated over each cell by quadrature of that
@@ -60,6 +62,9 @@ class Gaussians:
         k = len(means)
         if np.ndim(self.covariances) == 1:
             deviations = numbers(self.covariances, "Gaussians: deviations", (k,))
+            if not np.all(deviations > 0):
+                wrong = int(np.argmin(deviations > 0))
+                raise ValueError(f"Gaussians: deviation {wrong} is {float(deviations[wrong])!r}; a positive length is needed")
             covariances = deviations[:, None, None] ** 2 * np.eye(3)
         else:
             covariances = numbers(self.covariances, "Gaussians: covariances", (k, 3, 3))
@@ -121,6 +126,7 @@ def lloyd(
     *,
     domain: Container = None,
     weights: ArrayLike | None = None,
+    density: tuple[float, ArrayLike] | Gaussians | None = None,
     method: str = "lbfgs",
     iterations: int = 100,
     tolerance: float = 1e-3,
@@ -129,13 +135,14 @@ def lloyd(
 ) -> Relaxation:
     """Moves points down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``).
 
+    With a ``density``, as of :func:`transport`, points go to centroids of mass, and crowd where it is high.
     ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far), and ``points`` and ``weights``, after each iteration, the start
     included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     found = _laguerre.lloyd(
-        given.backend, given.points, given.weights, inner(given.container), method, iterations, tolerance, callback
+        given.backend, given.points, given.weights, inner(given.container), plain(density), method, iterations, tolerance, callback
     )
     cells = freeze(found.pop("cells"))
     freeze(found)
@@ -167,11 +174,7 @@ def transport(
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
-    rho: tuple[Any, ...] | None = None
-    if isinstance(density, Gaussians):
-        rho = density._given()
-    elif density is not None:
-        rho = (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
+    rho = plain(density)
     found = _laguerre.transport(
         given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, normalize, facets, callback
     )
@@ -179,6 +182,15 @@ def transport(
     freeze(found)
     given = Given(given.points, found["weights"], given.container, given.backend)
     return Transport(cells=Cells(given, cells), _density=rho, **found)
+
+
+def plain(density: tuple[float, ArrayLike] | Gaussians | None) -> tuple[Any, ...] | None:
+    """A density as the extension takes it."""
+    if density is None:
+        return None
+    if isinstance(density, Gaussians):
+        return density._given()
+    return (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
 
 
 def refuse_density(options: dict[str, Any]) -> None:

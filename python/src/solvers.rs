@@ -24,6 +24,7 @@ pub(crate) fn lloyd<'py>(
     points: PyReadonlyArray2<'py, f64>,
     weights: Option<PyReadonlyArray1<'py, f64>>,
     container: Option<Container<'py>>,
+    density: Option<Given>,
     method: &str,
     iterations: usize,
     tolerance: f64,
@@ -35,7 +36,8 @@ pub(crate) fn lloyd<'py>(
         other => return Err(PyValueError::new_err(format!("method '{other}': 'lbfgs' or 'lloyd' is needed"))),
     };
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
-    let options = relaxation::Options::default().by(method).until(iterations, tolerance);
+    let density = density_of(density).map_err(raised)?;
+    let options = relaxation::Options::default().by(method).of(density).until(iterations, tolerance);
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| {
@@ -61,6 +63,8 @@ pub(crate) fn lloyd<'py>(
         _ => "iterations",
     };
     found.set_item("end", end)?;
+    let masses = options.density.masses(&relaxed.output).unwrap_or_default();
+    found.set_item("masses", PyArray1::from_vec(py, masses))?;
     found.set_item("cells", arrays(py, relaxed.output.into_arrays())?)?;
     Ok(found)
 }

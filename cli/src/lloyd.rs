@@ -96,7 +96,7 @@ struct Report {
     /// In words; `None` where it is 1.
     density: Option<String>,
     energy: f64,
-    /// The energy for cells of equal volume, without scale: energy over 3·n·(V/n)^(5/3); 0.0785 for the best lattice. `None` with a density.
+    /// The energy for cells of equal volume, without scale: energy over 3·n·(V/n)^(5/3); 0.0785 for the best lattice. `None` with a density, also the domain's own.
     normalized_energy: Option<f64>,
     evaluations: usize,
     empty: usize,
@@ -211,6 +211,7 @@ impl Report {
         let sites = relaxed.output.volume().len();
         let empty = relaxed.output.count(CellStatus::Empty);
         let cells = (sites - empty) as f64;
+        let is_plain = given.words.is_none() && !whole.has_density;
         let normalized = energy / (3.0 * whole.volume) / (whole.volume / cells).powf(2.0 / 3.0);
         Self {
             sites,
@@ -219,7 +220,7 @@ impl Report {
             residual,
             converged: relaxed.converged,
             energy,
-            normalized_energy: given.words.is_none().then_some(normalized),
+            normalized_energy: is_plain.then_some(normalized),
             density: given.words,
             evaluations,
             empty,

@@ -83,7 +83,7 @@ pub struct Iteration {
     /// The energy `F` (length⁵, or mass·length²).
     pub energy: f64,
     /// The gradient without scale: `√(Σ m_i ‖p_i − b_i‖² / Σ m_i)`, the mean distance of sites from barycenters, over the mean cell's
-    /// size `(Σ V_i / n)^⅓`, `n` the number of cells that are not empty.
+    /// size `(Σ V_i / n)^⅓`, `n` the number of cells that are not empty; of a domain with a density, whose `V_i` are masses, it is that of its volume.
     pub gradient: f64,
     /// Diagrams evaluated so far.
     pub evaluations: usize,

@@ -253,6 +253,34 @@ fn a_constant_density_changes_no_bit_but_the_energy() {
     }
 }
 
+/// Whose volumes are masses: of any unit, and times a density that is asked for.
+#[test]
+fn the_density_of_a_domain_is_heeded() {
+    let image =
+        |unit: f64, values: [f64; 8]| Domain::of_image(&values.map(|v| unit * v), [2; 3], [0.0; 3], [1.0; 3]).unwrap();
+    let run = |domain: &Domain, density: &Density| {
+        let start = PowerDiagram::new(&spread(60), &[]).unwrap().restricted_to(domain);
+        relaxed(&start, &Options::default().of(density.clone()).until(8, 0.0))
+    };
+    let uneven = [1.0, 3.0, 0.0, 2.0, 5.0, 1.0, 1.0, 4.0];
+    let [(one, light), (other, heavy)] = [1.0, 1024.0].map(|unit| run(&image(unit, uneven), &Density::Uniform));
+    assert!(one.positions() == other.positions());
+    for (a, b) in light.iterations.iter().zip(&heavy.iterations) {
+        assert_eq!((1024.0 * a.energy, a.evaluations), (b.energy, b.evaluations));
+        assert!((a.gradient / b.gradient - 1.0).abs() < 1e-14, "{a:?} {b:?}");
+    }
+    let linear = Density::Linear { value: 0.1, gradient: [0.5, -0.02, 1.0] };
+    let (twice, heavy) = run(&image(1.0, [2.0; 8]), &linear);
+    let (plain, light) = relaxed(&cube(&spread(60), &[]), &Options::default().of(linear).until(8, 0.0));
+    for (a, b) in light.iterations.iter().zip(&heavy.iterations) {
+        assert!((2.0 * a.energy / b.energy - 1.0).abs() < 1e-11, "{a:?} {b:?}");
+        assert!((a.gradient / b.gradient - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+    }
+    for (p, q) in plain.positions().iter().zip(twice.positions()) {
+        assert!((0..3).all(|k| (p[k] - q[k]).abs() < 1e-9), "{p:?} {q:?}");
+    }
+}
+
 /// By exact moments and by quadrature, which has no error here.
 #[test]
 fn a_linear_density_and_the_same_function_move_the_sites_alike() {

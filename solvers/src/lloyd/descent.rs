@@ -34,6 +34,8 @@ pub(super) struct Descent<'a> {
     density: Option<Varying<'a>>,
     /// What energies are to be multiplied by.
     pub(super) unit: f64,
+    /// Mass per volume of the domain's own density, where there is any: volumes are masses there.
+    mean_density: f64,
     evaluations: usize,
 }
 
@@ -76,17 +78,19 @@ impl<'a> Descent<'a> {
         diagram.keep_container()?;
         let (density, container) = (backend.density, diagram.container()?);
         density.check(&container)?;
-        if let Some(unit) = density.constant() {
-            let session = Session::new(backend.backend, diagram, energy_request())?;
-            return Ok(Self { session, density: None, unit, evaluations: 0 });
-        }
-        let bounds = match &container {
-            Container::Domain(domain) => domain.bounding_box().into(),
-            Container::Box(lo, hi) => [*lo, *hi],
+        let (mean_density, bounds) = match &container {
+            Container::Domain(domain) => (domain.mean_density(), domain.bounding_box().into()),
+            Container::Box(lo, hi) => (1.0, [*lo, *hi]),
         };
-        let spread = density.spread(backend.backend, diagram)?;
+        let (backend, density, unit): (&dyn Backend, _, _) = match density.constant() {
+            Some(unit) => (backend.backend, None, unit),
+            None => {
+                let spread = density.spread(backend.backend, diagram)?;
+                (backend, Some(Varying { density, spread, bounds }), 1.0)
+            }
+        };
         let session = Session::new(backend, diagram, energy_request())?;
-        Ok(Self { session, density: Some(Varying { density, spread, bounds }), unit: 1.0, evaluations: 0 })
+        Ok(Self { session, density, unit, mean_density, evaluations: 0 })
     }
 
     /// Evaluates the sites where they are.
@@ -103,7 +107,7 @@ impl<'a> Descent<'a> {
                 varying.totals(diagram, output)?
             }
         };
-        let size = (totals.size / totals.cells as f64).cbrt();
+        let size = (totals.size / self.mean_density / totals.cells as f64).cbrt();
         Ok(State { energy, gradient: displacement / size, empty: totals.empty, evaluations: self.evaluations })
     }
 

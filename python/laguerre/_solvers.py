@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _laguerre
 from ._arrays import numbers
-from ._cells import Cells, Given, freeze
+from ._cells import Cells, Given, evaluated, freeze
 from ._container import Container, inner
 from ._diagram import Diagram
 
@@ -69,9 +69,32 @@ class Gaussians:
         else:
             covariances = numbers(self.covariances, "Gaussians: covariances", (k, 3, 3))
         masses = numbers(self.masses, "Gaussians: masses", (k,))
-        if isinstance(self.degree, bool) or not isinstance(self.degree, (int, np.integer)) or self.degree < 0:
-            raise ValueError(f"Gaussians: degree is {self.degree!r}; an integer from 0 is needed")
-        return int(self.degree), float(self.constant), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
+        return whole(self.degree, "Gaussians"), float(self.constant), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A density that is a function, for :func:`transport` and :func:`lloyd` on the CPU.
+
+    ``value`` is given points, (K, 3), thousands at once, and returns (K,) positive numbers; what it raises is raised. It is integrated over each cell by
+    quadrature of that ``degree``, 0 to 31, and asked for in the whole box around a domain, up to half of its extent on every side, as by :meth:`Cells.integrate`. An image, interpolated
+    linearly: ``scipy.interpolate.RegularGridInterpolator(axes, image, bounds_error=False, fill_value=None)``, whose kinks cost digits where voxels are smaller than cells.
+    """
+
+    value: Callable[[NDArray[np.float64]], Any]
+    degree: int = 5
+
+    def _given(self) -> tuple[int, Any]:
+        if not callable(self.value):
+            raise ValueError(f"Function: value: a function of points is needed, this is {self.value!r}")
+
+        def column(points: NDArray[np.float64]) -> NDArray[np.float64]:
+            found = evaluated(self.value, points)
+            if found.size != len(points):
+                raise ValueError(f"Function: for {len(points)} points it returned shape {found.shape}; one number for each is needed")
+            return np.ascontiguousarray(found.reshape(-1, 1))
+
+        return whole(self.degree, "Function"), column
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +129,7 @@ class Transport:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The gradients of a function by points, (N, 3), and masses, (N,), through the solve, from those by ``weights``, (N,), centroids, (N, 3), and the ``cost``:
         what reverse differentiation asks for. Masses change so that their sum stays: their gradient sums to 0. With a ``density`` that is linear there is none
-        by centroids, with :class:`Gaussians` none at all. It takes one diagram and one linear system."""
+        by centroids, with :class:`Gaussians` and :class:`Function` none at all. It takes one diagram and one linear system."""
         given = self.cells._given
         n = len(given.points)
         return _laguerre.pull_back(
@@ -126,7 +149,7 @@ def lloyd(
     *,
     domain: Container = None,
     weights: ArrayLike | None = None,
-    density: tuple[float, ArrayLike] | Gaussians | None = None,
+    density: tuple[float, ArrayLike] | Gaussians | Function | None = None,
     method: str = "lbfgs",
     iterations: int = 100,
     tolerance: float = 1e-3,
@@ -156,7 +179,7 @@ def transport(
     domain: Container = None,
     masses: ArrayLike | None = None,
     weights: ArrayLike | None = None,
-    density: tuple[float, ArrayLike] | Gaussians | None = None,
+    density: tuple[float, ArrayLike] | Gaussians | Function | None = None,
     iterations: int = 100,
     tolerance: float = 1e-9,
     normalize: bool = False,
@@ -166,7 +189,7 @@ def transport(
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
-    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, or :class:`Gaussians`; without, it is 1. The masses have to sum to the
+    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, :class:`Gaussians` or :class:`Function`; without, it is 1. The masses have to sum to the
     domain's; with ``normalize`` they are scaled so that they do, and ``Transport.masses`` are those of the domain.
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
     start included; a true answer ends it with what there is. With ``facets`` its cells have facets, which takes one more diagram. ``options`` are those of :class:`Diagram`.
@@ -184,11 +207,18 @@ def transport(
     return Transport(cells=Cells(given, cells), _density=rho, **found)
 
 
-def plain(density: tuple[float, ArrayLike] | Gaussians | None) -> tuple[Any, ...] | None:
+def whole(degree: Any, what: str) -> int:
+    """The degree of a rule."""
+    if isinstance(degree, bool) or not isinstance(degree, (int, np.integer)) or degree < 0:
+        raise ValueError(f"{what}: degree is {degree!r}; an integer from 0 is needed")
+    return int(degree)
+
+
+def plain(density: tuple[float, ArrayLike] | Gaussians | Function | None) -> tuple[Any, ...] | None:
     """A density as the extension takes it."""
     if density is None:
         return None
-    if isinstance(density, Gaussians):
+    if isinstance(density, (Gaussians, Function)):
         return density._given()
     return (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
 

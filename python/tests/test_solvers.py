@@ -54,6 +54,39 @@ def test_without_a_domain_the_box_stays():
     assert np.array_equal(relaxed.cells.mass_jacobian_points().toarray(), again.mass_jacobian_points().toarray())
 
 
+def test_functions_are_densities():
+    from scipy.interpolate import RegularGridInterpolator
+
+    points = white(60)
+    at = np.linspace(0, 1, 3)
+    # Linear between its places, and so the density 1 + 2 z.
+    image = np.broadcast_to(1 + 2 * at, (3, 3, 3)).copy()
+    calls = []
+
+    def value(x):
+        calls.append(len(x))
+        return interpolated(x)
+
+    interpolated = RegularGridInterpolator((at, at, at), image, bounds_error=False, fill_value=None)
+    linear, function = (1.0, [0, 0, 2.0]), lg.Function(value, degree=3)
+    one, other = (lg.transport(points, domain=CUBE, density=d, backend="cpu") for d in (linear, function))
+    assert other.converged and other.weights == pytest.approx(one.weights, abs=1e-9) and other.cost == pytest.approx(one.cost)
+    assert sum(calls) > 1000 * len(calls)
+    one, other = (lg.lloyd(points, domain=CUBE, density=d, iterations=3, tolerance=0, backend="cpu") for d in (linear, function))
+    assert other.points == pytest.approx(one.points, abs=1e-9) and other.masses == pytest.approx(one.masses, rel=1e-9)
+    for solver in (lg.lloyd, lg.transport):
+        with pytest.raises(ZeroDivisionError):
+            solver(points, domain=CUBE, density=lg.Function(lambda x: 1 / 0), backend="cpu")
+        with pytest.raises(ValueError, match="one number for each is needed"):
+            solver(points, domain=CUBE, density=lg.Function(lambda x: np.ones((len(x), 2))), backend="cpu")
+        with pytest.raises(ValueError, match=r"the density is -1 at \["):
+            solver(points, domain=CUBE, density=lg.Function(lambda x: -np.ones(len(x))), backend="cpu")
+    with pytest.raises(ValueError, match="a function of points is needed"):
+        lg.lloyd(points, density=lg.Function(3.0))
+    with pytest.raises(ValueError, match="degree"):
+        lg.lloyd(points, density=lg.Function(interpolated, degree=-1))
+
+
 def test_transport_equalizes():
     points, masses = white(300), np.linspace(1, 2, 300)
     masses /= masses.sum()

@@ -5,6 +5,7 @@ mod function;
 use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, Facets, Integrand, Observer, Output, PowerDiagram, Request, Result};
+use rayon::prelude::*;
 
 use function::COLUMNS;
 pub use function::{Function, Gaussian, is_of_density};
@@ -31,7 +32,7 @@ pub enum Density {
         /// Change per length.
         gradient: [f64; 3],
     },
-    /// Any that is positive: [`Density::function`], [`Density::gaussians`].
+    /// Any that is positive: [`Density::function`], [`Density::batches`], [`Density::gaussians`].
     Function(Function),
 }
 
@@ -150,14 +151,19 @@ impl Density {
         }
     }
 
-    /// The mass of facet number `k`: of a function near it, and nearer where there are second moments; it is called within `bounds` alone, where they are given.
-    pub(crate) fn of_facet(&self, facets: &Facets, k: usize, bounds: Option<[[f64; 3]; 2]>) -> f64 {
-        let facet = facets.get(k);
-        let mean = match (self, facets.second_moment()) {
-            (Self::Function(function), Some(seconds)) => function.mean(&facet, &seconds[k], bounds),
-            _ => self.at(facet.barycenter),
+    /// The mass of each facet: of a function near it, and nearer where there are second moments; it is called within `bounds` alone, where they are given.
+    ///
+    /// # Errors
+    /// That of a function of many places.
+    pub(crate) fn of_facets(&self, facets: &Facets, bounds: Option<[[f64; 3]; 2]>) -> Result<Vec<f64>> {
+        if let (Self::Function(function), Some(seconds)) = (self, facets.second_moment()) {
+            return function.of_facets(facets, seconds, bounds);
+        }
+        let mass = |k: usize| {
+            let facet = facets.get(k);
+            self.at(facet.barycenter) * facet.area
         };
-        mean * facet.area
+        Ok((0..facets.len()).into_par_iter().map(mass).collect())
     }
 
     /// The centre of mass of each cell of `diagram`, NaN where it is empty. `None` where the density is not uniform and `output` is not of

@@ -74,6 +74,8 @@ pub(crate) struct Whole {
     pub(crate) hi: [f64; 3],
     pub(crate) volume: f64,
     pub(crate) barycenter: [f64; 3],
+    /// Whether the volume is a mass.
+    pub(crate) has_density: bool,
 }
 
 impl Whole {
@@ -84,10 +86,11 @@ impl Whole {
         let whole = match container {
             Container::Domain(domain) => {
                 let (lo, hi) = domain.bounding_box();
-                Self { lo, hi, volume, barycenter: domain.barycenter() }
+                Self { lo, hi, volume, barycenter: domain.barycenter(), has_density: domain.has_density() }
             }
             Container::Box(lo, hi) => {
-                Self { lo, hi, volume, barycenter: std::array::from_fn(|k| lo[k] + (hi[k] - lo[k]) / 2.0) }
+                let barycenter = std::array::from_fn(|k| lo[k] + (hi[k] - lo[k]) / 2.0);
+                Self { lo, hi, volume, barycenter, has_density: false }
             }
         };
         if whole.volume > 0.0 && whole.volume.is_finite() {

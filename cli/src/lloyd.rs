@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::{Container, Whole};
+use crate::density::{DensityArgs, Given};
 use crate::files::{check_page, refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, end_well_when_interrupted, note, print, print_json, say};
 use crate::page::{self, Page, Plot, Remembering, Timeline};
@@ -21,8 +22,9 @@ use crate::solver::{WithBar, interrupted, open_for_solver, parse_from_zero};
 
 /// Moves sites until each is the barycenter of its cell: a centroidal tessellation. Weights stay as they are.
 ///
-/// The energy is the sum over all cells of the integral of ‖x − p_i‖² − w_i. The gradient that --tolerance bounds has no scale: it is
-/// the mean distance (root of the mean square, by volume) of sites from barycenters over the size of the mean cell.
+/// The energy is the sum over all cells of the integral of ρ (‖x − p_i‖² − w_i), ρ the density, and barycenters are those of mass: sites crowd where it is high.
+/// The gradient that --tolerance bounds has no scale: it is
+/// the mean distance (root of the mean square, by mass) of sites from barycenters over the size of the mean cell.
 /// Without --domain or --box, the cells are cut by the bounding box that the sites have at the start. Exits with 4 where the gradient is not
 /// within the tolerance at the end; the sites are still written. Ctrl-C ends after the diagram that is on its way, and writes the sites of the
 /// last iteration; a second one ends at once.
@@ -34,6 +36,9 @@ pub(crate) struct LloydArgs {
 
     #[command(flatten)]
     container: ContainerArgs,
+
+    #[command(flatten)]
+    density: DensityArgs,
 
     /// How
     #[arg(long, value_name = "METHOD", default_value = "lbfgs")]
@@ -67,7 +72,9 @@ pub(crate) struct LloydArgs {
 const EXAMPLES: &str = "\
 Examples:
   laguerre lloyd sites.xyz --domain out/swan.off -o even.xyz
-  laguerre lloyd sites.npy --box 0,0,0,1,1,1 --method lloyd --iterations 20 --json";
+  laguerre lloyd sites.npy --box 0,0,0,1,1,1 --method lloyd --iterations 20 --json
+  laguerre lloyd sites.npy --box 0,0,0,1,1,1 --density 0.1,0,0,1 -o lower.npy
+  laguerre lloyd sites.npy --box 0,0,0,1,1,1 --gaussians peaks.csv --constant 0.5 -o crowded.npy";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Method {
@@ -86,9 +93,11 @@ struct Report {
     /// The last gradient.
     residual: f64,
     converged: bool,
+    /// In words; `None` where it is 1.
+    density: Option<String>,
     energy: f64,
-    /// The energy for cells of equal volume, without scale: energy over 3·n·(V/n)^(5/3); 0.0785 for the best lattice.
-    normalized_energy: f64,
+    /// The energy for cells of equal volume, without scale: energy over 3·n·(V/n)^(5/3); 0.0785 for the best lattice. `None` with a density, also the domain's own.
+    normalized_energy: Option<f64>,
     evaluations: usize,
     empty: usize,
     seconds: f64,
@@ -119,7 +128,9 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
         Method::Lloyd => lloyd::Method::Lloyd,
         Method::Lbfgs => lloyd::Method::Lbfgs,
     };
-    let options = Options::default().by(method).until(args.iterations as usize, args.tolerance);
+    let given = args.density.read(backend.as_ref(), &diagram.container().map_err(of_sites)?)?;
+    let options =
+        Options::default().by(method).of(given.density.clone()).until(args.iterations as usize, args.tolerance);
     let start = Instant::now();
     end_well_when_interrupted();
     let mut count = 0;
@@ -145,13 +156,14 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     };
     // (What is remembered comes back from where it could stay.)
     let watched: &dyn Backend = if args.html.is_some() { &remembering } else { &with_bar };
-    let relaxed = pool.install(|| lloyd::relax(watched, &mut diagram, &options, &mut table)).map_err(of_sites)?;
+    let relaxed = pool.install(|| lloyd::relax(watched, &mut diagram, &options, &mut table));
+    let relaxed = relaxed.map_err(|e| given.place(e, sites::name(&args.sites)))?;
     let seconds = start.elapsed().as_secs_f64();
 
     if let Some(path) = &args.output {
         io::write_sites(path, diagram.positions(), diagram.weights())?;
     }
-    let report = Report::new(&relaxed, args.method, &whole, backend.info(), seconds);
+    let report = Report::new(&relaxed, args.method, given, &whole, backend.info(), seconds);
     if let (Some(path), Some(timeline)) = (&args.html, timeline) {
         let (moments, shown) = timeline.finish("iterations");
         let page = report.page(args, shown);
@@ -182,13 +194,13 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
 fn check(args: &LloydArgs) -> Result<()> {
     args.output.iter().try_for_each(|path| io::check_output(path, SITES_ENDINGS))?;
     check_page(args.html.as_ref(), args.output.iter())?;
-    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.file()];
+    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.file(), args.density.file()];
     args.output.iter().chain(&args.html).try_for_each(|path| refuse_inputs(path, &inputs))?;
     share_standard_output(args.output.iter().chain(&args.html), args.json)
 }
 
 impl Report {
-    fn new(relaxed: &Relaxation, method: Method, whole: &Whole, info: BackendInfo, seconds: f64) -> Self {
+    fn new(relaxed: &Relaxation, method: Method, given: Given, whole: &Whole, info: BackendInfo, seconds: f64) -> Self {
         let history: Vec<Row> = relaxed
             .iterations
             .iter()
@@ -199,6 +211,8 @@ impl Report {
         let sites = relaxed.output.volume().len();
         let empty = relaxed.output.count(CellStatus::Empty);
         let cells = (sites - empty) as f64;
+        let is_plain = given.words.is_none() && !whole.has_density;
+        let normalized = energy / (3.0 * whole.volume) / (whole.volume / cells).powf(2.0 / 3.0);
         Self {
             sites,
             method: if method == Method::Lloyd { "lloyd" } else { "lbfgs" },
@@ -206,7 +220,8 @@ impl Report {
             residual,
             converged: relaxed.converged,
             energy,
-            normalized_energy: energy / (3.0 * whole.volume) / (whole.volume / cells).powf(2.0 / 3.0),
+            normalized_energy: is_plain.then_some(normalized),
+            density: given.words,
             evaluations,
             empty,
             seconds,
@@ -218,6 +233,11 @@ impl Report {
         }
     }
 
+    fn energy_in_words(&self) -> String {
+        let normalized = self.normalized_energy.map(|energy| format!(", {energy:.6} for cells of size 1"));
+        format!("{:e}{}", self.energy, normalized.unwrap_or_default())
+    }
+
     /// What the page says beside the cells.
     fn page(&self, args: &LloydArgs, shown: String) -> Page {
         let mut facts = vec![
@@ -225,9 +245,10 @@ impl Report {
             ("empty cells", grouped(self.empty as u64)),
             ("iterations", format!("{}, {} diagrams", self.iterations, self.evaluations)),
             ("gradient", format!("{:.3e} of a cell", self.residual)),
-            ("energy", format!("{:e}, {:.6} for cells of size 1", self.energy, self.normalized_energy)),
+            ("energy", self.energy_in_words()),
             ("computed in", format!("{:.3} s", self.seconds)),
         ];
+        facts.extend(self.density.iter().map(|density| ("density", density.clone())));
         facts.extend(page::made_by(self.backend, &self.device, self.precision, self.threads));
         let values = self.history.iter().map(|row| row.gradient).collect();
         Page {
@@ -246,14 +267,15 @@ impl Report {
     /// A few lines for people.
     fn summary(&self) -> String {
         let end = if self.converged { "within the tolerance" } else { "not within the tolerance" };
+        let density = self.density.as_ref().map(|words| format!("density      {words}\n")).unwrap_or_default();
         format!(
             "sites        {}\n\
-             energy       {:e}, {:.6} for cells of size 1\n\
+             {density}\
+             energy       {}\n\
              gradient     {:.3e} of a cell: {end}\n\
              compute      {:.3} s, {} iterations, {} diagrams ({}, {}, {})\n",
             grouped(self.sites as u64),
-            self.energy,
-            self.normalized_energy,
+            self.energy_in_words(),
             self.residual,
             self.seconds,
             self.iterations,

@@ -5,6 +5,7 @@ mod args;
 mod bench;
 mod container;
 mod demo;
+mod density;
 mod derivatives;
 mod devices;
 mod domains;

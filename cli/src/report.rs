@@ -201,8 +201,13 @@ mod tests {
     fn sums_of_a_far_box_keep_their_digits() {
         // A row of cells of equal size, 1e6 from the origin: neither sum may show more than a rounding.
         let n = 1000;
-        let whole =
-            Whole { lo: [1e6, 0.0, 0.0], hi: [1e6 + 1.0, 1.0, 1.0], volume: 1.0, barycenter: [1e6 + 0.5, 0.5, 0.5] };
+        let whole = Whole {
+            lo: [1e6, 0.0, 0.0],
+            hi: [1e6 + 1.0, 1.0, 1.0],
+            volume: 1.0,
+            barycenter: [1e6 + 0.5, 0.5, 0.5],
+            has_density: false,
+        };
         let mut arrays = OutputArrays::default();
         for i in 0..n {
             arrays.status.push(CellStatus::Complete);

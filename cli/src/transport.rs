@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use laguerre::io::{self, CELLS_ENDINGS, WEIGHTS_ENDINGS};
-use laguerre::solvers::density::Density;
 use laguerre::solvers::transport::{self, Cause, End, Iteration, Options, Solution};
 use laguerre::{BackendInfo, Error, ErrorKind, Result};
 use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
 use crate::container::Container;
+use crate::density::{DensityArgs, Given};
 use crate::files::{check_page, names_same_file, refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, end_well_when_interrupted, note, print, print_json, say};
 use crate::page::{self, Page, Plot, Remembering, Timeline};
@@ -43,9 +43,8 @@ pub(crate) struct TransportArgs {
     #[arg(long, requires = "masses")]
     normalize: bool,
 
-    /// The density c + gx·x + gy·y + gz·z; 1 unless given
-    #[arg(long, value_name = "c,gx,gy,gz", allow_hyphen_values = true, value_parser = parse_density)]
-    density: Option<Density>,
+    #[command(flatten)]
+    density: DensityArgs,
 
     /// Largest relative error of a cell's mass that is good enough
     #[arg(long, value_name = "T", default_value_t = 1e-9, allow_hyphen_values = true, value_parser = parse_tolerance)]
@@ -81,7 +80,8 @@ Examples:
   laguerre transport sites.xyz --domain out/swan.off -o weights.txt
   laguerre integrate sites.xyz --weights weights.txt --domain out/swan.off -o cells.csv
   laguerre transport sites.npy --box 0,0,0,1,1,1 --density 1,0,0,0.5 --masses masses.npy --json
-  laguerre transport sites.npy --box 0,0,0,1,1,1 --masses shares.txt --normalize -o weights.npy";
+  laguerre transport sites.npy --box 0,0,0,1,1,1 --masses shares.txt --normalize -o weights.npy
+  laguerre transport sites.npy --box 0,0,0,1,1,1 --gaussians peaks.csv --constant 0.5 -o weights.npy";
 
 /// The object of `--json`.
 #[derive(Debug, Serialize)]
@@ -92,6 +92,10 @@ struct Report {
     /// Largest relative error of a cell's mass.
     residual: f64,
     converged: bool,
+    /// In words; `None` where it is 1.
+    density: Option<String>,
+    /// Of all cells.
+    mass: f64,
     /// Σ ∫ ρ ‖x − p_i‖² over the cells.
     cost: Option<f64>,
     evaluations: usize,
@@ -124,16 +128,15 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
     page::check_sites(args.html.as_ref(), diagram.positions().len())?;
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
-    let options =
-        Options::default().of(args.density.clone().unwrap_or_default()).until(args.iterations as usize, args.tolerance);
+    let given = args.density.read(backend.as_ref(), &diagram.container().map_err(of_sites)?)?;
+    let options = Options::default().of(given.density.clone()).until(args.iterations as usize, args.tolerance);
     let options = if args.normalize { options.normalized() } else { options };
     // (Text counts them.)
     let is_text = args.cells.as_ref().is_some_and(|path| path.extension().is_none_or(|ending| ending != "npy"));
     let options = if is_text { options.with_facets() } else { options };
-    options.density.check(&diagram.container().map_err(of_sites)?).map_err(|e| e.at("--density"))?;
     if let Some(path) = &args.masses {
-        let aimed =
-            transport::targets(backend.as_ref(), &diagram, &masses, &options).map_err(|e| e.at(path.display()))?;
+        let aimed = transport::targets(backend.as_ref(), &diagram, &masses, &options);
+        let aimed = aimed.map_err(|e| given.place(e, path.display()))?;
         let factor = aimed[0] / masses[0];
         if (factor - 1.0).abs() > args.tolerance {
             note(&format!("{}: each mass is multiplied by {factor:?}: they then sum to the domain's", path.display()));
@@ -159,8 +162,8 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     };
     let start = Instant::now();
     end_well_when_interrupted();
-    let solution =
-        pool.install(|| transport::solve(&remembering, &mut diagram, &masses, &options, &mut row)).map_err(of_sites)?;
+    let solution = pool.install(|| transport::solve(&remembering, &mut diagram, &masses, &options, &mut row));
+    let solution = solution.map_err(|e| given.place(e, sites::name(&args.sites)))?;
     let seconds = start.elapsed().as_secs_f64();
 
     if let Some(path) = &args.output {
@@ -169,7 +172,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     if let Some(path) = &args.cells {
         io::write_cells(path, &diagram, &solution.output)?;
     }
-    let report = Report::new(&solution, backend.info(), seconds);
+    let report = Report::new(&solution, given, backend.info(), seconds);
     if let (Some(path), Some(timeline)) = (&args.html, timeline) {
         let (moments, shown) = timeline.finish("steps");
         let page = report.page(args, shown);
@@ -209,7 +212,13 @@ fn check(args: &TransportArgs) -> Result<()> {
     {
         return Err(Error::input(format!("{}: named for weights and for cells; give two files", path.display())));
     }
-    let inputs = [Some(&args.sites.path), args.sites.weights.as_ref(), args.container.file(), args.masses.as_ref()];
+    let inputs = [
+        Some(&args.sites.path),
+        args.sites.weights.as_ref(),
+        args.container.file(),
+        args.masses.as_ref(),
+        args.density.file(),
+    ];
     check_page(args.html.as_ref(), args.output.iter().chain(&args.cells))?;
     let outputs = || args.output.iter().chain(&args.cells).chain(&args.html);
     outputs().try_for_each(|path| refuse_inputs(path, &inputs))?;
@@ -217,13 +226,15 @@ fn check(args: &TransportArgs) -> Result<()> {
 }
 
 impl Report {
-    fn new(solution: &Solution, info: BackendInfo, seconds: f64) -> Self {
+    fn new(solution: &Solution, given: Given, info: BackendInfo, seconds: f64) -> Self {
         let history: Vec<Row> = solution.iterations.iter().map(Row::from).collect();
         Self {
             sites: solution.weights.len(),
             iterations: history.len().saturating_sub(1),
             residual: solution.residual,
             converged: solution.end == End::Converged,
+            density: given.words,
+            mass: solution.masses.iter().sum(),
             cost: solution.cost,
             evaluations: history.iter().map(|row| row.evaluations).sum(),
             linear_iterations: history.iter().map(|row| row.linear_iterations).sum(),
@@ -246,6 +257,7 @@ impl Report {
             ("residual", format!("{:.1e}", self.residual)),
             ("computed in", format!("{:.3} s", self.seconds)),
         ];
+        facts.extend(self.density.iter().map(|density| ("density", density.clone())));
         facts.extend(self.cost.map(|cost| ("cost", format!("{cost:e}"))));
         facts.extend(page::made_by(self.backend, &self.device, self.precision, self.threads));
         let values = self.history.iter().map(|row| row.residual).collect();
@@ -261,8 +273,11 @@ impl Report {
     /// A few lines for people.
     fn summary(&self) -> String {
         let cost = self.cost.map_or_else(|| "not computed".into(), |cost| format!("{cost:e}"));
+        let density = self.density.as_ref();
+        let density = density.map(|words| format!("density      {words}; mass {:?}\n", self.mass)).unwrap_or_default();
         format!(
             "sites        {}\n\
+             {density}\
              residual     {:.1e} after {} Newton steps\n\
              cost         {cost}\n\
              compute      {:.3} s: {} diagrams {:.3} s, solver {:.3} s ({}, {}, {})\n",
@@ -303,17 +318,6 @@ fn line(done: &Iteration) -> String {
         done.diagram_seconds,
         done.solver_seconds
     )
-}
-
-fn parse_density(text: &str) -> std::result::Result<Density, String> {
-    let number = |word: &str| match word.trim().parse::<f64>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        _ => Err(format!("'{}' is not a finite number", word.trim())),
-    };
-    match *text.split(',').map(number).collect::<std::result::Result<Vec<_>, _>>()?.as_slice() {
-        [value, x, y, z] => Ok(Density::Linear { value, gradient: [x, y, z] }),
-        ref numbers => Err(format!("{} numbers; 4 are needed: c,gx,gy,gz", numbers.len())),
-    }
 }
 
 fn parse_tolerance(text: &str) -> std::result::Result<f64, String> {

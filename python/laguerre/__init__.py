@@ -17,7 +17,7 @@ from ._diagram import Diagram, cells
 from ._fluid import Flow, fluid, scene
 from ._laguerre import __version__
 from ._page import page
-from ._solvers import Gaussians, Relaxation, Transport, lloyd, transport
+from ._solvers import Function, Gaussians, Relaxation, Transport, lloyd, transport
 
 __all__ = [
     "Backend",
@@ -29,6 +29,7 @@ __all__ = [
     "Domain",
     "Facets",
     "Flow",
+    "Function",
     "Gaussians",
     "Relaxation",
     "Status",

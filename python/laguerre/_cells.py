@@ -172,10 +172,10 @@ class Cells:
             middle[0] = np.mean(given.container.bounds, axis=0)
         elif given.container is not None:
             middle[0] = (given.container.lo + given.container.hi) / 2
-        first = _values(function, middle)
+        first = evaluated(function, middle)
 
         def values(points: NDArray[np.float64]) -> NDArray[np.float64]:
-            found = _values(function, points)
+            found = evaluated(function, points)
             if found.shape[1:] != first.shape[1:]:
                 raise ValueError(f"function: for {len(points)} points it returned shape {found.shape}, for 1 point {first.shape}")
             return np.ascontiguousarray(found.reshape(len(points), -1))
@@ -286,7 +286,7 @@ class Cells:
         return scipy.sparse.csr_array(scipy.sparse.bsr_array(blocks, shape=(n * shape[0], n * shape[1])))
 
 
-def _values(function: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def evaluated(function: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """What a function returns for points, as doubles."""
     found = np.asarray(function(points))
     if found.dtype.kind not in "fiub":

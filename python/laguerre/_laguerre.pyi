@@ -90,6 +90,7 @@ def lloyd(
     points: NDArray[np.float64],
     weights: NDArray[np.float64] | None,
     container: Any,
+    density: Any,
     method: str,
     iterations: int,
     tolerance: float,

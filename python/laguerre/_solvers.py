@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _laguerre
 from ._arrays import numbers
-from ._cells import Cells, Given, freeze
+from ._cells import Cells, Given, evaluated, freeze
 from ._container import Container, inner
 from ._diagram import Diagram
 
@@ -25,9 +25,11 @@ class Relaxation:
     points: NDArray[np.float64]
     """The points, (N, 3)."""
     energy: NDArray[np.float64]
-    """The energy at the start and after each iteration (length to the fifth): the integral of ``|x - p|**2 - w`` over all cells."""
+    """The energy at the start and after each iteration (length to the fifth, times the density's unit): the integral of ``density * (|x - p|**2 - w)`` over all cells."""
     gradient: NDArray[np.float64]
-    """The mean distance of points from centroids, over the mean cell's size, likewise."""
+    """The mean distance of points from centroids (by mass, of mass), over the mean cell's size, likewise."""
+    masses: NDArray[np.float64]
+    """The masses of their cells, (N,); volumes without a density."""
     end: str
     """``"converged"``, ``"iterations"`` (there were no more) or ``"stopped"`` (by the callback)."""
     cells: Cells
@@ -41,7 +43,7 @@ class Relaxation:
 
 @dataclass(frozen=True, eq=False)
 class Gaussians:
-    """The density ``constant + sum of mass * N(x; mean, covariance)``, for :func:`transport` on the CPU.
+    """The density ``constant + sum of mass * N(x; mean, covariance)``, for :func:`transport` and :func:`lloyd` on the CPU.
 
     ``means`` is (K, 3). ``covariances`` is (K, 3, 3), symmetric and positive definite (length squared), or (K,): standard deviations (length) along every
     direction. ``masses`` is (K,): the integral of each over all of space, of which a domain has a part. It is integrated over each cell by quadrature of that
@@ -60,13 +62,39 @@ class Gaussians:
         k = len(means)
         if np.ndim(self.covariances) == 1:
             deviations = numbers(self.covariances, "Gaussians: deviations", (k,))
+            if not np.all(deviations > 0):
+                wrong = int(np.argmin(deviations > 0))
+                raise ValueError(f"Gaussians: deviation {wrong} is {float(deviations[wrong])!r}; a positive length is needed")
             covariances = deviations[:, None, None] ** 2 * np.eye(3)
         else:
             covariances = numbers(self.covariances, "Gaussians: covariances", (k, 3, 3))
         masses = numbers(self.masses, "Gaussians: masses", (k,))
-        if isinstance(self.degree, bool) or not isinstance(self.degree, (int, np.integer)) or self.degree < 0:
-            raise ValueError(f"Gaussians: degree is {self.degree!r}; an integer from 0 is needed")
-        return int(self.degree), float(self.constant), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
+        return whole(self.degree, "Gaussians"), float(self.constant), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A density that is a function, for :func:`transport` and :func:`lloyd` on the CPU.
+
+    ``value`` is given points, (K, 3), thousands at once, and returns (K,) positive numbers; what it raises is raised. It is integrated over each cell by
+    quadrature of that ``degree``, 0 to 31, and asked for in the whole box around a domain, up to half of its extent on every side, as by :meth:`Cells.integrate`. An image, interpolated
+    linearly: ``scipy.interpolate.RegularGridInterpolator(axes, image, bounds_error=False, fill_value=None)``, whose kinks cost digits where voxels are smaller than cells.
+    """
+
+    value: Callable[[NDArray[np.float64]], Any]
+    degree: int = 5
+
+    def _given(self) -> tuple[int, Any]:
+        if not callable(self.value):
+            raise ValueError(f"Function: value: a function of points is needed, this is {self.value!r}")
+
+        def column(points: NDArray[np.float64]) -> NDArray[np.float64]:
+            found = evaluated(self.value, points)
+            if found.size != len(points):
+                raise ValueError(f"Function: for {len(points)} points it returned shape {found.shape}; one number for each is needed")
+            return np.ascontiguousarray(found.reshape(-1, 1))
+
+        return whole(self.degree, "Function"), column
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +129,7 @@ class Transport:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The gradients of a function by points, (N, 3), and masses, (N,), through the solve, from those by ``weights``, (N,), centroids, (N, 3), and the ``cost``:
         what reverse differentiation asks for. Masses change so that their sum stays: their gradient sums to 0. With a ``density`` that is linear there is none
-        by centroids, with :class:`Gaussians` none at all. It takes one diagram and one linear system."""
+        by centroids, with :class:`Gaussians` and :class:`Function` none at all. It takes one diagram and one linear system."""
         given = self.cells._given
         n = len(given.points)
         return _laguerre.pull_back(
@@ -121,6 +149,7 @@ def lloyd(
     *,
     domain: Container = None,
     weights: ArrayLike | None = None,
+    density: tuple[float, ArrayLike] | Gaussians | Function | None = None,
     method: str = "lbfgs",
     iterations: int = 100,
     tolerance: float = 1e-3,
@@ -129,13 +158,14 @@ def lloyd(
 ) -> Relaxation:
     """Moves points down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``).
 
+    With a ``density``, as of :func:`transport`, points go to centroids of mass, and crowd where it is high.
     ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far), and ``points`` and ``weights``, after each iteration, the start
     included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     found = _laguerre.lloyd(
-        given.backend, given.points, given.weights, inner(given.container), method, iterations, tolerance, callback
+        given.backend, given.points, given.weights, inner(given.container), plain(density), method, iterations, tolerance, callback
     )
     cells = freeze(found.pop("cells"))
     freeze(found)
@@ -149,7 +179,7 @@ def transport(
     domain: Container = None,
     masses: ArrayLike | None = None,
     weights: ArrayLike | None = None,
-    density: tuple[float, ArrayLike] | Gaussians | None = None,
+    density: tuple[float, ArrayLike] | Gaussians | Function | None = None,
     iterations: int = 100,
     tolerance: float = 1e-9,
     normalize: bool = False,
@@ -159,7 +189,7 @@ def transport(
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
-    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, or :class:`Gaussians`; without, it is 1. The masses have to sum to the
+    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, :class:`Gaussians` or :class:`Function`; without, it is 1. The masses have to sum to the
     domain's; with ``normalize`` they are scaled so that they do, and ``Transport.masses`` are those of the domain.
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
     start included; a true answer ends it with what there is. With ``facets`` its cells have facets, which takes one more diagram. ``options`` are those of :class:`Diagram`.
@@ -167,11 +197,7 @@ def transport(
     check(iterations, callback)
     given = Diagram(points, weights, domain=domain, **options)._given
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
-    rho: tuple[Any, ...] | None = None
-    if isinstance(density, Gaussians):
-        rho = density._given()
-    elif density is not None:
-        rho = (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
+    rho = plain(density)
     found = _laguerre.transport(
         given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, normalize, facets, callback
     )
@@ -179,6 +205,22 @@ def transport(
     freeze(found)
     given = Given(given.points, found["weights"], given.container, given.backend)
     return Transport(cells=Cells(given, cells), _density=rho, **found)
+
+
+def whole(degree: Any, what: str) -> int:
+    """The degree of a rule."""
+    if isinstance(degree, bool) or not isinstance(degree, (int, np.integer)) or degree < 0:
+        raise ValueError(f"{what}: degree is {degree!r}; an integer from 0 is needed")
+    return int(degree)
+
+
+def plain(density: tuple[float, ArrayLike] | Gaussians | Function | None) -> tuple[Any, ...] | None:
+    """A density as the extension takes it."""
+    if density is None:
+        return None
+    if isinstance(density, (Gaussians, Function)):
+        return density._given()
+    return (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
 
 
 def refuse_density(options: dict[str, Any]) -> None:

@@ -12,14 +12,18 @@ use crate::container::{Container, diagram, table};
 use crate::run::{detached, raised};
 
 /// A function of points, (K, 3), that returns (K, C) doubles, and what it raised.
-struct Called {
+pub(crate) struct Called {
     function: Py<PyAny>,
     raised: Mutex<Option<PyErr>>,
 }
 
 impl Called {
+    pub(crate) fn new(function: Py<PyAny>) -> Arc<Self> {
+        Arc::new(Self { function, raised: Mutex::new(None) })
+    }
+
     /// Its values; it is not called again once it has raised.
-    fn values(&self, points: &[[f64; 3]]) -> Result<Vec<f64>> {
+    pub(crate) fn values(&self, points: &[[f64; 3]]) -> Result<Vec<f64>> {
         let values = Python::attach(|py| -> PyResult<Option<Vec<f64>>> {
             if self.raised().is_some() {
                 return Ok(None);
@@ -35,7 +39,7 @@ impl Called {
         values.ok_or_else(|| Error::new(ErrorKind::Interrupted, "the function has raised an error"))
     }
 
-    fn raised(&self) -> MutexGuard<'_, Option<PyErr>> {
+    pub(crate) fn raised(&self) -> MutexGuard<'_, Option<PyErr>> {
         self.raised.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -55,7 +59,7 @@ pub(crate) fn integrate<'py>(
     epsilon: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
-    let called = Arc::new(Called { function, raised: Mutex::new(None) });
+    let called = Called::new(function);
     let calls = Arc::clone(&called);
     let integrand = Integrand::batches(degree, columns, move |points| calls.values(points)).map_err(raised)?;
     let mut request = Request::moments().with_integral(integrand);

@@ -1,5 +1,7 @@
 //! Lloyd's relaxation and optimal transport, with a callback at each iteration.
 
+use std::sync::Arc;
+
 use laguerre::Result;
 use laguerre::solvers::density::{Density, Gaussian};
 use laguerre::solvers::lloyd::{self as relaxation, Method};
@@ -13,6 +15,7 @@ use pyo3::types::PyDict;
 use crate::callback::Callback;
 use crate::cells::{Backend, Gradient, arrays};
 use crate::container::{Container, diagram, rows, table};
+use crate::integral::Called;
 use crate::run::{Stoppable, detached_in_pool, raised};
 
 /// Sites that are the centroids of their cells: a dictionary of points, history and cells.
@@ -24,6 +27,7 @@ pub(crate) fn lloyd<'py>(
     points: PyReadonlyArray2<'py, f64>,
     weights: Option<PyReadonlyArray1<'py, f64>>,
     container: Option<Container<'py>>,
+    density: Option<Given>,
     method: &str,
     iterations: usize,
     tolerance: f64,
@@ -35,7 +39,8 @@ pub(crate) fn lloyd<'py>(
         other => return Err(PyValueError::new_err(format!("method '{other}': 'lbfgs' or 'lloyd' is needed"))),
     };
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
-    let options = relaxation::Options::default().by(method).until(iterations, tolerance);
+    let (density, called) = density_of(density).map_err(raised)?;
+    let options = relaxation::Options::default().by(method).of(density).until(iterations, tolerance);
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| {
@@ -50,6 +55,7 @@ pub(crate) fn lloyd<'py>(
         })?;
         Ok((relaxed, diagram))
     });
+    or_raise(called)?;
     let (relaxed, diagram) = callback.or_raise(done)?;
     let found = PyDict::new(py);
     found.set_item("points", table(py, diagram.positions().to_vec())?)?;
@@ -61,6 +67,8 @@ pub(crate) fn lloyd<'py>(
         _ => "iterations",
     };
     found.set_item("end", end)?;
+    let masses = options.density.masses(&relaxed.output).unwrap_or_default();
+    found.set_item("masses", PyArray1::from_vec(py, masses))?;
     found.set_item("cells", arrays(py, relaxed.output.into_arrays())?)?;
     Ok(found)
 }
@@ -84,7 +92,7 @@ pub(crate) fn transport<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let masses = masses.as_ref().map(|masses| masses.as_slice().map(<[f64]>::to_vec)).transpose()?.unwrap_or_default();
-    let density = density_of(density).map_err(raised)?;
+    let (density, called) = density_of(density).map_err(raised)?;
     let options = solution::Options::default().of(density).until(iterations, tolerance);
     let options = if normalize { options.normalized() } else { options };
     let options = if facets { options.with_facets() } else { options };
@@ -98,6 +106,7 @@ pub(crate) fn transport<'py>(
             told.call(&numbers, &backend)
         })
     });
+    or_raise(called)?;
     let solved = callback.or_raise(done)?;
     let found = PyDict::new(py);
     let end = match solved.end {
@@ -139,7 +148,7 @@ pub(crate) fn pull_back<'py>(
     if let Some(by_centroids) = &by_centroids {
         cotangent.barycenters = rows(by_centroids.as_slice()?, "centroid").map_err(raised)?.to_vec();
     }
-    let density = density_of(density).map_err(raised)?;
+    let (density, _) = density_of(density).map_err(raised)?;
     let backend = backend.get()?;
     let found = detached_in_pool(py, backend.info().threads, |stop| {
         solution::pull_back(&Stoppable { backend, stop }, &diagram, &density, &cotangent)
@@ -152,18 +161,32 @@ pub(crate) fn pull_back<'py>(
 pub(crate) enum Given {
     /// A value and a gradient.
     Linear(f64, [f64; 3]),
+    /// The degree of the rule, and a function of points, (K, 3), that returns (K, 1) doubles.
+    Function(u32, Py<PyAny>),
     /// The degree of the rule, a constant, and mean, covariance and mass of each.
     Gaussians(u32, f64, Vec<([f64; 3], [[f64; 3]; 3], f64)>),
 }
 
-/// Uniform, where none is given.
-fn density_of(given: Option<Given>) -> Result<Density> {
-    match given {
-        None => Ok(Density::Uniform),
-        Some(Given::Linear(value, gradient)) => Ok(Density::Linear { value, gradient }),
+/// Uniform, where none is given; with the function of Python's that it calls.
+fn density_of(given: Option<Given>) -> Result<(Density, Option<Arc<Called>>)> {
+    let density = match given {
+        None => Density::Uniform,
+        Some(Given::Linear(value, gradient)) => Density::Linear { value, gradient },
+        Some(Given::Function(degree, function)) => {
+            let called = Called::new(function);
+            let calls = Arc::clone(&called);
+            return Ok((Density::batches(degree, move |points| calls.values(points))?, Some(called)));
+        }
         Some(Given::Gaussians(degree, constant, each)) => {
             let one = |(mean, covariance, mass)| Gaussian { mean, covariance, mass };
-            Density::gaussians(degree, constant, &each.into_iter().map(one).collect::<Vec<_>>())
+            Density::gaussians(degree, constant, &each.into_iter().map(one).collect::<Vec<_>>())?
         }
-    }
+    };
+    Ok((density, None))
+}
+
+/// What the density's function has raised.
+fn or_raise(called: Option<Arc<Called>>) -> PyResult<()> {
+    let error = called.and_then(|called| called.raised().take());
+    error.map_or(Ok(()), Err)
 }

@@ -54,6 +54,39 @@ def test_without_a_domain_the_box_stays():
     assert np.array_equal(relaxed.cells.mass_jacobian_points().toarray(), again.mass_jacobian_points().toarray())
 
 
+def test_functions_are_densities():
+    from scipy.interpolate import RegularGridInterpolator
+
+    points = white(60)
+    at = np.linspace(0, 1, 3)
+    # Linear between its places, and so the density 1 + 2 z.
+    image = np.broadcast_to(1 + 2 * at, (3, 3, 3)).copy()
+    calls = []
+
+    def value(x):
+        calls.append(len(x))
+        return interpolated(x)
+
+    interpolated = RegularGridInterpolator((at, at, at), image, bounds_error=False, fill_value=None)
+    linear, function = (1.0, [0, 0, 2.0]), lg.Function(value, degree=3)
+    one, other = (lg.transport(points, domain=CUBE, density=d, backend="cpu") for d in (linear, function))
+    assert other.converged and other.weights == pytest.approx(one.weights, abs=1e-9) and other.cost == pytest.approx(one.cost)
+    assert sum(calls) > 1000 * len(calls)
+    one, other = (lg.lloyd(points, domain=CUBE, density=d, iterations=3, tolerance=0, backend="cpu") for d in (linear, function))
+    assert other.points == pytest.approx(one.points, abs=1e-9) and other.masses == pytest.approx(one.masses, rel=1e-9)
+    for solver in (lg.lloyd, lg.transport):
+        with pytest.raises(ZeroDivisionError):
+            solver(points, domain=CUBE, density=lg.Function(lambda x: 1 / 0), backend="cpu")
+        with pytest.raises(ValueError, match="one number for each is needed"):
+            solver(points, domain=CUBE, density=lg.Function(lambda x: np.ones((len(x), 2))), backend="cpu")
+        with pytest.raises(ValueError, match=r"the density is -1 at \["):
+            solver(points, domain=CUBE, density=lg.Function(lambda x: -np.ones(len(x))), backend="cpu")
+    with pytest.raises(ValueError, match="a function of points is needed"):
+        lg.lloyd(points, density=lg.Function(3.0))
+    with pytest.raises(ValueError, match="degree"):
+        lg.lloyd(points, density=lg.Function(interpolated, degree=-1))
+
+
 def test_transport_equalizes():
     points, masses = white(300), np.linspace(1, 2, 300)
     masses /= masses.sum()
@@ -69,6 +102,24 @@ def test_transport_equalizes():
     assert linear.masses == pytest.approx(np.full(300, 2 / 300), rel=1e-9)
 
 
+def test_lloyd_heeds_a_density():
+    points = white(60)
+    plain = lg.lloyd(points, domain=CUBE, iterations=5, tolerance=0)
+    twice = lg.lloyd(points, domain=CUBE, iterations=5, tolerance=0, density=(2.0, [0, 0, 0]))
+    assert np.array_equal(plain.points, twice.points) and np.array_equal(2 * plain.energy, twice.energy)
+    assert np.array_equal(plain.masses, plain.cells.volume)
+    # Of 60 below the middle: half, or 0.5**1.6 of them; and where a peak is.
+    low = lg.lloyd(points, domain=CUBE, density=(0.001, [0, 0, 1.0]))
+    assert low.converged and low.masses.sum() == pytest.approx(0.501)
+    assert 0.25 < np.mean(low.points[:, 2] < 0.5) < 0.42
+    peak = lg.Gaussians([[0.2, 0.2, 0.2]], [0.2], [1.0], constant=0.01, degree=3)
+    crowded = lg.lloyd(points, domain=CUBE, density=peak, tolerance=0.02, backend="cpu")
+    assert crowded.converged and np.all(np.diff(crowded.energy) <= 1e-6 * crowded.energy[0])
+    assert np.mean(np.all(crowded.points < 0.5, axis=1)) > 0.4
+    with pytest.raises(ValueError, match="the density is -1"):
+        lg.lloyd(points, domain=CUBE, density=(1.0, [0, 0, -2.0]))
+
+
 def test_gaussians_are_transported():
     points = white(200)
     round_ = lg.Gaussians([[0.3, 0.5, 0.5], [0.8, 0.4, 0.6]], [0.2, 0.15], [2.0, 1.0], constant=0.5)
@@ -81,8 +132,10 @@ def test_gaussians_are_transported():
     whole = lg.Gaussians(round_.means, [np.eye(3) * 0.04, np.eye(3) * 0.15**2], round_.masses, constant=0.5)
     again = lg.transport(points, domain=CUBE, density=whole, backend="cpu")
     assert again.weights == pytest.approx(found.weights, abs=1e-12)
-    with pytest.raises(ValueError, match="Gaussian 1.*covariance"):
+    with pytest.raises(ValueError, match="deviation 1 is 0.0"):
         lg.transport(points, domain=CUBE, density=lg.Gaussians([at, at], [0.1, 0.0], [1, 1]), backend="cpu")
+    with pytest.raises(ValueError, match="Gaussian 1.*covariance"):
+        lg.transport(points, domain=CUBE, density=lg.Gaussians([at, at], [np.eye(3), np.zeros((3, 3))], [1, 1]), backend="cpu")
     with pytest.raises(ValueError, match="means"):
         lg.transport(points, domain=CUBE, density=lg.Gaussians(at, [0.1], [1]), backend="cpu")
     with pytest.raises(ValueError, match="not for functions"):

@@ -4,11 +4,11 @@ mod function;
 
 use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, Error, Facets, Integrand, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, Facets, Integrand, Observer, Output, PowerDiagram, Request, Result};
+use rayon::prelude::*;
 
 use function::COLUMNS;
-pub(crate) use function::is_of_density;
-pub use function::{Function, Gaussian};
+pub use function::{Function, Gaussian, is_of_density};
 
 /// A density `ρ` (mass per volume) on the whole of a container.
 ///
@@ -32,7 +32,7 @@ pub enum Density {
         /// Change per length.
         gradient: [f64; 3],
     },
-    /// Any that is positive: [`Density::function`], [`Density::gaussians`].
+    /// Any that is positive: [`Density::function`], [`Density::batches`], [`Density::gaussians`].
     Function(Function),
 }
 
@@ -97,7 +97,7 @@ impl Density {
     pub fn evaluate(&self, backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
         match self {
             Self::Uniform | Self::Linear { .. } => backend.evaluate(diagram, request),
-            Self::Function(function) => function.evaluate(backend, diagram, request, None),
+            Self::Function(function) => function.evaluate(backend, diagram, request, None, &()),
         }
     }
 
@@ -106,12 +106,32 @@ impl Density {
     /// # Errors
     /// As [`Density::evaluate`].
     pub fn evaluate_moments(&self, backend: &dyn Backend, diagram: &PowerDiagram, request: &Request) -> Result<Output> {
+        self.evaluate_moments_watched(backend, diagram, request, &())
+    }
+
+    /// The same, watched.
+    pub(crate) fn evaluate_moments_watched(
+        &self,
+        backend: &dyn Backend,
+        diagram: &PowerDiagram,
+        request: &Request,
+        observer: &dyn Observer,
+    ) -> Result<Output> {
         let request = request.clone().with_second_moments();
         match self {
-            Self::Uniform | Self::Linear { .. } => backend.evaluate(diagram, &request),
+            Self::Uniform | Self::Linear { .. } => backend.evaluate_watched(diagram, &request, observer),
             Self::Function(function) => {
-                function.evaluate(backend, diagram, &request, Some(middle(&diagram.container()?)))
+                function.evaluate(backend, diagram, &request, Some(middle(&diagram.container()?)), observer)
             }
+        }
+    }
+
+    /// What it is everywhere, if it is the same.
+    pub(crate) fn constant(&self) -> Option<f64> {
+        match *self {
+            Self::Uniform => Some(1.0),
+            Self::Linear { value, gradient: [0.0, 0.0, 0.0] } => Some(value),
+            _ => None,
         }
     }
 
@@ -131,14 +151,19 @@ impl Density {
         }
     }
 
-    /// The mass of facet number `k`: of a function near it, and nearer where there are second moments; it is called within `bounds` alone, where they are given.
-    pub(crate) fn of_facet(&self, facets: &Facets, k: usize, bounds: Option<[[f64; 3]; 2]>) -> f64 {
-        let facet = facets.get(k);
-        let mean = match (self, facets.second_moment()) {
-            (Self::Function(function), Some(seconds)) => function.mean(&facet, &seconds[k], bounds),
-            _ => self.at(facet.barycenter),
+    /// The mass of each facet: of a function near it, and nearer where there are second moments; it is called within `bounds` alone, where they are given.
+    ///
+    /// # Errors
+    /// That of a function of many places.
+    pub(crate) fn of_facets(&self, facets: &Facets, bounds: Option<[[f64; 3]; 2]>) -> Result<Vec<f64>> {
+        if let (Self::Function(function), Some(seconds)) = (self, facets.second_moment()) {
+            return function.of_facets(facets, seconds, bounds);
+        }
+        let mass = |k: usize| {
+            let facet = facets.get(k);
+            self.at(facet.barycenter) * facet.area
         };
-        mean * facet.area
+        Ok((0..facets.len()).into_par_iter().map(mass).collect())
     }
 
     /// The centre of mass of each cell of `diagram`, NaN where it is empty. `None` where the density is not uniform and `output` is not of
@@ -170,10 +195,29 @@ impl Density {
     /// The transport cost `Σ_i ∫_i ρ(x) ‖x − p_i‖² dx` (mass·length²) from what `output` holds. `None` where that is not of [`Density::evaluate_moments`],
     /// which has second moments, and for a linear density, which takes more: see [`Density::transport_cost`].
     pub fn cost(&self, diagram: &PowerDiagram, output: &Output) -> Option<f64> {
+        match self {
+            Self::Linear { .. } => None,
+            _ => self.cost_of(0.0, diagram, output),
+        }
+    }
+
+    /// The same for any density, a linear one's from its [`Density::spread`].
+    pub(crate) fn cost_of(&self, spread: f64, diagram: &PowerDiagram, output: &Output) -> Option<f64> {
         let mut cost = Sum::default();
         match self {
             Self::Uniform => {}
-            Self::Linear { .. } => return None,
+            Self::Linear { .. } => {
+                let o = middle(&diagram.container().ok()?);
+                let centers = self.centers(diagram, output)?;
+                cost.add(spread);
+                for (i, mass) in self.masses(output).into_iter().flatten().enumerate() {
+                    if mass != 0.0 {
+                        let (c, p) = (centers[i], diagram.positions()[i]);
+                        (0..3).for_each(|k| cost.add_product(mass * (p[k] - o[k]), (p[k] - c[k]) + (o[k] - c[k])));
+                    }
+                }
+                return Some(cost.total());
+            }
             Self::Function(_) => {
                 let o = middle(&diagram.container().ok()?);
                 for (&[m, x, y, z, square], p) in columns(output)?.iter().zip(diagram.positions()) {
@@ -209,9 +253,19 @@ impl Density {
         diagram: &PowerDiagram,
         output: &Output,
     ) -> Result<Option<f64>> {
-        let Self::Linear { gradient: g, .. } = *self else { return Ok(self.cost(diagram, output)) };
-        let (Some(_), Some(centers)) = (output.second_moment(), self.centers(diagram, output)) else { return Ok(None) };
-        let mut cost = Sum::default();
+        if output.second_moment().is_none() {
+            return Ok(None);
+        }
+        Ok(self.cost_of(self.spread(backend, diagram)?, diagram, output))
+    }
+
+    /// Of a linear density `∫ρ ‖x − o‖² dx` over the container of `diagram`, `o` its barycenter: what the cost takes of third moments. It does not depend on the
+    /// sites, and is 0 with other densities.
+    ///
+    /// # Errors
+    /// As [`Backend::evaluate`].
+    pub(crate) fn spread(&self, backend: &dyn Backend, diagram: &PowerDiagram) -> Result<f64> {
+        let Self::Linear { gradient: g, .. } = *self else { return Ok(0.0) };
         let container = diagram.container()?;
         let o = middle(&container);
         let rho = self.at(o);
@@ -229,14 +283,7 @@ impl Density {
             Container::Box(lo, hi) => one.in_box(lo, hi)?,
         };
         let request = Request::moments().with_integral(Integrand::polynomial(o, &terms)?);
-        cost.extend(backend.evaluate(&one, &request)?.integral().into_iter().flatten().copied());
-        for (i, mass) in self.masses(output).into_iter().flatten().enumerate() {
-            if mass != 0.0 {
-                let (c, p) = (centers[i], diagram.positions()[i]);
-                (0..3).for_each(|k| cost.add_product(mass * (p[k] - o[k]), (p[k] - c[k]) + (o[k] - c[k])));
-            }
-        }
-        Ok(Some(cost.total()))
+        Ok(backend.evaluate(&one, &request)?.integral().into_iter().flatten().sum())
     }
 }
 

@@ -1,24 +1,28 @@
 //! Centroidal Voronoi tessellations: Lloyd, and L-BFGS on their energy.
 //!
-//! The energy of sites `p_i` with fixed weights is `F = Σ_i ∫_cell i (‖x − p_i‖² − w_i) dx` (length⁵; with equal weights 0 the energy of
-//! a centroidal Voronoi tessellation). Its gradient is `∂F/∂p_i = 2 V_i (p_i − b_i)`: how the cells change does not matter to first order,
-//! because on their borders the integrands agree. It is zero where every site is the barycenter of its cell.
+//! The energy of sites `p_i` with fixed weights is `F = Σ_i ∫_cell i ρ (‖x − p_i‖² − w_i) dx` (length⁵ where the density `ρ` is 1; mass·length² else; with equal
+//! weights 0 the energy of a centroidal Voronoi tessellation). Its gradient is `∂F/∂p_i = 2 m_i (p_i − b_i)`, with the masses `m_i` and the barycenters of mass `b_i`
+//! (volume `V_i` and barycenter where `ρ` is 1): how the cells change does not matter to first order,
+//! because on their borders the integrands agree. It is zero where every site is the barycenter of its cell. Of many sites, those per volume are as `ρ^(3/5)`.
 //!
 //! * Lloyd moves each site to its barycenter: Newton's method with the cells held fixed. It never raises the energy, and
 //!   slows down as it comes near (linear, and the slower the more sites there are).
 //! * L-BFGS (Liu, Wang, Lévy, Sun, Yan, Lu, Yang, "On centroidal Voronoi tessellation", 2009) learns what Lloyd's step leaves out from how
-//!   the gradient changed. It starts from Lloyd's step, which is the gradient preconditioned by `1 / 2V_i`.
+//!   the gradient changed. It starts from Lloyd's step, which is the gradient preconditioned by `1 / 2m_i`.
 //!
 //! Sums are taken in an order that depends on the number of sites alone, so that results have the same bits for any number of threads.
 
+mod descent;
 mod lbfgs;
 
 pub use laguerre_core::session::relative_deviation;
-use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Request, Result, Session, Totals};
+use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result, Session, Totals};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
+use crate::density::{Density, is_of_density};
 use crate::vectors::dot;
+use descent::{Descent, OfDensity, State};
 use lbfgs::Memory;
 
 /// How to go down.
@@ -33,11 +37,13 @@ pub enum Method {
 }
 
 /// When to stop, and how to go.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Options {
     /// The method.
     pub method: Method,
+    /// What the energy is an integral over.
+    pub density: Density,
     /// Iterations at most; 0 only looks.
     pub most_iterations: usize,
     /// Stop where [`Iteration::gradient`] is not above this.
@@ -46,7 +52,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { method: Method::default(), most_iterations: 100, tolerance: 1e-3 }
+        Self { method: Method::default(), density: Density::Uniform, most_iterations: 100, tolerance: 1e-3 }
     }
 }
 
@@ -55,6 +61,12 @@ impl Options {
     #[must_use]
     pub fn by(self, method: Method) -> Self {
         Self { method, ..self }
+    }
+
+    /// The same with another density.
+    #[must_use]
+    pub fn of(self, density: Density) -> Self {
+        Self { density, ..self }
     }
 
     /// The same with another number of iterations and gradient bound.
@@ -68,10 +80,10 @@ impl Options {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Iteration {
-    /// The energy `F` (length⁵).
+    /// The energy `F` (length⁵, or mass·length²).
     pub energy: f64,
-    /// The gradient without scale: `√(Σ V_i ‖p_i − b_i‖² / Σ V_i)`, the mean distance of sites from barycenters, over the mean cell's
-    /// size `(Σ V_i / n)^⅓`, `n` the number of cells that are not empty.
+    /// The gradient without scale: `√(Σ m_i ‖p_i − b_i‖² / Σ m_i)`, the mean distance of sites from barycenters, over the mean cell's
+    /// size `(Σ V_i / n)^⅓`, `n` the number of cells that are not empty; of a domain with a density, whose `V_i` are masses, it is that of its volume.
     pub gradient: f64,
     /// Diagrams evaluated so far.
     pub evaluations: usize,
@@ -87,7 +99,7 @@ pub struct Relaxation {
     pub converged: bool,
     /// Whether someone wanted this to stop: what is here is then of the last iteration.
     pub interrupted: bool,
-    /// The last evaluation: volumes, barycenters, second moments.
+    /// The last evaluation: volumes, barycenters, second moments, and what [`Density::masses`] and [`Density::centers`] take.
     pub output: Output,
 }
 
@@ -98,11 +110,14 @@ pub struct Relaxation {
 /// Lloyd, which it falls back on, may where weights differ. Sites stay where they are while their cells are empty. A site may leave a domain that is not convex: it goes where
 /// the barycenter of its cell is. A diagram without a domain or box keeps the bounding box of its sites at the start.
 ///
+/// With a density that is a function energies, masses and barycenters are those of its quadrature, which differs a little from diagram to diagram: then the energy may rise by as much, by L-BFGS 1e-6 of it, and
+/// a tolerance far below is out of reach. Each cell is computed six times an evaluation, on the CPU. The density of a domain (of voxels, of tetrahedra) is heeded without any here.
+///
 /// `Break` from `on_iteration`, or a watched backend that says [`ErrorKind::Interrupted`], ends it: the diagram is then that of the last
 /// iteration, and [`Relaxation::interrupted`] is true.
 ///
 /// # Errors
-/// `Interrupted` where there is not even the diagram at the start; `Input` where the tolerance is no number from 0; else as [`Backend::evaluate`].
+/// `Interrupted` where there is not even the diagram at the start; `Input` where the tolerance is no number from 0, and where the density is not positive wherever it is evaluated; else as [`Backend::evaluate`].
 pub fn relax(
     backend: &dyn Backend,
     diagram: &mut PowerDiagram,
@@ -112,55 +127,44 @@ pub fn relax(
     if options.tolerance.is_nan() || options.tolerance < 0.0 {
         return Err(Error::input(format!("gradient bound {}: a number from 0 is needed", options.tolerance)));
     }
-    let mut session = Session::new(backend, diagram, energy_request())?;
-    let mut evaluations = 0;
-    let mut look = |session: &mut Session<'_>| {
-        evaluations += 1;
-        Ok((session.evaluate()?, evaluations))
-    };
+    let backend = OfDensity { backend, density: &options.density };
+    let mut descent = Descent::new(&backend, diagram)?;
     let mut memory = Memory::default();
-    let (mut here, mut evaluated) = look(&mut session)?;
+    let mut here = descent.look()?;
     let mut iterations = Vec::new();
     loop {
-        let done = Iteration { energy: here.energy, gradient: residual(&here), evaluations: evaluated };
+        let State { energy, gradient, evaluations, .. } = here;
+        let done = Iteration { energy: descent.unit * energy, gradient, evaluations };
         let mut interrupted = on_iteration(&done).is_break();
         iterations.push(done);
         let converged = done.gradient <= options.tolerance;
         if !(converged || interrupted || iterations.len() > options.most_iterations) {
-            match step(&mut session, options.method, &here, &mut memory, &mut look) {
+            match step(&mut descent, options.method, &here, &mut memory) {
                 Ok(next) => {
-                    (here, evaluated) = next;
+                    here = next;
                     continue;
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {
-                    if !session.is_evaluated() {
-                        session.step_back();
-                    }
+                    descent.step_back_unless_evaluated();
                     interrupted = true;
                 }
                 Err(error) => return Err(error),
             }
         }
-        return Ok(Relaxation { iterations, converged, interrupted, output: session.finish()? });
+        return Ok(Relaxation { iterations, converged, interrupted, output: descent.finish()? });
     }
 }
 
-/// One iteration from a diagram whose totals are `here`.
-fn step(
-    session: &mut Session<'_>,
-    method: Method,
-    here: &Totals,
-    memory: &mut Memory,
-    look: &mut impl FnMut(&mut Session<'_>) -> Result<(Totals, usize)>,
-) -> Result<(Totals, usize)> {
+/// One iteration from `here`.
+fn step(descent: &mut Descent<'_>, method: Method, here: &State, memory: &mut Memory) -> Result<State> {
     if method == Method::Lbfgs {
-        if let Some(next) = descend(session, here, memory, look)? {
+        if let Some(next) = descend(descent, here, memory)? {
             return Ok(next);
         }
         memory.clear();
     }
-    session.move_to_barycenters()?;
-    look(session)
+    descent.move_to_barycenters()?;
+    descent.look()
 }
 
 /// How far [`equalize`] came.
@@ -214,17 +218,17 @@ pub fn energy(diagram: &PowerDiagram, output: &Output) -> f64 {
 
 /// The energy's gradient `2 V_i (p_i − b_i)` (length⁴) at every site; zero where the cell is empty.
 pub fn gradient(diagram: &PowerDiagram, output: &Output) -> Vec<[f64; 3]> {
-    let slope = |i: usize| match output.status()[i] {
-        CellStatus::Empty => [0.0; 3],
-        _ => minus(diagram.positions()[i], output.barycenter()[i]).map(|x| 2.0 * output.volume()[i] * x),
-    };
-    (0..output.sites()).into_par_iter().map(slope).collect()
+    gradient_of(diagram, output.volume(), output.barycenter())
 }
 
-/// [`Iteration::gradient`].
-fn residual(totals: &Totals) -> f64 {
-    let size = (totals.size / totals.cells as f64).cbrt();
-    totals.displacement / size
+/// The same of masses and their barycenters; zero where the mass is.
+fn gradient_of(diagram: &PowerDiagram, masses: &[f64], centers: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let cells = diagram.positions().par_iter().zip(masses).zip(centers);
+    let slope = |((&p, &mass), &center)| match mass {
+        0.0 => [0.0; 3],
+        _ => minus(p, center).map(|x| 2.0 * mass * x),
+    };
+    cells.map(slope).collect()
 }
 
 /// A step that lowers the energy by less than this share of what the slope promises is too long (Armijo's rule, with Liu et al.'s number).
@@ -234,20 +238,13 @@ const MOST_TRIES: usize = 6;
 /// What a step that was too long is shortened by, at least and at most.
 const SHORTEN: [f64; 2] = [0.5, 0.1];
 
-/// A step down the direction that `memory` proposes, from a diagram whose totals are `here`; `None`, with the diagram as it was, where none of
+/// A step down the direction that `memory` proposes, from `here`; `None`, with the diagram as it was, where none of
 /// those tried is good enough.
-fn descend(
-    session: &mut Session<'_>,
-    here: &Totals,
-    memory: &mut Memory,
-    look: &mut impl FnMut(&mut Session<'_>) -> Result<(Totals, usize)>,
-) -> Result<Option<(Totals, usize)>> {
-    let (diagram, output) = session.read()?;
-    let start = diagram.positions().to_vec();
-    let slopes = gradient(diagram, output);
-    // `1 / 2V_i`: times the gradient, Lloyd's step.
-    let (status, volumes) = (output.status(), output.volume());
-    let lloyd_scale = |i: usize| if status[i] == CellStatus::Empty { 0.0 } else { 0.5 / volumes[i] };
+fn descend(descent: &mut Descent<'_>, here: &State, memory: &mut Memory) -> Result<Option<State>> {
+    let start = descent.positions()?.to_vec();
+    let (slopes, masses) = descent.slopes()?;
+    // `1 / 2m_i`: times the gradient, Lloyd's step.
+    let lloyd_scale = |i: usize| if masses[i] == 0.0 { 0.0 } else { 0.5 / masses[i] };
     let direction = memory.direction(&slopes, lloyd_scale);
     let slope = dot(&slopes, &direction);
     if slope.is_nan() || slope >= 0.0 {
@@ -257,26 +254,30 @@ fn descend(
     for _ in 0..MOST_TRIES {
         let along = |(p, d): (&[f64; 3], &[f64; 3])| std::array::from_fn(|k| p[k] + step * d[k]);
         let moved = start.par_iter().zip(&direction).map(along).collect();
-        if session.set_sites(moved, None).is_err() {
+        if descent.set_sites(moved).is_err() {
             // Some site is out of all range.
             step *= SHORTEN[0];
             continue;
         }
-        let (there, evaluated) = match look(session) {
-            Ok(reached) if reached.0.empty <= here.empty => reached,
-            Err(error) if error.kind() != ErrorKind::Input => return Err(error),
+        let there = match descent.look() {
+            Ok(reached) if reached.empty <= here.empty => reached,
+            Err(error) if error.kind() != ErrorKind::Input || is_of_density(&error) => return Err(error),
             _ => {
-                session.step_back();
+                descent.step_back();
                 step *= SHORTEN[0];
                 continue;
             }
         };
-        if there.energy <= here.energy + SUFFICIENT_DECREASE * step * slope {
-            let (diagram, output) = session.read()?;
-            memory.learn(differences(diagram.positions(), &start), differences(&gradient(diagram, output), &slopes));
-            return Ok(Some((there, evaluated)));
+        let is_lower = there.energy <= here.energy + SUFFICIENT_DECREASE * step * slope;
+        let is_noise = descent.noise().is_some_and(|noise| there.energy <= here.energy + noise * here.energy.abs());
+        if is_lower || is_noise {
+            let new = descent.slopes()?.0;
+            if is_lower || dot(&new, &direction) <= (2.0 * SUFFICIENT_DECREASE - 1.0) * slope {
+                memory.learn(differences(descent.positions()?, &start), differences(&new, &slopes));
+                return Ok(Some(there));
+            }
         }
-        session.step_back();
+        descent.step_back();
         // The lowest point of the parabola through both energies and the slope here.
         let rise = there.energy - here.energy - step * slope;
         step *= (-0.5 * step * slope / rise).clamp(SHORTEN[1], SHORTEN[0]);

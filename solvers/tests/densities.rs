@@ -6,6 +6,7 @@ use laguerre_core::{
 use laguerre_cpu::Cpu;
 use laguerre_solvers::density::{Density, Gaussian};
 use laguerre_solvers::derivatives::Derivatives;
+use laguerre_solvers::lloyd;
 use laguerre_solvers::transport::{Cotangent, End, Options, Solution, pull_back, solve, targets};
 use std::ops::ControlFlow::Continue;
 use std::sync::atomic::Ordering::Relaxed;
@@ -74,6 +75,55 @@ fn functions_that_are_linear_or_constant_have_their_answers() {
         let [a, b] = [&exact, &function].map(|density| density.total(&cpu, &diagram).unwrap());
         assert!((a / b - 1.0).abs() < 1e-13, "{function:?}: {a} {b}");
     }
+}
+
+/// The same answers to the last bit, whichever way it is called; and what is wrong with one ends a solver.
+#[test]
+fn a_function_of_many_places_is_the_same_function() {
+    let at = |[x, y, z]: [f64; 3]| 0.3 + x * x + (3.0 * y).sin() * z;
+    let calls = Arc::new(AtomicUsize::new(0));
+    let counted = Arc::clone(&calls);
+    let many = move |places: &[[f64; 3]]| {
+        counted.fetch_add(1, Ordering::Relaxed);
+        Ok(places.iter().map(|&x| at(x)).collect())
+    };
+    let densities = [Density::function(3, at).unwrap(), Density::batches(3, many).unwrap()];
+    let [one, other] = [0, 1].map(|k| {
+        let options = Options::default().of(densities[k].clone());
+        let solution = solved(&mut cube(&even(60)), &[], &options);
+        let moving = lloyd::Options::default().of(densities[k].clone()).until(4, 0.0);
+        let mut moved = cube(&even(60));
+        let cpu = Cpu::new(Some(2)).unwrap();
+        let relaxed = lloyd::relax(&cpu, &mut moved, &moving, &mut |_| Continue(())).unwrap();
+        (solution.weights, solution.cost, moved.positions().to_vec(), relaxed.iterations)
+    });
+    assert!(one == other);
+    // With some hundred cells, or a few thousand facets, each.
+    assert!(calls.load(Ordering::Relaxed) < 100, "{calls:?}");
+    let said = |density: Result<Density>| {
+        let density = density.unwrap();
+        let cpu = Cpu::new(Some(2)).unwrap();
+        let options = Options::default().of(density.clone());
+        let error = solve(&cpu, &mut cube(&even(60)), &[], &options, &mut |_| Continue(())).unwrap_err();
+        let moving = lloyd::Options::default().of(density);
+        let other = lloyd::relax(&cpu, &mut cube(&even(60)), &moving, &mut |_| Continue(())).unwrap_err();
+        assert_eq!(error.to_string(), other.to_string());
+        error.to_string()
+    };
+    let line = said(Density::batches(3, |_| Ok(vec![1.0])));
+    assert!(line.starts_with("density: 1 values for ") && line.ends_with("one for each is needed"), "{line}");
+    assert_eq!(said(Density::batches(3, |_| Err(laguerre_core::Error::input("no table")))), "no table");
+    assert!(said(Density::batches(3, |places| Ok(vec![0.0; places.len()]))).starts_with("the density is 0 at ["));
+    // At a later step it is no reason for a shorter one.
+    let seen = AtomicUsize::new(0);
+    let late = Density::batches(3, move |places| match seen.fetch_add(1, Ordering::Relaxed) {
+        5 => Err(laguerre_core::Error::input("no more")),
+        _ => Ok(places.iter().map(|&x| at(x)).collect()),
+    });
+    let options = Options::default().of(late.unwrap());
+    let cpu = Cpu::new(Some(1)).unwrap();
+    let error = solve(&cpu, &mut cube(&even(60)), &[], &options, &mut |_| Continue(())).unwrap_err();
+    assert_eq!(error.to_string(), "no more");
 }
 
 /// Against sums over a lattice of points, each with the site of least power.
@@ -255,6 +305,9 @@ fn what_functions_do_not_have_is_said() {
     let device = Device(Cpu::new(Some(1)).unwrap());
     let error = solve(&device, &mut diagram.clone(), &[], &options, &mut |_| Continue(())).unwrap_err().to_string();
     assert!(error.contains("a device cannot call a function") && error.ends_with("compute on the CPU"), "{error}");
+    let moving = lloyd::Options::default().of(density.clone());
+    let error = lloyd::relax(&device, &mut diagram.clone(), &moving, &mut |_| Continue(())).unwrap_err().to_string();
+    assert!(error.contains("a device cannot call a function"), "{error}");
     let error = density.evaluate(&cpu, &diagram, &density_request()).unwrap_err().to_string();
     assert!(error.starts_with("the request has an integral of its own"), "{error}");
     // Masses are shares.

@@ -3,14 +3,24 @@
 use laguerre_core::shapes::{cuboid, double_torus};
 use laguerre_core::{Backend, CellStatus, Domain, PowerDiagram};
 use laguerre_cpu::Cpu;
-use laguerre_solvers::lloyd::{Method, Options, energy, energy_request, equalize, gradient, relative_deviation, relax};
+use laguerre_solvers::density::{Density, Gaussian};
+use laguerre_solvers::lloyd::{
+    Method, Options, Relaxation, energy, energy_request, equalize, gradient, relative_deviation, relax,
+};
 use std::ops::ControlFlow::Continue;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Numbers in [0, 1) that are spread evenly and look random: multiples of irrational numbers.
 fn spread(count: usize) -> Vec<[f64; 3]> {
     // Powers of the root of x⁴ = x + 1.
     let steps = [0.819_172_513_396_164_5, 0.671_043_606_703_789_2, 0.549_700_477_901_970_4];
     (0..count).map(|i| steps.map(|s| ((i * i + 7 * i) as f64 * s + 0.37).fract())).collect()
+}
+
+/// So that some cells are empty.
+fn weights(count: usize) -> Vec<f64> {
+    spread(count).iter().map(|p| 0.1 * p[0] * p[1]).collect()
 }
 
 fn cube(sites: &[[f64; 3]], weights: &[f64]) -> PowerDiagram {
@@ -174,4 +184,159 @@ fn wrong_bounds_are_refused() {
 
 fn box_domain() -> Domain {
     cuboid([0.0; 3], [1.0; 3]).domain()
+}
+
+fn relaxed(diagram: &PowerDiagram, options: &Options) -> (PowerDiagram, Relaxation) {
+    let mut diagram = diagram.clone();
+    let relaxed = relax(&cpu(), &mut diagram, options, &mut |_| Continue(())).unwrap();
+    (diagram, relaxed)
+}
+
+/// How far energies rise at most, relative to themselves.
+fn rise(relaxed: &Relaxation) -> f64 {
+    relaxed.iterations.windows(2).map(|i| (i[1].energy - i[0].energy) / i[0].energy.abs()).fold(f64::MIN, f64::max)
+}
+
+fn peaks(degree: u32) -> Density {
+    let peaks = [Gaussian::round([0.2, 0.2, 0.3], 0.2, 1.0), Gaussian::round([0.8, 0.6, 0.5], 0.25, 0.5)];
+    Density::gaussians(degree, 0.1, &peaks).unwrap()
+}
+
+#[test]
+fn with_a_density_sites_go_down_to_the_centers_of_mass() {
+    let linear = Density::Linear { value: 0.01, gradient: [0.0, 0.3, 1.0] };
+    let start = cube(&spread(40), &[]);
+    let weighted = cube(&spread(40), &weights(40));
+    for (density, start) in [(&linear, &start), (&linear, &weighted), (&peaks(5), &start)] {
+        // (Rounding, and the error of the quadrature.)
+        let most = if *density == linear { 1e-13 } else { 1e-6 };
+        let (_, lloyd) = relaxed(start, &Options::default().by(Method::Lloyd).of(density.clone()).until(20, 0.0));
+        assert!(rise(&lloyd) <= most, "{density:?}: {:?}", lloyd.iterations);
+        let (diagram, lbfgs) = relaxed(start, &Options::default().of(density.clone()).until(200, 1e-6));
+        assert!(lbfgs.converged && rise(&lbfgs) <= most, "{density:?}: {:?}", lbfgs.iterations);
+        // No steps are tried in vain because a quadrature's energies are not that exact.
+        assert!(lbfgs.iterations.last().unwrap().evaluations < 150);
+        assert!(lbfgs.iterations.last().unwrap().energy < lloyd.iterations[20].energy);
+        // The mean distance by mass, over the mean cell's size.
+        let output = density.evaluate_moments(&cpu(), start, &energy_request()).unwrap();
+        let (masses, centers) = (density.masses(&output).unwrap(), density.centers(start, &output).unwrap());
+        let cells = || masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0);
+        let off = |i: usize| (0..3).map(|k| (start.positions()[i][k] - centers[i][k]).powi(2)).sum::<f64>();
+        let mean = cells().map(|(i, mass)| mass * off(i)).sum::<f64>() / masses.iter().sum::<f64>();
+        let gradient = mean.sqrt() * (cells().count() as f64).cbrt();
+        assert!((lbfgs.iterations[0].gradient / gradient - 1.0).abs() < 1e-12, "{density:?}: {gradient}");
+        // As a fresh evaluation has them.
+        let output = density.evaluate_moments(&cpu(), &diagram, &energy_request()).unwrap();
+        let (masses, centers) = (density.masses(&output).unwrap(), density.centers(&diagram, &output).unwrap());
+        for (i, p) in diagram.positions().iter().enumerate().filter(|(i, _)| masses[*i] > 0.0) {
+            assert!((0..3).all(|k| (p[k] - centers[i][k]).abs() < 3e-6), "{density:?}, {i}: {p:?} {:?}", centers[i]);
+        }
+        assert_eq!(density.masses(&lbfgs.output).unwrap(), masses);
+        if start.weights().iter().all(|w| *w == 0.0) {
+            let cost = density.transport_cost(&cpu(), &diagram, &output).unwrap().unwrap();
+            assert!((lbfgs.iterations.last().unwrap().energy / cost - 1.0).abs() < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn a_constant_density_changes_no_bit_but_the_energy() {
+    for method in [Method::Lloyd, Method::Lbfgs] {
+        let options = Options::default().by(method).until(15, 0.0);
+        let run = |density: Density| relaxed(&cube(&spread(80), &[]), &options.clone().of(density));
+        let (plain, one) = run(Density::Uniform);
+        let (twice, two) = run(Density::Linear { value: 2.0, gradient: [0.0; 3] });
+        assert!(plain.positions() == twice.positions());
+        for (a, b) in one.iterations.iter().zip(&two.iterations) {
+            assert_eq!((2.0 * a.energy, a.gradient, a.evaluations), (b.energy, b.gradient, b.evaluations));
+        }
+    }
+}
+
+/// Whose volumes are masses: of any unit, and times a density that is asked for.
+#[test]
+fn the_density_of_a_domain_is_heeded() {
+    let image =
+        |unit: f64, values: [f64; 8]| Domain::of_image(&values.map(|v| unit * v), [2; 3], [0.0; 3], [1.0; 3]).unwrap();
+    let run = |domain: &Domain, density: &Density| {
+        let start = PowerDiagram::new(&spread(60), &[]).unwrap().restricted_to(domain);
+        relaxed(&start, &Options::default().of(density.clone()).until(8, 0.0))
+    };
+    let uneven = [1.0, 3.0, 0.0, 2.0, 5.0, 1.0, 1.0, 4.0];
+    let [(one, light), (other, heavy)] = [1.0, 1024.0].map(|unit| run(&image(unit, uneven), &Density::Uniform));
+    assert!(one.positions() == other.positions());
+    for (a, b) in light.iterations.iter().zip(&heavy.iterations) {
+        assert_eq!((1024.0 * a.energy, a.evaluations), (b.energy, b.evaluations));
+        assert!((a.gradient / b.gradient - 1.0).abs() < 1e-14, "{a:?} {b:?}");
+    }
+    let linear = Density::Linear { value: 0.1, gradient: [0.5, -0.02, 1.0] };
+    let (twice, heavy) = run(&image(1.0, [2.0; 8]), &linear);
+    let (plain, light) = relaxed(&cube(&spread(60), &[]), &Options::default().of(linear).until(8, 0.0));
+    for (a, b) in light.iterations.iter().zip(&heavy.iterations) {
+        assert!((2.0 * a.energy / b.energy - 1.0).abs() < 1e-11, "{a:?} {b:?}");
+        assert!((a.gradient / b.gradient - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+    }
+    for (p, q) in plain.positions().iter().zip(twice.positions()) {
+        assert!((0..3).all(|k| (p[k] - q[k]).abs() < 1e-9), "{p:?} {q:?}");
+    }
+}
+
+/// By exact moments and by quadrature, which has no error here.
+#[test]
+fn a_linear_density_and_the_same_function_move_the_sites_alike() {
+    let linear = Density::Linear { value: 0.1, gradient: [0.5, -0.02, 1.0] };
+    let same = linear.clone();
+    let function = Density::function(3, move |x| same.at(x)).unwrap();
+    let slab = double_torus().domain();
+    let in_slab: Vec<[f64; 3]> = spread(60).iter().map(|p| [5.0 * p[0], 3.0 * p[1], p[2]]).collect();
+    let in_slab = PowerDiagram::new(&in_slab, &[]).unwrap().restricted_to(&slab);
+    for start in [cube(&spread(40), &weights(40)), in_slab] {
+        let run = |density: &Density| relaxed(&start, &Options::default().of(density.clone()).until(6, 0.0));
+        let ((one, exact), (other, rule)) = (run(&linear), run(&function));
+        for (p, q) in one.positions().iter().zip(other.positions()) {
+            assert!((0..3).all(|k| (p[k] - q[k]).abs() < 1e-9), "{p:?} {q:?}");
+        }
+        for (a, b) in exact.iterations.iter().zip(&rule.iterations) {
+            assert!((a.energy - b.energy).abs() < 1e-11 * a.energy.abs(), "{a:?} {b:?}");
+            assert!((a.gradient - b.gradient).abs() < 1e-9 && a.evaluations == b.evaluations, "{a:?} {b:?}");
+        }
+    }
+}
+
+/// Of many sites those per volume are as ρ^(3/5): below the middle of a cube whose density is its height, 0.5^(8/5) of them.
+#[test]
+fn sites_crowd_where_the_density_is_high() {
+    let density = Density::Linear { value: 1e-3, gradient: [0.0, 0.0, 1.0] };
+    let (diagram, relaxation) = relaxed(&cube(&spread(400), &[]), &Options::default().of(density));
+    assert!(relaxation.converged);
+    let low = diagram.positions().iter().filter(|p| p[2] < 0.5).count() as f64 / 400.0;
+    assert!((low - 0.330).abs() < 0.015, "{low}");
+}
+
+#[test]
+fn what_is_no_density_is_said() {
+    let said = |density: Density| {
+        let options = Options::default().of(density).until(5, 0.0);
+        relax(&cpu(), &mut cube(&spread(30), &[]), &options, &mut |_| Continue(())).unwrap_err().to_string()
+    };
+    let line = said(Density::Linear { value: 1.0, gradient: [0.0, 0.0, -1.0] });
+    assert!(line.starts_with("the density is 0 at [0.0, 0.0, 1.0]: it must be positive"), "{line}");
+    assert!(said(Density::Linear { value: -1.0, gradient: [0.0; 3] }).starts_with("the density is -1 at ["));
+    let line = said(Density::gaussians(3, 0.0, &[Gaussian::round([0.5; 3], 1e-3, 1.0)]).unwrap());
+    assert!(line.starts_with("the density is 0 at [") && line.contains("a constant"), "{line}");
+    // What is found at a later step only is no reason to take a shorter one.
+    let calls = Arc::new(AtomicUsize::new(0));
+    let counted = Arc::clone(&calls);
+    let good = Density::function(2, move |[x, ..]| {
+        counted.fetch_add(1, Relaxed);
+        1.0 + x
+    });
+    relaxed(&cube(&spread(30), &[]), &Options::default().of(good.unwrap()).until(0, 0.0));
+    let (one, seen) = (calls.load(Relaxed), AtomicUsize::new(0));
+    let late = Density::function(2, move |[x, ..]| {
+        // Bad while the third diagram is evaluated, a step's; good again after it.
+        let seen = seen.fetch_add(1, Relaxed);
+        if (5 * one / 2..3 * one).contains(&seen) { -1.0 } else { 1.0 + x }
+    });
+    assert!(said(late.unwrap()).starts_with("the density is -1 at ["));
 }

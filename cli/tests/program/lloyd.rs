@@ -48,6 +48,36 @@ fn it_stops_on_the_bound_and_says_what_it_did() {
     assert_eq!(said, ["only the energies are printed; name a file with -o to keep the sites"]);
 }
 
+/// Of many sites those per volume are as the density's power 3/5.
+#[test]
+fn sites_crowd_where_the_density_is_high() {
+    let folder = inputs();
+    let folder = folder.path();
+    let white = fs::read_to_string(folder.join("white.xyz")).unwrap();
+    let first = |count: usize| white.lines().take(count).map(|line| format!("{line}\n")).collect::<String>();
+    fs::write(folder.join("some.xyz"), first(300)).unwrap();
+    fs::write(folder.join("few.xyz"), first(60)).unwrap();
+    let share = |file: &str, is_there: &dyn Fn(&[f64]) -> bool| {
+        let text = fs::read_to_string(folder.join(file)).unwrap();
+        let sites = text.lines().map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect::<Vec<f64>>());
+        let all: Vec<bool> = sites.map(|site| is_there(&site)).collect();
+        all.iter().filter(|is_there| **is_there).count() as f64 / all.len() as f64
+    };
+    let args = ["lloyd", "some.xyz", "--box", UNIT_BOX, "--density", "0.001,0,0,1", "-o", "low.xyz", "--json"];
+    let report = json(&runs(folder, &args));
+    assert_eq!((&report["converged"], &report["normalized_energy"]), (&true.into(), &serde_json::Value::Null));
+    assert_eq!(report["density"], "0.001 + 1.0·z");
+    let low = share("low.xyz", &|site| site[2] < 0.5);
+    assert!((low - 0.330).abs() < 0.02, "{low}");
+    fs::write(folder.join("peak.csv"), "0.2 0.2 0.2 0.2 1\n").unwrap();
+    let args = ["lloyd", "few.xyz", "--box", UNIT_BOX, "--gaussians", "peak.csv", "--constant", "0.01", "-o", "at.xyz"];
+    let said = runs(folder, &[&args[..], &["--tolerance", "0.02", "--degree", "3"]].concat());
+    assert!(said.contains("density      1 Gaussian on 0.01, by degree 3\nenergy "), "{said}");
+    // A cube of an eighth of the volume.
+    let [before, after] = ["few.xyz", "at.xyz"].map(|file| share(file, &|site| site.iter().all(|x| *x < 0.5)));
+    assert!(after > 0.4 && after > 2.0 * before, "{before} {after}");
+}
+
 #[test]
 fn what_does_not_converge_is_written_and_said() {
     let folder = inputs();
@@ -103,6 +133,11 @@ fn bad_input_is_said_in_one_line() {
     assert!(wrong(&["lloyd", "white.xyz", "--iterations", "-1"]).contains("-1"));
     let line = wrong(&["lloyd", "white.xyz", "--box", UNIT_BOX, "-o", "./white.xyz"]);
     assert_eq!(line, "./white.xyz: would be written over, but is read; name another file");
+    let line = wrong(&["lloyd", "white.xyz", "--box", UNIT_BOX, "--density", "1,-2,0,0"]);
+    assert!(line.starts_with("--density: the density is -1 at [1.0, 0.0, 0.0]: it must be positive"), "{line}");
+    fs::write(folder.path().join("narrow.txt"), "0.5 0.5 0.5 0.001 1\n").unwrap();
+    let line = wrong(&["lloyd", "white.xyz", "--box", UNIT_BOX, "--gaussians", "narrow.txt"]);
+    assert!(line.starts_with("narrow.txt: the density is 0 at [") && line.contains("a constant"), "{line}");
     fs::write(folder.path().join("flat.xyz"), "0 0 0\n1 1 0\n").unwrap();
     assert!(wrong(&["lloyd", "flat.xyz"]).contains("flat.xyz: the bounding box of the 2 sites is flat"));
     fs::write(folder.path().join("far.xyz"), "0 0 0\n1e9 1 0\n").unwrap();

@@ -78,6 +78,68 @@ fn masses_and_densities_are_met() {
     }
 }
 
+/// A peak in a corner draws cells of equal mass together there, and the same peak by deviation and by covariance gives the same.
+#[test]
+fn gaussians_are_met() {
+    let folder = inputs();
+    let folder = folder.path();
+    let white = fs::read_to_string(folder.join("white.xyz")).unwrap();
+    let few: String = white.lines().take(200).map(|line| format!("{line}\n")).collect();
+    fs::write(folder.join("few.xyz"), few).unwrap();
+    // ∫ over the cube: an eighth of each of the first, all but 1e-6 of the second.
+    fs::write(folder.join("round.csv"), "x,y,z,deviation,mass\n0,0,0,0.2,8\n0.5,0.5,0.5,0.1,0.25\n").unwrap();
+    let whole = "0 0 0  0.04 0.04 0.04  0 0 0  8\n0.5 0.5 0.5  0.01 0.01 0.01  0 0 0  0.25 # the same\n";
+    fs::write(folder.join("whole.txt"), whole).unwrap();
+    let run = |file: &str, weights: &str, more: &[&str]| {
+        let args = ["transport", "few.xyz", "--box", UNIT_BOX, "--constant", "0.5", "-o", weights, "--gaussians", file];
+        runs(folder, &[&args[..], more].concat())
+    };
+    let report = json(&run("round.csv", "w.txt", &["--json", "--cells", "cells.csv"]));
+    assert_eq!((&report["converged"], &report["density"]), (&true.into(), &"2 Gaussians on 0.5, by degree 5".into()));
+    let mass = report["mass"].as_f64().unwrap();
+    assert!((mass - 1.75).abs() < 2e-4, "{mass}");
+    // Each cell has a 200th of the mass: it is small where that is dense, which is near the corner.
+    let cells = fs::read_to_string(folder.join("cells.csv")).unwrap();
+    let volumes = column(&cells, 1, 1);
+    let [x, y, z] = [2, 3, 4].map(|at| column(&cells, 1, at));
+    let near = |i: usize| x[i].max(y[i]).max(z[i]) < 0.2;
+    let far = |i: usize| x[i].min(y[i]).min(z[i]) > 0.6;
+    let mean = |of: &dyn Fn(usize) -> bool| {
+        let those: Vec<f64> = (0..200).filter(|&i| of(i)).map(|i| volumes[i]).collect();
+        those.iter().sum::<f64>() / those.len() as f64
+    };
+    // (There the densities are some 8 and 0.5.)
+    assert!(10.0 * mean(&near) < mean(&far), "{} {}", mean(&near), mean(&far));
+    let said = run("whole.txt", "again.txt", &["--degree", "5"]);
+    assert!(said.contains("density      2 Gaussians on 0.5, by degree 5; mass 1.7"), "{said}");
+    let [one, other] = ["w.txt", "again.txt"].map(|file| fs::read_to_string(folder.join(file)).unwrap());
+    assert!(column(&one, 0, 0).iter().zip(column(&other, 0, 0)).all(|(a, b)| (a - b).abs() < 1e-9));
+
+    let wrong = |rows: &str, more: &[&str]| {
+        fs::write(folder.join("g.csv"), rows).unwrap();
+        let args = ["transport", "few.xyz", "--box", UNIT_BOX, "--gaussians", "g.csv", "-o", "w.npy"];
+        fails(folder, 2, &[&args[..], more].concat())
+    };
+    let round = "0.5,0.5,0.5,0.01,1\n";
+    let line = wrong(round, &[]);
+    assert!(line.starts_with("g.csv: the density is 0 at [") && line.contains("a constant"), "{line}");
+    fs::write(folder.join("masses.txt"), "1\n".repeat(200)).unwrap();
+    assert!(wrong(round, &["--masses", "masses.txt"]).starts_with("g.csv: the density is 0 at ["));
+    let needed = "x,y,z,deviation,mass, or x,y,z,xx,yy,zz,xy,xz,yz,mass are needed";
+    assert_eq!(wrong("0.5,0.5,0.5,1\n", &[]), format!("g.csv: line 1: 4 columns; {needed}"));
+    assert_eq!(wrong("x,y,z,sigma,mass\n", &[]), format!("g.csv: line 1: columns 'x,y,z,sigma,mass'; {needed}"));
+    let line = wrong(&format!("{round}0,0,0,-0.1,1\n"), &[]);
+    assert_eq!(line, "g.csv: the deviation of Gaussian 1 is -0.1: a positive length is needed");
+    assert!(wrong("0,0,0,1,1,1,2,0,0,1\n", &[]).starts_with("g.csv: Gaussian 0, "));
+    assert!(wrong(round, &["--constant", "-1"]).contains("a number from 0 to"));
+    assert!(wrong(round, &["--degree", "32"]).contains("32 is not in 0..=31"));
+    assert!(wrong(round, &["--density", "1,0,0,0"]).contains("cannot be used with"));
+    let line = fails(folder, 2, &["transport", "few.xyz", "--constant", "1", "-o", "w.npy"]);
+    assert!(line.contains("--gaussians"), "{line}");
+    let args = ["transport", "few.xyz", "--box", UNIT_BOX, "--gaussians", "round.csv", "-o", "round.csv"];
+    assert_eq!(fails(folder, 2, &args), "round.csv: would be written over, but is read; name another file");
+}
+
 #[test]
 fn what_does_not_converge_is_written_and_said() {
     let folder = inputs();

@@ -130,7 +130,7 @@ fn square(word: &str) -> std::result::Result<f64, String> {
 }
 
 /// A name without quotes, in lower case.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     name.trim_matches('"').trim().to_lowercase()
 }
 

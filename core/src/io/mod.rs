@@ -28,6 +28,7 @@ mod read_results;
 mod results;
 mod sites;
 mod stl;
+mod table;
 mod vtk;
 #[cfg_attr(not(feature = "packed"), path = "vtp_absent.rs")]
 mod vtp;
@@ -49,6 +50,7 @@ pub use results::{
     FacetValues, facet_count, facet_rows, write_cells, write_cells_watched, write_facets, write_facets_watched,
 };
 pub use sites::{SitesFile, parse_sites, parse_sites_by_columns, read_sites, read_sites_by_columns, write_sites};
+pub use table::read_table;
 pub use weights::{parse_weights, read_weights, write_weights};
 
 /// Endings that [`write_sites`] knows.

@@ -1,6 +1,10 @@
 //! Densities that are functions, sums of Gaussians among them: known by their values alone, and integrated by quadrature.
 
-use laguerre_core::{Backend, Error, Facet, Integrand, Output, PowerDiagram, Request, Result};
+use laguerre_core::integrand::Batch;
+use laguerre_core::{
+    Backend, Error, ErrorKind, Facet, Facets, Integrand, Observer, Output, PowerDiagram, Request, Result,
+};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,7 +18,35 @@ pub(super) const COLUMNS: usize = 5;
 #[derive(Clone)]
 pub struct Function {
     degree: u32,
-    value: Arc<dyn Fn([f64; 3]) -> f64 + Send + Sync>,
+    value: Value,
+}
+
+/// How it is called.
+#[derive(Clone)]
+enum Value {
+    /// Place by place.
+    Each(Arc<dyn Fn([f64; 3]) -> f64 + Send + Sync>),
+    /// With many places at once.
+    Many(Batch),
+}
+
+impl Value {
+    fn of(&self, places: &[[f64; 3]]) -> Result<Vec<f64>> {
+        let values = match self {
+            Self::Each(value) => return Ok(places.iter().map(|&x| value(x)).collect()),
+            Self::Many(values) => values(places),
+        };
+        let values = values.map_err(|error| match error.kind() {
+            ErrorKind::Input => Error::input(error.to_string()).because(Refused),
+            _ => error,
+        })?;
+        if values.len() != places.len() {
+            let message =
+                format!("density: {} values for {} places: one for each is needed", values.len(), places.len());
+            return Err(Error::input(message).because(Refused));
+        }
+        Ok(values)
+    }
 }
 
 /// A normal distribution in space: `mass · N(x; mean, covariance)`, whose integral over all of space is `mass`.
@@ -73,16 +105,32 @@ impl fmt::Display for NotPositive {
 
 impl std::error::Error for NotPositive {}
 
-/// Whether an error says that a density is not positive: no step mends that.
-pub(crate) fn is_of_density(error: &Error) -> bool {
-    std::error::Error::source(error).is_some_and(|source| source.is::<NotPositive>())
+/// A function of many places has no values, or not as many as it should.
+#[derive(Debug)]
+struct Refused;
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the density has no values")
+    }
+}
+
+impl std::error::Error for Refused {}
+
+/// Whether an error of a solver says that a function is not positive and finite where a density has to be, or has no values: no step mends that.
+pub fn is_of_density(error: &Error) -> bool {
+    std::error::Error::source(error).is_some_and(|source| source.is::<NotPositive>() || source.is::<Refused>())
 }
 
 impl Function {
     pub(super) fn new(degree: u32, value: impl Fn([f64; 3]) -> f64 + Send + Sync + 'static) -> Result<Self> {
+        Self::called(degree, Value::Each(Arc::new(value)))
+    }
+
+    fn called(degree: u32, value: Value) -> Result<Self> {
         // What is beyond the largest degree is said there.
         Integrand::function(degree, |_| 0.0)?;
-        Ok(Self { degree, value: Arc::new(value) })
+        Ok(Self { degree, value })
     }
 
     pub(super) fn of_gaussians(degree: u32, constant: f64, gaussians: &[Gaussian]) -> Result<Self> {
@@ -100,9 +148,12 @@ impl Function {
         Self::new(degree, move |x| constant + each.iter().map(|gaussian| gaussian(x)).sum::<f64>())
     }
 
-    /// The function at `x`.
+    /// The function at `x`; NaN where it answers with an error.
     pub fn at(&self, x: [f64; 3]) -> f64 {
-        (self.value)(x)
+        match &self.value {
+            Value::Each(value) => value(x),
+            Value::Many(_) => self.value.of(&[x]).map_or(f64::NAN, |values| values[0]),
+        }
     }
 
     /// Up to which total degree the rule is exact.
@@ -110,29 +161,31 @@ impl Function {
         self.degree
     }
 
-    /// The mean over a facet of this second moment: by Gauss's rule of three nodes a side of the parallelogram that has the moment, exact to the second
-    /// degree, and to the third where the facet is its own mirror image.
+    /// The mass of each facet, which has this second moment: the mean by Gauss's rule of three nodes a side of the parallelogram that has the moment, exact to the second
+    /// degree, and to the third where the facet is its own mirror image. The function is called within `bounds` alone, where they are given.
     ///
     /// It is for the matrix of a Newton step alone, which need not be exact: each step leaves of the error the part that the matrix is off, some `(h/ℓ)³`, where `h`
     /// is a facet's size and `ℓ` the length over which ρ changes. Of 300 white sites in a cube, with three Gaussians whose deviations are two cells, one
     /// and a half, it takes 5, 10 and 11 steps to 1e-9; with ρ at the facet's barycenter, which leaves `(h/ℓ)²`, it took 7, 26 and 33.
-    pub(super) fn mean(&self, facet: &Facet, second: &[f64; 6], bounds: Option<[[f64; 3]; 2]>) -> f64 {
-        let [lo, hi] = bounds.unwrap_or([[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]]);
-        let spread = sides(second.map(|m| m / facet.area));
-        let mut mean = 0.0;
-        for (u, share_u) in GAUSS {
-            for (v, share_v) in GAUSS {
-                // (The parallelogram reaches a little beyond the facet.)
-                let node = |k: usize| facet.barycenter[k] + u * spread[0][k] + v * spread[1][k];
-                let value = self.at(std::array::from_fn(|k| node(k).clamp(lo[k], hi[k])));
-                if value.is_nan() || value <= 0.0 {
-                    return self.at(facet.barycenter);
-                }
-                mean += share_u * share_v * value;
-            }
-        }
-        // A facet that the domain cuts may have nodes where ρ is not asked for otherwise, and need not be positive.
-        if mean.is_finite() { mean } else { self.at(facet.barycenter) }
+    ///
+    /// # Errors
+    /// That of a function of many places.
+    pub(super) fn of_facets(
+        &self,
+        facets: &Facets,
+        seconds: &[[f64; 6]],
+        bounds: Option<[[f64; 3]; 2]>,
+    ) -> Result<Vec<f64>> {
+        let masses = |chunk: usize| {
+            let range = chunk * FACETS_AT_ONCE..((chunk + 1) * FACETS_AT_ONCE).min(seconds.len());
+            let places: Vec<[f64; 3]> =
+                range.clone().flat_map(|k| nodes(&facets.get(k), &seconds[k], bounds)).collect();
+            let values = self.value.of(&places)?;
+            let each = range.zip(values.as_chunks().0);
+            Ok(each.map(|(k, values)| mean(values) * facets.get(k).area).collect::<Vec<f64>>())
+        };
+        let chunks = (0..seconds.len().div_ceil(FACETS_AT_ONCE)).into_par_iter().map(masses);
+        Ok(chunks.collect::<Result<Vec<_>>>()?.concat())
     }
 
     /// Evaluates a diagram with the masses of its cells as integrals, or with all [`COLUMNS`] about `o`.
@@ -142,6 +195,7 @@ impl Function {
         diagram: &PowerDiagram,
         request: &Request,
         about: Option<[f64; 3]>,
+        observer: &dyn Observer,
     ) -> Result<Output> {
         if request.integral().is_some() {
             return Err(Error::input(
@@ -149,9 +203,8 @@ impl Function {
             ));
         }
         let found = Arc::new(Mutex::new(None));
-        let (function, noted) = (Arc::clone(&self.value), Arc::clone(&found));
-        let value = move |x: [f64; 3]| {
-            let value = function(x);
+        let noted = Arc::clone(&found);
+        let checked = move |x: [f64; 3], value: f64| {
             if value > 0.0 && value.is_finite() {
                 return value;
             }
@@ -162,17 +215,25 @@ impl Function {
             }
             0.0
         };
-        let integrand = match about {
-            None => Integrand::function(self.degree, value)?,
-            Some(o) => Integrand::batches(self.degree, COLUMNS, move |places| {
-                let columns = |&x: &[f64; 3]| {
-                    let (rho, [a, b, c]): (f64, [f64; 3]) = (value(x), std::array::from_fn(|k| x[k] - o[k]));
+        let values = self.value.clone();
+        let integrand = match (about, &self.value) {
+            (None, Value::Each(value)) => {
+                let value = Arc::clone(value);
+                Integrand::function(self.degree, move |x| checked(x, value(x)))?
+            }
+            (None, Value::Many(_)) => Integrand::batches(self.degree, 1, move |places| {
+                let found = values.of(places)?;
+                Ok(places.iter().zip(found).map(|(&x, value)| checked(x, value)).collect())
+            })?,
+            (Some(o), _) => Integrand::batches(self.degree, COLUMNS, move |places| {
+                let columns = |(&x, value): (&[f64; 3], f64)| {
+                    let (rho, [a, b, c]): (f64, [f64; 3]) = (checked(x, value), std::array::from_fn(|k| x[k] - o[k]));
                     [rho, rho * a, rho * b, rho * c, rho * (a * a + b * b + c * c)]
                 };
-                Ok(places.iter().flat_map(columns).collect())
+                Ok(places.iter().zip(values.of(places)?).flat_map(columns).collect())
             })?,
         };
-        let output = backend.evaluate(diagram, &request.clone().with_integral(integrand));
+        let output = backend.evaluate_watched(diagram, &request.clone().with_integral(integrand), observer);
         let first = *found.lock().unwrap_or_else(PoisonError::into_inner);
         match first {
             None => output,
@@ -190,6 +251,37 @@ impl Function {
 /// The nodes of Gauss's rule in standard deviations of what is spread evenly from −√3 to √3, and their shares.
 const GAUSS: [(f64, f64); 3] =
     [(-1.341_640_786_499_874, 5.0 / 18.0), (0.0, 4.0 / 9.0), (1.341_640_786_499_874, 5.0 / 18.0)];
+
+/// Places at which a facet asks for ρ: the nodes of the rule on each side of its parallelogram, and its barycenter.
+const NODES: usize = 10;
+/// So many that calling a function of many places costs nothing, and their places are some megabytes.
+const FACETS_AT_ONCE: usize = 10_000;
+
+fn nodes(facet: &Facet, second: &[f64; 6], bounds: Option<[[f64; 3]; 2]>) -> [[f64; 3]; NODES] {
+    let [lo, hi] = bounds.unwrap_or([[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]]);
+    let spread = sides(second.map(|m| m / facet.area));
+    std::array::from_fn(|n| match n {
+        // (The parallelogram reaches a little beyond the facet.)
+        0..9 => std::array::from_fn(|k| {
+            let node = facet.barycenter[k] + GAUSS[n / 3].0 * spread[0][k] + GAUSS[n % 3].0 * spread[1][k];
+            node.clamp(lo[k], hi[k])
+        }),
+        _ => facet.barycenter,
+    })
+}
+
+/// The mean of ρ over a facet from its values at the nodes.
+fn mean(values: &[f64; NODES]) -> f64 {
+    let mut mean = 0.0;
+    for (n, &value) in values[..NODES - 1].iter().enumerate() {
+        // A facet that the domain cuts may have nodes where ρ is not asked for otherwise, and need not be positive.
+        if value.is_nan() || value <= 0.0 {
+            return values[NODES - 1];
+        }
+        mean += GAUSS[n / 3].1 * GAUSS[n % 3].1 * value;
+    }
+    if mean.is_finite() { mean } else { values[NODES - 1] }
+}
 
 /// Two vectors a and b with `a aᵀ + b bᵀ` a second moment of something flat: the columns of Cholesky's factor, the largest pivots first.
 fn sides([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> [[f64; 3]; 2] {
@@ -216,6 +308,17 @@ impl Density {
         Ok(Self::Function(Function::new(degree, value)?))
     }
 
+    /// The same of a function that is called with many places at once, and has a value for each. Where an error is its answer, that is the solver's.
+    ///
+    /// # Errors
+    /// As [`Density::function`].
+    pub fn batches(
+        degree: u32,
+        values: impl Fn(&[[f64; 3]]) -> Result<Vec<f64>> + Send + Sync + 'static,
+    ) -> Result<Self> {
+        Ok(Self::Function(Function::called(degree, Value::Many(Arc::new(values)))?))
+    }
+
     /// The function `constant + Σ mass · N(x; mean, covariance)`, as [`Density::function`]. All Gaussians are summed up at every node. What
     /// underflows to 0, some 38 deviations from every mean, takes a constant. Cells are to be no larger than the deviations, or the degree is
     /// to be high: over 300 cells in a cube, three of a cell's deviation and a constant sum to the exact mass within 4e-5 of it with degree 3, 7e-6 with 5; of half
@@ -236,6 +339,11 @@ impl fmt::Debug for Function {
 
 impl PartialEq for Function {
     fn eq(&self, other: &Self) -> bool {
-        self.degree == other.degree && Arc::ptr_eq(&self.value, &other.value)
+        let is_same = match (&self.value, &other.value) {
+            (Value::Each(one), Value::Each(other)) => Arc::ptr_eq(one, other),
+            (Value::Many(one), Value::Many(other)) => Arc::ptr_eq(one, other),
+            _ => false,
+        };
+        self.degree == other.degree && is_same
     }
 }

@@ -99,7 +99,7 @@ fn solved(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64])
     let sorted = diagram.prepare()?.sites;
     let order = sorted.order();
     let place = places(order, b.len());
-    let matrix = of_masses(facets, density, None, order, &place, 1.0);
+    let matrix = of_masses(facets, density, None, order, &place, 1.0)?;
     let mut multigrid = Multigrid::new(&HOST, HOST.matrix(matrix.clone().into_rows())?)?;
     let mut b: Vec<f64> = order.iter().map(|&i| b[i as usize]).collect();
     // Of each part that touches no other the mean is its own.

@@ -1,6 +1,6 @@
 //! The Laplacian of transport, from the cells of a diagram.
 
-use laguerre_core::{Facets, Laplacian};
+use laguerre_core::{Facets, Laplacian, Result};
 
 use super::sparse::Matrix;
 use crate::density::Density;
@@ -28,9 +28,10 @@ pub(super) fn of_masses(
     order: &[u32],
     place: &[u32],
     scale: f64,
-) -> Matrix {
-    let coefficient = |k: usize| density.of_facet(facets, k, bounds) / (2.0 * facets.get(k).distance);
-    Matrix::from_rows(
+) -> Result<Matrix> {
+    let masses = density.of_facets(facets, bounds)?;
+    let coefficient = |k: usize| masses[k] / (2.0 * facets.get(k).distance);
+    Ok(Matrix::from_rows(
         order.len(),
         || (),
         |row, (), columns, values| {
@@ -41,7 +42,7 @@ pub(super) fn of_masses(
             });
             append(row, each, scale, columns, values);
         },
-    )
+    ))
 }
 
 /// Appends a row of the matrix whose other entries, of facets with some area, are these, negative.

@@ -279,7 +279,7 @@ impl<'a> Problem<'a> {
                     Container::Box(lo, hi) => Some([lo, hi]),
                     Container::Domain(_) => None,
                 };
-                of_masses(&facets, &self.density, bounds, &self.order, &self.place, state.scale)
+                of_masses(&facets, &self.density, bounds, &self.order, &self.place, state.scale)?
             }
             (None, None) => return Err(Error::new(ErrorKind::Device, "the backend gave no facets though asked to")),
         };

@@ -64,6 +64,11 @@ impl<T: Copy + Send + Sync> Room<T> {
         Ok(())
     }
 
+    /// Bytes of it.
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.length * size_of::<T>()) as u64
+    }
+
     /// Whether there is room for anything yet.
     pub(crate) fn is_made(&self) -> bool {
         self.buffer.is_some()

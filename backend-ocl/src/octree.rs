@@ -9,10 +9,11 @@ use crate::params::Shared;
 use crate::program::GridKernels;
 use laguerre_core::Result;
 use laguerre_core::cell::search_store::MOST_LEAVES;
-use laguerre_core::power_octree::{Lists, MOST_OF_SITE, OctreeBox, OctreeBoxes, Place, margin_of};
+use laguerre_core::power_octree::{Lists, OctreeBox, OctreeBoxes, Place, margin_of, most_listed};
 use laguerre_core::site_tree::WIDTH;
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
+use opencl3::types::cl_device_id;
 use rayon::prelude::*;
 
 /// Work-items of a group, and where boxes list more leaves than so many: there are few such boxes. (Of a million sites the first two levels took 22 of 41 ms
@@ -38,20 +39,29 @@ rooms! {
     }
 }
 
+/// A device, and the sorted sites on it.
+#[derive(Clone, Copy)]
+pub(crate) struct OfSites<'a> {
+    pub(crate) device: cl_device_id,
+    pub(crate) context: &'a Context,
+    pub(crate) queue: &'a CommandQueue,
+    pub(crate) kernels: &'a GridKernels,
+    pub(crate) shared: &'a Shared,
+    pub(crate) sites: &'a Room<[f64; 4]>,
+}
+
 /// What makes it.
 struct OnDevice<'a> {
-    context: &'a Context,
-    queue: &'a CommandQueue,
-    kernels: &'a GridKernels,
-    shared: &'a Shared,
-    sites: &'a Room<[f64; 4]>,
+    of: OfSites<'a>,
     memory: &'a mut OctreeMemory,
     margin: f64,
+    /// Work-items of a group that goes over many leaves.
+    large: usize,
 }
 
 impl Lists for OnDevice<'_> {
     fn split(&mut self, front: &[OctreeBox]) -> Result<Vec<u32>> {
-        let Self { context, queue, kernels, shared, sites, memory, margin, .. } = self;
+        let Self { of: OfSites { context, queue, kernels, shared, sites, .. }, memory, margin, large } = self;
         let leaves: usize = front.iter().map(|its| its.count as usize).sum();
         let parts = WIDTH * front.len();
         memory.boxes.fill(context, queue, front)?;
@@ -66,15 +76,15 @@ impl Lists for OnDevice<'_> {
             kept: &memory.kept,
             counts: &memory.counts,
         };
-        let group = if leaves > MANY_LEAVES * front.len() { LARGE_GROUP } else { GROUP };
+        let group = if leaves > MANY_LEAVES * front.len() { *large } else { GROUP };
         kernels.split_boxes.run(queue, parts * group, group, arguments)?;
         let mut counts = Vec::new();
         memory.counts.read(queue, parts, &mut counts)?;
         Ok(counts)
     }
 
-    fn place(&mut self, places: &[Place]) -> Result<()> {
-        let Self { context, queue, kernels, memory, .. } = self;
+    fn place(&mut self, places: &[Place], whole: usize) -> Result<()> {
+        let Self { of: OfSites { context, queue, kernels, .. }, memory, .. } = self;
         let places: Vec<[u32; 2]> = places
             .par_iter()
             .map(|place| match *place {
@@ -84,6 +94,7 @@ impl Lists for OnDevice<'_> {
             })
             .collect();
         memory.places.fill(context, queue, &places)?;
+        memory.next.grow(context, whole)?;
         let arguments = PlaceLeaves {
             boxes: &memory.boxes,
             leaves: &memory.whole,
@@ -107,28 +118,38 @@ impl OctreeMemory {
         self.middles.grow(context, 1)
     }
 
-    /// Makes the octree over the sites of a tree; how far a place may be off there, or 0 where the device lacks the memory, or boxes would list too many.
-    pub(crate) fn make(
-        &mut self,
-        context: &Context,
-        queue: &CommandQueue,
-        kernels: &GridKernels,
-        shared: &Shared,
-        sites: &Room<[f64; 4]>,
-        go_on: &dyn Fn() -> Result<()>,
-    ) -> Result<f64> {
+    /// Gives back what the octree was made with, if it is more than `most` bytes.
+    pub(crate) fn free_scratch(&mut self, most: u64) {
+        let Self { ways, boxes, whole, next, kept, counts, places, .. } = self;
+        let lists = ways.bytes() + whole.bytes() + next.bytes() + kept.bytes();
+        if lists + boxes.bytes() + counts.bytes() + places.bytes() > most {
+            [ways, whole, next, counts].into_iter().for_each(Room::free);
+            boxes.free();
+            kept.free();
+            places.free();
+        }
+    }
+
+    /// Gives all back.
+    pub(crate) fn free(&mut self) {
+        self.free_scratch(0);
+        self.nodes.free();
+        self.listed.free();
+        self.homes.free();
+        self.middles.free();
+    }
+
+    /// Makes the octree over the sites of a tree; how far a place may be off there, or 0 where boxes would list too many.
+    pub(crate) fn make(&mut self, of: OfSites<'_>, go_on: &dyn Fn() -> Result<()>) -> Result<f64> {
+        let OfSites { device, context, queue, kernels, shared, sites } = of;
         let Params { box_lo, box_hi, tree_sites, .. } = shared.params;
         let (bounds, count) = ([box_lo, box_hi], tree_sites as usize);
-        let most = (MOST_OF_SITE * count).max(WIDTH);
-        for list in [&mut self.listed, &mut self.whole, &mut self.next] {
-            if !list.grow_if_possible(context, most)? {
-                return Ok(0.0);
-            }
-        }
+        self.listed.grow(context, most_listed(count))?;
         let all: Vec<u32> = (0..count.div_ceil(WIDTH) as u32).collect();
-        self.whole.write_at(queue, 0, &all)?;
+        self.whole.fill(context, queue, &all)?;
+        let largest = kernels.split_boxes.largest_group(device)?.clamp(GROUP, LARGE_GROUP);
         let margin = margin_of(bounds);
-        let mut lists = OnDevice { context, queue, kernels, shared, sites, memory: self, margin };
+        let mut lists = OnDevice { of, memory: self, margin, large: 1 << largest.ilog2() };
         let Some(boxes) = OctreeBoxes::new(&mut lists, count, bounds, MOST_LEAVES as usize - 1, go_on)? else {
             return Ok(0.0);
         };

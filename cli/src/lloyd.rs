@@ -93,7 +93,7 @@ struct Report {
     /// The last gradient.
     residual: f64,
     converged: bool,
-    /// In words; `None` where it is 1.
+    /// In words; `None` where none is given.
     density: Option<String>,
     energy: f64,
     /// The energy for cells of equal volume, without scale: energy over 3·n·(V/n)^(5/3); 0.0785 for the best lattice. `None` with a density, also the domain's own.

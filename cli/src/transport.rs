@@ -92,7 +92,7 @@ struct Report {
     /// Largest relative error of a cell's mass.
     residual: f64,
     converged: bool,
-    /// In words; `None` where it is 1.
+    /// In words; `None` where none is given.
     density: Option<String>,
     /// Of all cells.
     mass: f64,

@@ -32,7 +32,7 @@ const MOST_BARREN: u32 = 2;
 
 /// There is no octree where its boxes would list more leaves than this for each site: where cells lie side by side as slabs do, each part of a box
 /// lists half of them. (In a cube some 10.)
-pub const MOST_OF_SITE: usize = 32;
+const MOST_OF_SITE: usize = 32;
 
 /// A box that is to be split: its corners, and where the leaves that it lists begin among those of all such boxes, and how many there are.
 #[repr(C)]
@@ -66,11 +66,11 @@ pub trait Lists {
     /// # Errors
     /// A device's.
     fn split(&mut self, front: &[OctreeBox]) -> Result<Vec<u32>>;
-    /// Puts the leaves that each of these parts keeps in its place.
+    /// Puts the leaves that each of these parts keeps in its place: `whole` of them are of boxes that are split next.
     ///
     /// # Errors
     /// A device's.
-    fn place(&mut self, places: &[Place]) -> Result<()>;
+    fn place(&mut self, places: &[Place], whole: usize) -> Result<()>;
 }
 
 /// The boxes of an octree over a container; the leaves that they list are somewhere else.
@@ -165,10 +165,10 @@ impl OctreeBoxes {
                 }
             }
             let numbers = listed + of_next + 8 * next_boxes.len();
-            if numbers > MOST_OF_SITE.saturating_mul(sites) || numbers > UNLISTED as usize / 8 {
+            if numbers > most_listed(sites) {
                 return Ok(None);
             }
-            lists.place(&places)?;
+            lists.place(&places, of_next)?;
             (boxes, front) = (next_boxes, next_front);
         }
         Ok(Some(octree))
@@ -193,6 +193,11 @@ impl OctreeBoxes {
     pub fn middles(&self) -> &[[f32; 3]] {
         &self.middles
     }
+}
+
+/// How many leaves of the tree over so many sites boxes list at most.
+pub fn most_listed(sites: usize) -> usize {
+    MOST_OF_SITE.saturating_mul(sites).min(UNLISTED as usize / 8)
 }
 
 /// By how much a box over a container is taken to be larger on each side.

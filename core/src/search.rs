@@ -5,6 +5,8 @@
 //! 2. **Far** (`core/src/cell/far.rs`, as on devices). A cell that reaches beyond what is worth listing is completed vertex by vertex: which site has
 //!    the least power there?
 //!
+//! Where weights are rough an octree over the container tells where a cell is, and it is completed box by box (`hard.rs`, `core/src/cell/boxes.rs`).
+//!
 //! What is proved, and from where, is said in `core/src/cell/search.rs`.
 
 #![allow(clippy::needless_range_loop, reason = "loops over eight lanes of several arrays at once")]

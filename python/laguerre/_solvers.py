@@ -220,6 +220,8 @@ def plain(density: tuple[float, ArrayLike] | Gaussians | Function | None) -> tup
         return None
     if isinstance(density, (Gaussians, Function)):
         return density._given()
+    if not isinstance(density, (tuple, list)) or len(density) != 2:
+        raise ValueError("density: (value, gradient), Gaussians(...) or Function(f) is needed")
     return (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
 
 

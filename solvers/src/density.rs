@@ -84,7 +84,7 @@ impl Density {
         if total > 0.0 && total.is_finite() {
             return Ok(total);
         }
-        Err(Error::input(format!(
+        Err(function::refused(format!(
             "the density's mass over the domain is {total:?}: give a higher degree, or choose another unit of mass"
         )))
     }

@@ -21,7 +21,7 @@ use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, norm_1, norm_max, 
 const CUTS_BETWEEN_LOOKS: u32 = 6;
 
 /// Completes the cell, whose home is known, by the sites that are listed in the boxes that it is in: `COMPLETE`; `UNTOUCHED` where a box lists none, or
-/// a vertex may be in one of two, as the vertices that are not settled may be; or how it ended.
+/// a vertex is too near a box's face to tell in which it is: those that are not settled are left to vertex by vertex; or how it ended.
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub fn search_boxes<S: SearchStore + OctreeStore>(s: &mut S, vantage: Vantage, visited: &mut u32) -> u32 {

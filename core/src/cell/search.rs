@@ -2,6 +2,7 @@
 //!
 //! 1. **Near** ([`search_near`]): from the site's own leaves up the tree to its root, every node that the cell reaches. (On the CPU the sites of a
 //!    leaf look about together instead, `core/src/search.rs`: a third of the nodes are opened for each cell.)
+//!    Where an octree over the container tells where the cell is, it goes box by box instead ([`super::boxes::search_boxes`]).
 //! 2. **Far** ([`super::far::search_far`]): a cell that reaches beyond what is worth that is completed vertex by vertex: which site has the least
 //!    power there?
 //!

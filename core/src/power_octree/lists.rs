@@ -41,7 +41,7 @@ impl Lists for OnHost<'_> {
         Ok(self.parts.iter().map(|leaves| leaves.len() as u32).collect())
     }
 
-    fn place(&mut self, places: &[Place]) -> Result<()> {
+    fn place(&mut self, places: &[Place], _whole: usize) -> Result<()> {
         self.whole.clear();
         for (leaves, place) in std::mem::take(&mut self.parts).into_iter().zip(places) {
             match place {

@@ -111,11 +111,16 @@ struct Refused;
 
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the density has no values")
+        write!(f, "the density has no values, or no mass")
     }
 }
 
 impl std::error::Error for Refused {}
+
+/// The error of a density that is no fault of a place where it is asked for.
+pub(super) fn refused(what: String) -> Error {
+    Error::input(what).because(Refused)
+}
 
 /// Whether an error of a solver says that a function is not positive and finite where a density has to be, or has no values: no step mends that.
 pub fn is_of_density(error: &Error) -> bool {

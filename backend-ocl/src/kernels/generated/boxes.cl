@@ -1,7 +1,7 @@
 // Generated from core/src/cell/boxes.rs by `cargo xtask codegen`; do not edit.
 
 // Completes the cell, whose home is known, by the sites that are listed in the boxes that it is in: `COMPLETE`; `UNTOUCHED` where a box lists none, or
-// a vertex may be in one of two, as the vertices that are not settled may be; or how it ended.
+// a vertex is too near a box's face to tell in which it is: those that are not settled are left to vertex by vertex; or how it ended.
 HOT uint search_boxes(Store *s, Vantage vantage, uint *visited) {
     V3 place = vantage.center;
     real radius = REAL(0.0);

@@ -15,7 +15,11 @@ use super::search_store::{
 };
 use super::status::{COMPLETE, CUT, EMPTY, UNTOUCHED};
 use super::tree::{OctreePlace, octree_box_at};
-use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, norm_1, norm_max, sub};
+use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, norm_1, norm_max};
+
+/// Beyond all that is in a container.
+#[cfg_attr(opencl, single(1e30))]
+const NO_END: Real = 1e300;
 
 /// Cuts after which it is looked anew which candidates may cut the cell. (With 3 or 12 a device takes as long.)
 const CUTS_BETWEEN_LOOKS: u32 = 6;
@@ -30,7 +34,7 @@ pub fn search_boxes<S: SearchStore + OctreeStore>(s: &mut S, vantage: Vantage, v
     let mut looked: u32 = 0;
     let mut is_home: bool = true;
     loop {
-        let at: OctreePlace = octree_box_at(s, add(s.site(), place));
+        let at: OctreePlace = open_ended(s, octree_box_at(s, add(s.site(), place)));
         if (at.node.count == 0) || !is_in_box(s, at, place, radius) {
             return UNTOUCHED;
         }
@@ -40,8 +44,7 @@ pub fn search_boxes<S: SearchStore + OctreeStore>(s: &mut S, vantage: Vantage, v
             return status;
         }
         if is_home && s.has_domain() {
-            let extent: V3 = sub(at.hi, at.lo);
-            let status: u32 = s.cut_outside(dot(extent, extent).sqrt() + dot(vantage.center, vantage.center).sqrt());
+            let status: u32 = s.cut_outside(at.diagonal + dot(vantage.center, vantage.center).sqrt());
             if (status != UNTOUCHED) && (status != CUT) {
                 return status;
             }
@@ -49,7 +52,7 @@ pub fn search_boxes<S: SearchStore + OctreeStore>(s: &mut S, vantage: Vantage, v
         is_home = false;
         let mut v: u32 = s.lane();
         while v < s.vertices() {
-            if is_in_box(s, at, s.position(v), s.radius(v)) {
+            if !s.settled(v) && is_in_box(s, at, s.position(v), s.radius(v)) {
                 s.settle_own(v);
             }
             v += s.lanes();
@@ -85,17 +88,40 @@ pub fn search_from<S: SearchStore + OctreeStore>(
     return search_near(s, vantage, visited, proven);
 }
 
-/// Whether what is within `radius` along each axis of a place, from the cell's site, is in a box, or out of the container beyond it.
+/// A box, without an end where the container has none beyond it.
+#[inline(always)]
+fn open_ended<S: OctreeStore>(s: &S, at: OctreePlace) -> OctreePlace {
+    let mut open: OctreePlace = at;
+    let lo: V3 = s.octree_lo();
+    let hi: V3 = s.octree_hi();
+    if at.lo.x <= lo.x {
+        open.lo.x = -NO_END;
+    }
+    if at.lo.y <= lo.y {
+        open.lo.y = -NO_END;
+    }
+    if at.lo.z <= lo.z {
+        open.lo.z = -NO_END;
+    }
+    if at.hi.x >= hi.x {
+        open.hi.x = NO_END;
+    }
+    if at.hi.y >= hi.y {
+        open.hi.y = NO_END;
+    }
+    if at.hi.z >= hi.z {
+        open.hi.z = NO_END;
+    }
+    return open;
+}
+
+/// Whether what is within `radius` along each axis of a place, from the cell's site, is in a box.
 #[inline(always)]
 fn is_in_box<S: SearchStore + OctreeStore>(s: &S, at: OctreePlace, place: V3, radius: Real) -> bool {
     let x: V3 = add(s.site(), place);
     let off: Real = (radius + (UNIT_ROUNDOFF * norm_1(x))) - s.octree_off();
-    let lo: V3 = s.octree_lo();
-    let hi: V3 = s.octree_hi();
-    let is_above: bool = (((x.x - off) >= at.lo.x) || (at.lo.x <= lo.x))
-        && ((((x.y - off) >= at.lo.y) || (at.lo.y <= lo.y)) && (((x.z - off) >= at.lo.z) || (at.lo.z <= lo.z)));
-    let is_below: bool = (((x.x + off) <= at.hi.x) || (at.hi.x >= hi.x))
-        && ((((x.y + off) <= at.hi.y) || (at.hi.y >= hi.y)) && (((x.z + off) <= at.hi.z) || (at.hi.z >= hi.z)));
+    let is_above: bool = ((x.x - off) >= at.lo.x) && (((x.y - off) >= at.lo.y) && ((x.z - off) >= at.lo.z));
+    let is_below: bool = ((x.x + off) <= at.hi.x) && (((x.y + off) <= at.hi.y) && ((x.z + off) <= at.hi.z));
     return is_above && is_below;
 }
 
@@ -206,17 +232,44 @@ fn drop_candidates<S: SearchStore>(s: &mut S, count: u32) {
 /// Whether site `j`, this lane's own, may have less power than the cell's at one of its vertices: not alike.
 #[inline(always)]
 fn may_cut<S: SearchStore>(s: &S, j: u32) -> bool {
-    let d: V3 = s.way_to(j);
-    let excess: Real = s.excess_of(j);
-    let square: Real = dot(d, d);
-    let length: Real = norm_1(d);
+    let other: Other = other_at(s.way_to(j), s.excess_of(j));
     for v in 0..s.vertices() {
-        let p: V3 = s.position(v);
-        let more: Real = (square - excess) - (2.0 * dot(d, p));
-        let off: Real = (2.0 * length) * (s.radius(v) + (FEW_ROUNDINGS_OF_SUM * norm_max(p)));
-        if more <= (off + (FEW_ROUNDINGS_OF_SUM * (square + excess.abs()))) {
+        if may_have_less(other, s.position(v), s.radius(v)) {
             return true;
         }
     }
     return false;
+}
+
+/// Another site, as the cell's sees it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Other {
+    /// The way to it.
+    pub(crate) way: V3,
+    /// How much more power it has at the cell's site.
+    pub(crate) more: Real,
+    /// Room for roundings of that.
+    pub(crate) room: Real,
+    /// Twice the length of the way, at least.
+    pub(crate) length: Real,
+}
+
+/// A site at the way `d` that weighs `excess` more.
+#[inline(always)]
+pub(crate) fn other_at(d: V3, excess: Real) -> Other {
+    let square: Real = dot(d, d);
+    return Other {
+        way: d,
+        more: square - excess,
+        room: FEW_ROUNDINGS_OF_SUM * (square + excess.abs()),
+        length: 2.0 * norm_1(d),
+    };
+}
+
+/// Whether it may have less power than the cell's site at a place, which is off by up to `radius` along each axis.
+#[inline(always)]
+pub(crate) fn may_have_less(other: Other, place: V3, radius: Real) -> bool {
+    let off: Real = radius + (FEW_ROUNDINGS_OF_SUM * norm_max(place));
+    return (other.more - (2.0 * dot(other.way, place))) <= ((other.length * off) + other.room);
 }

@@ -3,7 +3,7 @@
 use super::bound::{Seer, least_of_node, least_power_of_node};
 use super::octree::{middle_of, part_hi, part_lo};
 use super::search_store::{Asked, HAS_PARTS, NO_SITE, OctreeNode, OctreeStore, SearchStore, UNLISTED, WIDTH};
-use super::vector::{Real, V3};
+use super::vector::{Real, V3, dot, sub};
 
 /// Bits of an open block that say which of its level it is; those above say its level.
 const LEVEL_SHIFT: u32 = 28;
@@ -46,6 +46,8 @@ fn seer_of<S: SearchStore>(s: &S) -> Seer {
 pub(crate) struct OctreePlace {
     pub(crate) lo: V3,
     pub(crate) hi: V3,
+    /// Of it.
+    pub(crate) diagonal: Real,
     /// What it lists.
     pub(crate) node: OctreeNode,
 }
@@ -82,7 +84,8 @@ pub(crate) fn octree_box_at<S: OctreeStore>(s: &S, place: V3) -> OctreePlace {
     if node.count == UNLISTED {
         node.count = 0;
     }
-    return OctreePlace { lo: lo, hi: hi, node: node };
+    let extent: V3 = sub(hi, lo);
+    return OctreePlace { lo: lo, hi: hi, diagonal: dot(extent, extent).sqrt(), node: node };
 }
 
 /// Where the sites that may have less power at the asked vertex are listed, has their leaves at hand. Else it opens, for some asked vertices, the lowest

@@ -11,7 +11,7 @@ use crate::cell::search_store::{
 use crate::cell::{self, COMPLETE, CUT, CellStore, EMPTY, Lanes, Real, Rough, UNIT_ROUNDOFF, UNTOUCHED, V3, v3};
 use crate::power_octree::PowerOctree;
 use crate::site_tree::{SiteTree, WIDTH};
-use look::{Look, Take};
+use look::{Look, Measure, Take};
 use pulp::Arch;
 use std::collections::HashSet;
 
@@ -254,13 +254,12 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     }
 
     /// All of them, nearest first.
-    fn visit_leaves(&mut self, _vantage: Vantage, leaves: u32, _is_home: bool, _visited: &mut u32) -> u32 {
+    fn visit_leaves(&mut self, _vantage: Vantage, leaves: u32, is_home: bool, _visited: &mut u32) -> u32 {
+        self.room.listed.clear();
+        self.room.listed.extend(self.room.leaves[..leaves as usize].iter().map(|leaf| leaf.number));
+        let arch = self.room.arch;
+        arch.dispatch(Measure { search: self, is_container: is_home });
         let Self { cell, tree, room, .. } = self;
-        room.listed.clear();
-        room.listed.extend(room.leaves[..leaves as usize].iter().map(|leaf| leaf.number));
-        room.reaches.clear();
-        let reaches = |&leaf: &u32| Reaches::new(tree.leaf(leaf), cell.position, cell.weight, cell.slope);
-        room.reaches.extend(room.listed.iter().map(reaches));
         let reaching = gather(&room.listed, &room.reaches, Real::NEG_INFINITY, cell.reach_square, &mut room.reaching);
         match visit_all(
             tree,

@@ -8,7 +8,7 @@ HOT uint search_boxes(Store *s, Vantage vantage, uint *visited) {
     uint looked = 0;
     bool is_home = 1;
     for (;;) {
-        const OctreePlace at = octree_box_at(s, add(store_site(s), place));
+        const OctreePlace at = open_ended(s, octree_box_at(s, add(store_site(s), place)));
         if ((at.node.count == 0) || !is_in_box(s, at, place, radius)) {
             return UNTOUCHED;
         }
@@ -18,8 +18,7 @@ HOT uint search_boxes(Store *s, Vantage vantage, uint *visited) {
             return status;
         }
         if (is_home && store_has_domain(s)) {
-            const V3 extent = sub(at.hi, at.lo);
-            const uint status = store_cut_outside(s, sqrt(v3_dot(extent, extent)) + sqrt(v3_dot(vantage.center, vantage.center)));
+            const uint status = store_cut_outside(s, at.diagonal + sqrt(v3_dot(vantage.center, vantage.center)));
             if ((status != UNTOUCHED) && (status != CUT)) {
                 return status;
             }
@@ -27,7 +26,7 @@ HOT uint search_boxes(Store *s, Vantage vantage, uint *visited) {
         is_home = 0;
         uint v = store_lane(s);
         while (v < store_vertices(s)) {
-            if (is_in_box(s, at, store_position(s, v), store_radius(s, v))) {
+            if (!store_settled(s, v) && is_in_box(s, at, store_position(s, v), store_radius(s, v))) {
                 store_settle_own(s, v);
             }
             v += store_lanes(s);
@@ -56,14 +55,38 @@ HOT uint search_from(Store *s, Vantage vantage, uint *visited, real *proven) {
     return search_near(s, vantage, visited, proven);
 }
 
-// Whether what is within `radius` along each axis of a place, from the cell's site, is in a box, or out of the container beyond it.
+// A box, without an end where the container has none beyond it.
+INLINE OctreePlace open_ended(Store *s, OctreePlace at) {
+    OctreePlace open = at;
+    const V3 lo = store_octree_lo(s);
+    const V3 hi = store_octree_hi(s);
+    if (at.lo.x <= lo.x) {
+        open.lo.x = -NO_END;
+    }
+    if (at.lo.y <= lo.y) {
+        open.lo.y = -NO_END;
+    }
+    if (at.lo.z <= lo.z) {
+        open.lo.z = -NO_END;
+    }
+    if (at.hi.x >= hi.x) {
+        open.hi.x = NO_END;
+    }
+    if (at.hi.y >= hi.y) {
+        open.hi.y = NO_END;
+    }
+    if (at.hi.z >= hi.z) {
+        open.hi.z = NO_END;
+    }
+    return open;
+}
+
+// Whether what is within `radius` along each axis of a place, from the cell's site, is in a box.
 INLINE bool is_in_box(Store *s, OctreePlace at, V3 place, real radius) {
     const V3 x = add(store_site(s), place);
     const real off = (radius + (UNIT_ROUNDOFF * norm_1(x))) - store_octree_off(s);
-    const V3 lo = store_octree_lo(s);
-    const V3 hi = store_octree_hi(s);
-    const bool is_above = (((x.x - off) >= at.lo.x) || (at.lo.x <= lo.x)) && ((((x.y - off) >= at.lo.y) || (at.lo.y <= lo.y)) && (((x.z - off) >= at.lo.z) || (at.lo.z <= lo.z)));
-    const bool is_below = (((x.x + off) <= at.hi.x) || (at.hi.x >= hi.x)) && ((((x.y + off) <= at.hi.y) || (at.hi.y >= hi.y)) && (((x.z + off) <= at.hi.z) || (at.hi.z >= hi.z)));
+    const bool is_above = ((x.x - off) >= at.lo.x) && (((x.y - off) >= at.lo.y) && ((x.z - off) >= at.lo.z));
+    const bool is_below = ((x.x + off) <= at.hi.x) && (((x.y + off) <= at.hi.y) && ((x.z + off) <= at.hi.z));
     return is_above && is_below;
 }
 
@@ -163,17 +186,23 @@ INLINE void drop_candidates(Store *s, uint count) {
 
 // Whether site `j`, this lane's own, may have less power than the cell's at one of its vertices: not alike.
 INLINE bool may_cut(Store *s, uint j) {
-    const V3 d = store_way_to(s, j);
-    const real excess = store_excess_of(s, j);
-    const real square = v3_dot(d, d);
-    const real length = norm_1(d);
+    const Other other = other_at(store_way_to(s, j), store_excess_of(s, j));
     for (uint v = 0; v < store_vertices(s); v++) {
-        const V3 p = store_position(s, v);
-        const real more = (square - excess) - (REAL(2.0) * v3_dot(d, p));
-        const real off = (REAL(2.0) * length) * (store_radius(s, v) + (FEW_ROUNDINGS_OF_SUM * norm_max(p)));
-        if (more <= (off + (FEW_ROUNDINGS_OF_SUM * (square + fabs(excess))))) {
+        if (may_have_less(other, store_position(s, v), store_radius(s, v))) {
             return 1;
         }
     }
     return 0;
+}
+
+// A site at the way `d` that weighs `excess` more.
+INLINE Other other_at(V3 d, real excess) {
+    const real square = v3_dot(d, d);
+    return (Other){ .way = d, .more = square - excess, .room = FEW_ROUNDINGS_OF_SUM * (square + fabs(excess)), .length = REAL(2.0) * norm_1(d) };
+}
+
+// Whether it may have less power than the cell's site at a place, which is off by up to `radius` along each axis.
+INLINE bool may_have_less(Other other, V3 place, real radius) {
+    const real off = radius + (FEW_ROUNDINGS_OF_SUM * norm_max(place));
+    return (other.more - (REAL(2.0) * v3_dot(other.way, place))) <= ((other.length * off) + other.room);
 }

@@ -36,7 +36,8 @@ INLINE OctreePlace octree_box_at(Store *s, V3 place) {
     if (node.count == UNLISTED) {
         node.count = 0;
     }
-    return (OctreePlace){ .lo = lo, .hi = hi, .node = node };
+    const V3 extent = sub(hi, lo);
+    return (OctreePlace){ .lo = lo, .hi = hi, .diagonal = sqrt(v3_dot(extent, extent)), .node = node };
 }
 
 // Where the sites that may have less power at the asked vertex are listed, has their leaves at hand. Else it opens, for some asked vertices, the lowest

@@ -48,11 +48,14 @@ INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *
 INLINE uint larger_count(uint a, uint b);
 HOT uint search_boxes(Store *s, Vantage vantage, uint *visited);
 HOT uint search_from(Store *s, Vantage vantage, uint *visited, real *proven);
+INLINE OctreePlace open_ended(Store *s, OctreePlace at);
 INLINE bool is_in_box(Store *s, OctreePlace at, V3 place, real radius);
 INLINE uint take_fresh(Store *s, OctreeNode node, uint *looked);
 HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint *visited);
 INLINE void drop_candidates(Store *s, uint count);
 INLINE bool may_cut(Store *s, uint j);
+INLINE Other other_at(V3 d, real excess);
+INLINE bool may_have_less(Other other, V3 place, real radius);
 
 #import "generated/quadratic.cl"
 #import "generated/bound.cl"

@@ -178,6 +178,8 @@ typedef struct {
 typedef struct {
     V3 lo;
     V3 hi;
+    // Of it.
+    real diagonal;
     // What it lists.
     OctreeNode node;
 } OctreePlace;
@@ -259,8 +261,27 @@ typedef struct {
 
 // core/src/cell/boxes.rs
 
+// Beyond all that is in a container.
+#if SINGLE
+#define NO_END ((real)(REAL(1e30)))
+#else
+#define NO_END ((real)(REAL(1e300)))
+#endif
+
 // Cuts after which it is looked anew which candidates may cut the cell. (With 3 or 12 a device takes as long.)
 #define CUTS_BETWEEN_LOOKS ((uint)(6))
+
+// Another site, as the cell's sees it.
+typedef struct {
+    // The way to it.
+    V3 way;
+    // How much more power it has at the cell's site.
+    real more;
+    // Room for roundings of that.
+    real room;
+    // Twice the length of the way, at least.
+    real length;
+} Other;
 
 // core/src/cell/candidates.rs
 

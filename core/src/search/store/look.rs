@@ -2,10 +2,11 @@
 
 use super::{Entry, Searched};
 use crate::cell::bound::{Seer, least_power_of_node};
+use crate::cell::boxes::{Other, may_have_less, other_at};
 use crate::cell::search_store::{Asked, NodeWeights, SearchStore as _};
-use crate::cell::{CellStore, Real, V3};
-use crate::search::{in_order, smaller};
-use crate::site_tree::WIDTH;
+use crate::cell::{CellStore, Real, V3, v3};
+use crate::search::{Reaches, in_order, smaller};
+use crate::site_tree::{Leaf, WIDTH};
 use pulp::NullaryFnOnce;
 
 /// A look at the eight nodes of a block, or sites of a leaf, by the widest instructions that the CPU has; all give the same bits, as no sum or product
@@ -53,7 +54,52 @@ impl<S: CellStore> NullaryFnOnce for Take<'_, '_, '_, S> {
     }
 }
 
+/// Finds how far the bisectors of the sites of the listed leaves are: beyond all of those that cannot cut the cell, unless that is still the container.
+pub(super) struct Measure<'s, 'c, 'a, S> {
+    pub(super) search: &'s mut Searched<'c, 'a, S>,
+    pub(super) is_container: bool,
+}
+
+impl<S: CellStore> NullaryFnOnce for Measure<'_, '_, '_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { search, is_container } = self;
+        search.room.reaches.clear();
+        for i in 0..search.room.listed.len() {
+            let number = search.room.listed[i];
+            let Searched { cell, tree, .. } = &*search;
+            let mut reaches = Reaches::new(tree.leaf(number), cell.position, cell.weight, cell.slope);
+            if !is_container {
+                let may = search.may_cut(number);
+                for k in 0..WIDTH {
+                    reaches.of[k] = if may[k] { reaches.of[k] } else { Real::INFINITY };
+                }
+            }
+            search.room.reaches.push(reaches);
+        }
+    }
+}
+
 impl<S: CellStore> Searched<'_, '_, S> {
+    /// Which sites of a leaf may have less power than the cell's at one of its vertices.
+    #[inline(always)]
+    fn may_cut(&self, number: u32) -> [bool; WIDTH] {
+        let (Leaf { at: [xs, ys, zs], weight }, [px, py, pz]) = (self.tree.leaf(number), self.cell.position);
+        let others: [Other; WIDTH] =
+            std::array::from_fn(|k| other_at(v3(xs[k] - px, ys[k] - py, zs[k] - pz), weight[k] - self.cell.weight));
+        let store = &*self.cell.store;
+        let mut may = [false; WIDTH];
+        for v in 0..store.vertices() {
+            let (place, radius) = (store.position(v), store.radius(v));
+            for k in 0..WIDTH {
+                may[k] |= may_have_less(others[k], place, radius);
+            }
+        }
+        may
+    }
+
     /// The least powers at `place` of the sites of the eight nodes of a block. (Each loop becomes one over vectors.)
     #[inline(always)]
     fn least_powers(&self, place: V3, block: usize) -> [Real; WIDTH] {

@@ -173,8 +173,7 @@ impl<'a> Search<'a> {
             // The nearest some first: the others are fewer once these have cut the cell.
             let near = self.group.near();
             let nearest = gather(leaves, &self.reaches, above, near.min(cell.reach_square), &mut self.candidates);
-            let visits = Visits { most: MOST_NEAR, far_square: Real::INFINITY, looks_outside: true };
-            if !visit_all(tree, cell, nearest, visits) {
+            if !visit_all::<S, false>(tree, cell, nearest, Real::INFINITY, true) {
                 return false;
             }
             above = near;
@@ -182,7 +181,7 @@ impl<'a> Search<'a> {
         let rest = gather(leaves, &self.reaches, above, cell.reach_square, &mut self.candidates);
         let promised_square = self.group.proven_square(chunk, position, weight);
         let far_square = if promised_square > 0.0 { FAR * promised_square } else { Real::INFINITY };
-        visit_all(tree, cell, rest, Visits { most: MOST_NEAR, far_square, looks_outside: false })
+        visit_all::<S, false>(tree, cell, rest, far_square, false)
     }
 }
 
@@ -249,21 +248,13 @@ fn gather<'c>(
     &mut candidates[..count]
 }
 
-/// How candidates are visited: no more where the cell has visited `most`; nor where some in a row have not cut it and it reaches farther than the
-/// square of `far_square` says; and whether it is looked whether it already lies outside the domain.
-#[derive(Clone, Copy, Debug)]
-struct Visits {
-    most: u32,
-    far_square: Real,
-    looks_outside: bool,
-}
-
-/// Visits candidates, nearest first; `false` ends the search.
-fn visit_all<S: CellStore>(
+/// Visits candidates, nearest first; `false` ends the search. Unless `ALL` are to be, it leaves those that are more than a cell visits near.
+fn visit_all<S: CellStore, const ALL: bool>(
     tree: &SiteTree,
     cell: &mut Cell<'_, S>,
     mut candidates: &mut [Candidate],
-    Visits { most, far_square, looks_outside }: Visits,
+    far_square: Real,
+    looks_outside: bool,
 ) -> bool {
     let (mut cuts, mut since) = (cell.outcome.cuts, cell.outcome.visited);
     while !candidates.is_empty() {
@@ -280,7 +271,7 @@ fn visit_all<S: CellStore>(
                 (cuts, since) = (cell.outcome.cuts, cell.outcome.visited);
             }
             let is_idle = cell.outcome.visited - since >= MOST_IDLE && cell.farthest * cell.farthest > far_square;
-            if is_idle || cell.outcome.visited > most {
+            if is_idle || (!ALL && cell.outcome.visited > MOST_NEAR) {
                 // What is left reaches at least as near as its first.
                 cell.left_square = cell.left_square.min(0.25 * from_order((some[0] >> 32) as u32));
                 cell.is_idle = is_idle;

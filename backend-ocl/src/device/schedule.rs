@@ -248,8 +248,9 @@ impl Device {
                     break;
                 }
                 way = match stage {
-                    // (Facets of cells that need more room are not computed together.)
-                    _ if request.needs_facets() => Way::Alone(room),
+                    // (Facets of cells that need still more room, or more room and a domain, are not computed together.)
+                    Stage::Large | Stage::Wide if request.needs_facets() => Way::Alone(room),
+                    _ if request.needs_facets() && self.domain.is_some() => Way::Alone(room),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Together(lanes, Stage::Large),
                 };

@@ -138,7 +138,8 @@ pub(super) fn add_box_faces<S: IntegralStore>(s: &S, sums: &mut CellSums) {
 }
 
 /// Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes true
-/// where a piece ends at its triangle.
+/// where a piece ends at its triangle. (A call of its own: inlined, cells inside the bunny take 2 % more instructions.)
+#[inline(never)]
 #[cfg_attr(opencl, outline)]
 pub(super) fn add_cones<S: CellStore>(
     s: &mut S,

@@ -51,6 +51,8 @@ impl Prepared {
 
 impl Search<'_> {
     /// Cuts the cell of a sorted site box by box of the octree, from where it is; `None` where that is not known.
+    #[cold]
+    #[inline(never)]
     pub(super) fn complete_at_home<S: CellStore>(
         &mut self,
         store: &mut S,

@@ -3,7 +3,7 @@
 mod look;
 
 use super::one_cell::{Cell, reach_from, rounding_about};
-use super::{Candidate, Reaches, Visits, gather, in_order, visit_all};
+use super::{Candidate, Reaches, gather, in_order, visit_all};
 use crate::cell::search::Vantage;
 use crate::cell::search_store::{
     Asked, MOST_LEAVES, MOST_OPEN, NO_SITE, NodeBox, NodeSlab, NodeWeights, OctreeNode, OctreeStore, SearchStore,
@@ -261,12 +261,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         arch.dispatch(Measure { search: self, is_container: is_home });
         let Self { cell, tree, room, .. } = self;
         let reaching = gather(&room.listed, &room.reaches, Real::NEG_INFINITY, cell.reach_square, &mut room.reaching);
-        match visit_all(
-            tree,
-            cell,
-            reaching,
-            Visits { most: u32::MAX, far_square: Real::INFINITY, looks_outside: true },
-        ) {
+        match visit_all::<S, true>(tree, cell, reaching, Real::INFINITY, true) {
             true => UNTOUCHED,
             false => cell.outcome.status,
         }

@@ -106,7 +106,7 @@ OUTLINE void add_box_faces(Store *s, CellSums *sums) {
 }
 
 // Subtracts the signed integrals of the cell's intersection with the truncated cone of every triangle near it; `touched` becomes true
-// where a piece ends at its triangle.
+// where a piece ends at its triangle. (A call of its own: inlined, cells inside the bunny take 2 % more instructions.)
 OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, bool *touched, CellSums *sums) {
     store_save(s);
     uint k = lo.k;

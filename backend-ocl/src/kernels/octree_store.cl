@@ -1,5 +1,6 @@
 // The octree over the container, as the search sees it (`OctreeStore`).
 
+#if LANES && SEARCHES_TREE
 INLINE V3 store_octree_lo(Store *s) { return v3(s->world.params->box_lo[0], s->world.params->box_lo[1], s->world.params->box_lo[2]); }
 INLINE V3 store_octree_hi(Store *s) { return v3(s->world.params->box_hi[0], s->world.params->box_hi[1], s->world.params->box_hi[2]); }
 INLINE real store_octree_off(Store *s) { return s->world.params->octree_off; }
@@ -9,7 +10,6 @@ INLINE OctreeNode store_octree_node(Store *s, uint i) {
 }
 INLINE uint store_octree_leaf(Store *s, uint i) { return s->world.octree_leaves[i]; }
 
-#if LANES && SEARCHES_TREE
 INLINE uint store_lane(Store *s);
 INLINE void store_lanes_wait(Store *s);
 INLINE void store_set_leaf(Store *s, uint i, uint leaf, uint key, uint asks);
@@ -50,6 +50,11 @@ INLINE uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, u
 INLINE uint store_visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint *visited) { return visit_leaves(s, vantage, leaves, is_home, visited); }
 #else
 // (One work-item alone goes through the tree over the sites.)
+INLINE V3 store_octree_lo(Store *s) { return v3(REAL(0.0), REAL(0.0), REAL(0.0)); }
+INLINE V3 store_octree_hi(Store *s) { return v3(REAL(0.0), REAL(0.0), REAL(0.0)); }
+INLINE real store_octree_off(Store *s) { return REAL(0.0); }
+INLINE OctreeNode store_octree_node(Store *s, uint i) { return (OctreeNode){ .begin = 0u, .count = 0u }; }
+INLINE uint store_octree_leaf(Store *s, uint i) { return 0u; }
 INLINE uint store_set_listed_leaves(Store *s, uint asks) { return 0u; }
 INLINE uint store_home(Store *s, V3 *place) { return HOME_UNKNOWN; }
 INLINE uint store_visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint *visited) { return UNTOUCHED; }

@@ -70,6 +70,8 @@ fn solved(problem: &mut Problem<'_>, level: &Level, weights: Vec<f64>) -> Result
     let mut diagram = problem.diagram.clone();
     let first = diagram.set_sites(&level.positions, &weights).and_then(|()| {
         let mut solver = Problem::new(problem.backend, &mut diagram, targets, &options)?;
+        // (Of which the next level makes its weights.)
+        solver.request = solver.request.with_second_moments();
         let state = solver.evaluate(weights)?;
         Ok((mend::mended(&mut solver, state)?, solver))
     });

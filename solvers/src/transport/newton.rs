@@ -48,6 +48,9 @@ pub(super) struct Problem<'a> {
     pub(super) density: Density,
     pub(super) tolerance: f64,
     pub(super) request: Request,
+    /// Whether second moments are asked for that `request` does not have; and whether the next diagram, likely the last, is to have them.
+    lacks_moments: bool,
+    adds_moments: bool,
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) targets: Vec<f64>,
     pub(super) least_target: f64,
@@ -95,6 +98,7 @@ impl<'a> Problem<'a> {
         let unit = (targets.iter().sum::<f64>() / targets.len() as f64).log2().round().exp2();
         targets.iter_mut().for_each(|target| *target /= unit);
         let positions = diagram.positions().to_vec();
+        let request = request(options, backend, positions.len());
         let mean_density = match diagram.container()? {
             Container::Domain(domain) => domain.mean_density(),
             Container::Box(..) => 1.0,
@@ -104,7 +108,9 @@ impl<'a> Problem<'a> {
             diagram,
             density: options.density.clone(),
             tolerance: options.tolerance,
-            request: request(options, backend, positions.len()),
+            lacks_moments: options.second_moments && !request.second_moments(),
+            adds_moments: false,
+            request,
             mean_density,
             least_target: targets.iter().copied().fold(f64::INFINITY, f64::min),
             positions,
@@ -136,6 +142,7 @@ impl<'a> Problem<'a> {
     ) -> Result<(State, End)> {
         self.bound = state.least.min(self.least_target) / 2.0;
         let mut iteration = Iteration { residual: state.residual, ..self.take_costs(begin) };
+        let mut before = state.residual;
         loop {
             let goes_on = on_iteration(&iteration).is_continue();
             if state.residual <= self.tolerance {
@@ -148,6 +155,10 @@ impl<'a> Problem<'a> {
                 return Ok((state, End::MostIterations));
             }
             begin = Instant::now();
+            // (At the end the factor by which the residual falls is the square of the last one.)
+            let likely = state.residual * (state.residual / before).powi(2);
+            before = state.residual;
+            self.adds_moments = self.lacks_moments && likely <= self.tolerance;
             let (step, linear_iterations, next) = match self.next(&mut state) {
                 Ok(Some(next)) => next,
                 Ok(None) => return Ok((state, End::Stalled)),
@@ -178,7 +189,9 @@ impl<'a> Problem<'a> {
     pub(super) fn evaluate(&mut self, weights: Vec<f64>) -> Result<State> {
         let begin = Instant::now();
         self.diagram.set_sites(&self.positions, &weights)?;
-        let output = self.density.evaluate(self.backend, self.diagram, &self.request)?;
+        let request = self.request.clone();
+        let request = if self.adds_moments { request.with_second_moments() } else { request };
+        let output = self.density.evaluate(self.backend, self.diagram, &request)?;
         self.seconds += begin.elapsed().as_secs_f64();
         self.evaluations += 1;
         self.stand_as(output.kept().map(Kept::order).or(output.laplacian().map(Laplacian::order)))?;
@@ -220,12 +233,15 @@ impl<'a> Problem<'a> {
             None => state.output.take_laplacian(),
         };
         let needs_laplacian = options.laplacian && laplacian.is_none();
-        let needs_moments = options.second_moments && matches!(self.density, Density::Function(_));
+        let is_function = matches!(self.density, Density::Function(_));
+        let needs_moments = options.second_moments && (is_function || state.output.second_moment().is_none());
         if needs_facets || needs_laplacian || needs_moments {
-            let request = if needs_facets { self.request.clone().with_facets() } else { self.request.clone() };
-            let request = request.with_laplacian();
+            let request = if is_function { self.request.clone() } else { Request::moments() };
+            let request = if needs_facets { request.with_facets() } else { request };
+            let request = if needs_laplacian { request.with_laplacian() } else { request };
+            let request = if options.second_moments { request.with_second_moments() } else { request };
             self.diagram.set_sites(&self.positions, &state.weights)?;
-            state.output = match needs_moments {
+            state.output = match needs_moments && is_function {
                 true => self.density.evaluate_moments(self.backend, self.diagram, &request)?,
                 false => self.density.evaluate(self.backend, self.diagram, &request)?,
             };

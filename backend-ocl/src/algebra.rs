@@ -1,5 +1,7 @@
 //! Linear algebra in the memory of the first device.
 
+mod coarser;
+
 use crate::buffer::Room;
 use crate::device::Device;
 use crate::evaluate::{Ocl, on_device};
@@ -10,7 +12,7 @@ use crate::interface::kernels::{
     SumParts,
 };
 use crate::laplacian::MadeLaplacian;
-use laguerre_core::algebra::{Algebra, CELL, Held, Kept};
+use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, ErrorKind, Laplacian, Result};
 use rayon::prelude::*;
@@ -179,6 +181,25 @@ impl Algebra for Ocl {
             a.values.read(&device.queue, a.entries, &mut values)?;
             Ok((begins.iter().map(|&begin| begin as usize).collect(), columns, values))
         })
+    }
+
+    fn row_count(&self, a: &Held) -> Result<usize> {
+        Ok(matrix(a)?.rows)
+    }
+
+    fn coarser(&self, a: &Held, inverse_diagonal: &Held, how: Coarsening) -> Result<Option<Coarser>> {
+        let (a, inverse) = (matrix(a)?, vector(inverse_diagonal)?);
+        check(a.rows > 0 && a.width <= a.rows && inverse.length == a.rows)?;
+        let made = match self.on_first(|device| device.coarser(a, inverse, how)) {
+            // (The host may have memory for it.)
+            Err(error) if error.kind() == ErrorKind::Device => None,
+            made => made?,
+        };
+        Ok(made.map(|(prolongation, restriction, matrix)| Coarser {
+            prolongation: Held::new(OnDevice(prolongation)),
+            restriction: Held::new(OnDevice(restriction)),
+            matrix: Held::new(OnDevice(matrix)),
+        }))
     }
 
     fn laplacian(&self, kept: &Kept, scale: f64) -> Result<Option<Held>> {

@@ -4,10 +4,11 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
-    AddBlocks, BoundNodes, Cells, Combine, CountDigits, CountFacets, DotParts, EnterSites, FillLaplacian, FindBeyond,
-    FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal, ListFacets, LookAbout, MarkVoxels,
-    MatchFacets, MeasureClearances, MoveSites, Multiply, PackFacets, PlaceDigits, PlaceLeaves, RankSites, ScanBlocks,
-    SettleRuns, SortFacets, SplitBoxes, SubtractNumber, SumCells, SumParts, TightenSlabs,
+    AddBlocks, BalanceRows, BoundNodes, Cells, ChooseRoots, Combine, CountColumns, CountDigits, CountFacets, DotParts,
+    EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal,
+    JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, MarkVoxels, MatchFacets, MeasureClearances, MoveSites,
+    Multiply, MultiplyRows, PackFacets, PlaceDigits, PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks, SettleRuns,
+    SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -67,6 +68,17 @@ pub(crate) struct GridKernels {
     pub(crate) invert_diagonal: Kernel<InvertDiagonal<'static>>,
     pub(crate) find_beyond: Kernel<FindBeyond<'static>>,
     pub(crate) find_risen: Kernel<FindRisen<'static>>,
+    pub(crate) rank_free: Kernel<RankFree<'static>>,
+    pub(crate) spread_ranks: Kernel<SpreadRanks<'static>>,
+    pub(crate) choose_roots: Kernel<ChooseRoots<'static>>,
+    pub(crate) join_roots: Kernel<JoinRoots<'static>>,
+    pub(crate) join_rest: Kernel<JoinRest<'static>>,
+    pub(crate) prolong: Kernel<Prolong<'static>>,
+    pub(crate) count_columns: Kernel<CountColumns<'static>>,
+    pub(crate) list_columns: Kernel<ListColumns<'static>>,
+    pub(crate) sort_columns: Kernel<SortColumns<'static>>,
+    pub(crate) multiply_rows: Kernel<MultiplyRows<'static>>,
+    pub(crate) balance_rows: Kernel<BalanceRows<'static>>,
 }
 
 impl GridKernels {
@@ -107,6 +119,17 @@ impl GridKernels {
             invert_diagonal: Kernel::new(&program)?,
             find_beyond: Kernel::new(&program)?,
             find_risen: Kernel::new(&program)?,
+            rank_free: Kernel::new(&program)?,
+            spread_ranks: Kernel::new(&program)?,
+            choose_roots: Kernel::new(&program)?,
+            join_roots: Kernel::new(&program)?,
+            join_rest: Kernel::new(&program)?,
+            prolong: Kernel::new(&program)?,
+            count_columns: Kernel::new(&program)?,
+            list_columns: Kernel::new(&program)?,
+            sort_columns: Kernel::new(&program)?,
+            multiply_rows: Kernel::new(&program)?,
+            balance_rows: Kernel::new(&program)?,
         })
     }
 }

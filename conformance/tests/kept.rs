@@ -2,10 +2,11 @@
 //! there finds what the host finds, and sites that stay there move as those do that come back. `LAGUERRE_REQUIRE=ocl` makes a missing device a failure.
 #![cfg(all(feature = "cpu", feature = "ocl"))]
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use laguerre::algebra::{CELL, rise};
+use laguerre::algebra::{CELL, Coarsening, Coarser, rise};
 use laguerre::solvers::lloyd::{self, Method, energy_request, equalize, relax};
 use laguerre::solvers::transport::{End, Options, Solution, solve};
 use laguerre::{
@@ -14,6 +15,7 @@ use laguerre::{
 };
 use laguerre_conformance::sites::Random;
 use laguerre_core::required::if_available;
+use laguerre_core::rows::Rows;
 use laguerre_core::shapes::torus;
 
 fn device() -> Option<Box<dyn Backend>> {
@@ -105,6 +107,85 @@ fn a_device_computes_what_plain_loops_do() {
     assert!(algebra.rises_too_far(&matrix, &held(&x), &held(&short), 1.0, 1.0).is_err());
     assert!(algebra.matrix((vec![], vec![], vec![])).is_err());
     assert!(algebra.matrix((vec![0, 2], vec![1], vec![1.0])).is_err());
+}
+
+/// Entries of a row, sorted.
+fn row((offsets, columns, values): &Rows, i: usize) -> BTreeMap<u32, f64> {
+    let range = offsets[i]..offsets[i + 1];
+    columns[range.clone()].iter().copied().zip(values[range].iter().copied()).collect()
+}
+
+fn product(a: &Rows, b: &Rows) -> Vec<BTreeMap<u32, f64>> {
+    let mut rows = Vec::new();
+    for i in 0..a.0.len() - 1 {
+        let mut sums = BTreeMap::new();
+        for (middle, x) in row(a, i) {
+            row(b, middle as usize).into_iter().for_each(|(j, y)| *sums.entry(j).or_insert(0.0) += x * y);
+        }
+        rows.push(sums);
+    }
+    rows
+}
+
+#[test]
+fn coarser_levels_of_a_device_are_smoothed_aggregates_of_their_matrix() {
+    let Some(backend) = device() else { return };
+    let algebra = backend.algebra().unwrap();
+    // The graph of a lattice with long ties, of which some are weak, and last an unknown that is tied to none.
+    let mut random = Random::new(7);
+    let n = 4_001;
+    let mut ties = vec![BTreeMap::new(); n];
+    for i in 0..n - 1 {
+        for step in [1, 2, 17, 289] {
+            let j = (i + step) % (n - 1);
+            let tie = if random.unit() < 0.1 { 1e-9 } else { 0.5 + random.unit() };
+            ties[i].insert(j as u32, -tie);
+            ties[j].insert(i as u32, -tie);
+        }
+    }
+    let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for (i, ties) in ties.iter().enumerate() {
+        columns.push(i as u32);
+        values.push(-ties.values().sum::<f64>());
+        columns.extend(ties.keys());
+        values.extend(ties.values());
+        offsets.push(columns.len());
+    }
+    let rows = (offsets, columns, values);
+    let a = algebra.matrix(rows.clone()).unwrap();
+    let inverse = algebra.inverse_diagonal(&a).unwrap();
+    let how = Coarsening { strong: 0.02, omega: 0.6 };
+    let made = || algebra.coarser(&a, &inverse, how).unwrap().unwrap();
+    let Coarser { prolongation, restriction, matrix } = made();
+    let (p, r, coarse) =
+        (algebra.rows(&prolongation).unwrap(), algebra.rows(&restriction).unwrap(), algebra.rows(&matrix).unwrap());
+    let again = made();
+    assert_eq!(coarse, algebra.rows(&again.matrix).unwrap(), "not the same bits twice");
+    let m = algebra.row_count(&matrix).unwrap();
+    assert!(m == r.0.len() - 1 && (n / 40..n / 3).contains(&m), "{m} aggregates");
+    // Constants are among what is interpolated, but at an unknown that is tied to none.
+    for i in 0..n - 1 {
+        let sum: f64 = row(&p, i).values().sum();
+        assert!((sum - 1.0).abs() < 1e-14, "{i}: {sum}");
+    }
+    assert!(row(&p, n - 1).is_empty());
+    for i in 0..m {
+        let (begin, end) = (r.0[i], r.0[i + 1]);
+        assert!(begin < end && r.1[begin..end].is_sorted(), "{i}");
+        assert!(row(&r, i).into_iter().all(|(j, value)| row(&p, j as usize)[&(i as u32)] == value), "{i}");
+    }
+    assert_eq!(p.1.len(), r.1.len());
+    let half = product(&rows, &p);
+    for i in 0..m {
+        let mut right = BTreeMap::new();
+        for (middle, x) in row(&r, i) {
+            half[middle as usize].iter().for_each(|(&j, y)| *right.entry(j).or_insert(0.0) += x * y);
+        }
+        let found = row(&coarse, i);
+        assert!(found.keys().eq(right.keys()), "{i}");
+        assert!(found.iter().all(|(j, value)| (value - right[j]).abs() < 1e-12), "{i}: {found:?} {right:?}");
+        assert!(found.values().sum::<f64>().abs() < 1e-13, "{i}");
+    }
 }
 
 #[test]

@@ -65,6 +65,25 @@ impl Kept {
     }
 }
 
+/// How unknowns are put together to the next coarser level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coarsening {
+    /// `|a_ij| ≥ strong·√(a_ii a_jj)` makes j a strong neighbor of i, where `a_ij` is negative.
+    pub strong: f64,
+    /// How far piecewise constant vectors are smoothed: by `ω D⁻¹ A` times them, of `A` the strong entries.
+    pub omega: f64,
+}
+
+/// The next coarser level of a matrix `A`: `P`, `Pᵀ` and `Pᵀ A P`, whose rows sum to zero.
+pub struct Coarser {
+    /// `P`.
+    pub prolongation: Held,
+    /// `Pᵀ`.
+    pub restriction: Held,
+    /// `Pᵀ A P`.
+    pub matrix: Held,
+}
+
 /// Numbers of a row's cell that [`Algebra::rises_too_far`] reads: its site, weight, barycenter, and the cube root of its volume. Where the origin is does not
 /// matter.
 pub const CELL: usize = 8;
@@ -89,6 +108,15 @@ pub trait Algebra: Send + Sync {
 
     /// The rows of a matrix.
     fn rows(&self, a: &Held) -> Result<Rows>;
+
+    /// How many they are.
+    fn row_count(&self, a: &Held) -> Result<usize>;
+
+    /// The next coarser level of a Laplacian, by smoothed aggregation; `None` where the caller has to make it of its rows: where there is none, and where it
+    /// is not made here.
+    fn coarser(&self, _a: &Held, _inverse_diagonal: &Held, _how: Coarsening) -> Result<Option<Coarser>> {
+        Ok(None)
+    }
 
     /// The Laplacian that was kept, times `scale`, as a matrix: the diagonal first in each row, then `−scale·A_ij / d_ij` of facets with some area. (With a half it is `∂V/∂w`.)
     /// `None` where it is not there any more.

@@ -199,8 +199,6 @@ impl Device {
         let mut way = together.map_or(Way::Alone(room), |(lanes, stage)| Way::Together(lanes, stage));
         let mut interior_only = is_first && self.domain.is_some();
         let mut is_second = false;
-        // (With a domain, cells that `Far` leaves are tried by `Large` first; what is open of them, and of `Far`, then goes to `Wide` together.)
-        let has_domain = self.domain.is_some() && !request.needs_facets();
         let begin = self.seconds;
         let mut second = Substep::default();
         while now.count() > 0 {
@@ -216,7 +214,6 @@ impl Device {
                 counters.full = 0;
             } else if let (Way::Together(lanes, stage), 1..) = (way, counters.later)
                 && matches!(stage, Stage::Single | Stage::First | Stage::Far | Stage::Large)
-                && !(stage == Stage::Far && has_domain && counters.left > 0)
             {
                 // What most cells need is more than a few more digits.
                 let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
@@ -248,9 +245,8 @@ impl Device {
                     break;
                 }
                 way = match stage {
-                    // (Facets of cells that need still more room, or more room and a domain, are not computed together.)
+                    // (Facets of cells that need still more room are not computed together.)
                     Stage::Large | Stage::Wide if request.needs_facets() => Way::Alone(room),
-                    _ if request.needs_facets() && self.domain.is_some() => Way::Alone(room),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Together(lanes, Stage::Large),
                 };

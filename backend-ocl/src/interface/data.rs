@@ -64,6 +64,9 @@ pub(crate) const LONG_ROW: u32 = 512;
 /// Work-items that share out the facets of a row: it has 15.5 where sites are white. (By one, neighboring work-items read and wrote far apart.)
 pub(crate) const PER_ROW: u32 = 16;
 
+/// Work-items of a group that makes a row of a product of matrices.
+pub(crate) const ROW_GROUP: u32 = 32;
+
 /// The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
 pub(crate) const OUTCOME_STATUS: u32 = 0xff;
 pub(crate) const OUTCOME_EXACT: u32 = 0x100;

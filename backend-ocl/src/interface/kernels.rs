@@ -387,6 +387,126 @@ kernels! {
         output is_found: u32,
     }
 
+    kernel RankFree = rank_free {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input inverse: f64,
+        value strong: f64,
+        input root: u32,
+        output ranks: u32,
+        output is_found: u32,
+    }
+
+    kernel SpreadRanks = spread_ranks {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input inverse: f64,
+        value strong: f64,
+        input ranks: u32,
+        output near: u32,
+    }
+
+    kernel ChooseRoots = choose_roots {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input inverse: f64,
+        value strong: f64,
+        input ranks: u32,
+        input near: u32,
+        output root: u32,
+    }
+
+    kernel JoinRoots = join_roots {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input inverse: f64,
+        value strong: f64,
+        output root: u32,
+    }
+
+    kernel JoinRest = join_rest {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input inverse: f64,
+        value strong: f64,
+        input root: u32,
+        output joined: u32,
+        output numbers: u32,
+    }
+
+    kernel Prolong = prolong {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input inverse: f64,
+        value strong: f64,
+        value omega: f64,
+        input joined: u32,
+        input numbers: u32,
+        value fills: u32,
+        output starts: u32,
+        output made_columns: u32,
+        output made_values: f64,
+        output is_found: u32,
+    }
+
+    kernel CountColumns = count_columns {
+        value count: u32,
+        input columns: u32,
+        output counts: u32,
+    }
+
+    kernel ListColumns = list_columns {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input starts: u32,
+        output listed: u32,
+        output listed_rows: u32,
+        output listed_places: u32,
+    }
+
+    kernel SortColumns = sort_columns {
+        input starts: u32,
+        input values: f64,
+        input listed_rows: u32,
+        input listed_places: u32,
+        output made_columns: u32,
+        output made_values: f64,
+    }
+
+    kernel MultiplyRows = multiply_rows {
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input other_offsets: u32,
+        input other_columns: u32,
+        input other_values: f64,
+        value fills: u32,
+        output starts: u32,
+        output made_columns: u32,
+        output made_values: f64,
+        output is_found: u32,
+    }
+
+    kernel BalanceRows = balance_rows {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        output values: f64,
+    }
+
     kernel TryLanes = try_lanes {
         /// 1 for each work-item for which all is right.
         output right: u32,

@@ -120,11 +120,9 @@ INLINE uint store_cut_outside(Store *s, real radius) {
     const uint status = lanes_alike(cap_together(&copy, radius));
     take_over(s, &copy);
     return status;
-#elif WITH_FACETS
-    return OPEN;
 #else
-    // (What cuts it off is a stage for few, CUTS_OUTSIDE.)
-    return LEFT;
+    // (What cuts it off is in stages for few, CUTS_OUTSIDE.)
+    return OPEN;
 #endif
 #else
     return UNTOUCHED;

@@ -1,43 +1,31 @@
 //! The next level of a multigrid, made on the host: aggregates of unknowns and their strong neighbours, and the matrix between them.
 
+use laguerre_core::algebra::Coarsening;
 use rayon::prelude::*;
 
-use super::multigrid::COARSEST;
 use super::sparse::Matrix;
 use crate::vectors::for_each;
 
-/// `|a_ij| ≥ STRONG·√(a_ii a_jj)` makes j a strong neighbour of i. Cells of white noise have 15 neighbours, whose mean is 1/15.
-const STRONG: f64 = 0.02;
 /// Unknowns whose aggregates one thread makes; fixed, for these depend on it.
 const BLOCK: usize = 1 << 15;
 const NONE: u32 = u32::MAX;
 
-/// The next level of a matrix, and the transfers to and from it.
-pub(super) struct Coarse {
-    pub(super) prolongation: Matrix,
-    pub(super) restriction: Matrix,
-    pub(super) matrix: Matrix,
-}
-
-/// The next level; `None` where there is to be none. It is made on the host.
-pub(super) fn coarser(matrix: &Matrix, inverse_diagonal: &[f64], largest: f64) -> Option<Coarse> {
-    if matrix.rows() <= COARSEST {
-        return None;
-    }
-    let (aggregate, aggregates) = aggregates(matrix, inverse_diagonal);
+/// The next level of a matrix: `P`, `Pᵀ` and `Pᵀ A P`; `None` where there is none.
+pub(super) fn coarser(matrix: &Matrix, inverse: &[f64], how: Coarsening) -> Option<(Matrix, Matrix, Matrix)> {
+    let (aggregate, aggregates) = aggregates(matrix, inverse, how.strong);
     if aggregates == 0 || aggregates >= matrix.rows() {
         return None;
     }
-    let prolongation = prolongation(matrix, inverse_diagonal, largest, &aggregate);
+    let prolongation = prolongation(matrix, inverse, how, &aggregate);
     let restriction = prolongation.transposed(aggregates);
     let mut coarse = restriction.times(&matrix.times(&prolongation));
     coarse.balance();
-    Some(Coarse { prolongation, restriction, matrix: coarse })
+    Some((prolongation, restriction, coarse))
 }
 
 /// `(I − ω D⁻¹ A) T`, `T` the piecewise constants; weak entries of `A` are added to the diagonal.
-fn prolongation(matrix: &Matrix, inverse: &[f64], largest: f64, aggregate: &[u32]) -> Matrix {
-    let omega = 4.0 / 3.0 / largest;
+fn prolongation(matrix: &Matrix, inverse: &[f64], how: Coarsening, aggregate: &[u32]) -> Matrix {
+    let Coarsening { strong: least, omega } = how;
     Matrix::from_rows(
         matrix.rows(),
         || (),
@@ -57,7 +45,7 @@ fn prolongation(matrix: &Matrix, inverse: &[f64], largest: f64, aggregate: &[u32
             add(aggregate[i], 1.0);
             let mut strong = 0.0;
             for (j, a) in matrix.row(i) {
-                if j != i && is_strong(i, j, a, inverse) {
+                if j != i && is_strong(i, j, a, inverse, least) {
                     strong -= a;
                 }
             }
@@ -65,7 +53,7 @@ fn prolongation(matrix: &Matrix, inverse: &[f64], largest: f64, aggregate: &[u32
                 // The filtered row sums to zero, as the row does.
                 let scale = omega / strong;
                 for (j, a) in matrix.row(i) {
-                    if j != i && is_strong(i, j, a, inverse) {
+                    if j != i && is_strong(i, j, a, inverse, least) {
                         add(aggregate[j], -scale * a);
                     }
                 }
@@ -75,16 +63,16 @@ fn prolongation(matrix: &Matrix, inverse: &[f64], largest: f64, aggregate: &[u32
     )
 }
 
-fn is_strong(i: usize, j: usize, a: f64, inverse_diagonal: &[f64]) -> bool {
-    a < 0.0 && a * a * inverse_diagonal[i] * inverse_diagonal[j] >= STRONG * STRONG
+fn is_strong(i: usize, j: usize, a: f64, inverse: &[f64], least: f64) -> bool {
+    a < 0.0 && a * a * inverse[i] * inverse[j] >= least * least
 }
 
 /// The aggregate of each unknown, and their number: first unknowns with all their strong neighbours where all are free, then what is
 /// left joins the aggregate it is most strongly tied to. An unknown without a strong neighbour has no part in the coarse levels:
 /// smoothing alone settles it. Blocks of unknowns are put together each for itself, on all threads, at first without ties between blocks.
-fn aggregates(matrix: &Matrix, inverse_diagonal: &[f64]) -> (Vec<u32>, usize) {
+fn aggregates(matrix: &Matrix, inverse: &[f64], least: f64) -> (Vec<u32>, usize) {
     let n = matrix.rows();
-    let strong = |i: usize| matrix.row(i).filter(move |&(j, a)| j != i && is_strong(i, j, a, inverse_diagonal));
+    let strong = |i: usize| matrix.row(i).filter(move |&(j, a)| j != i && is_strong(i, j, a, inverse, least));
     let mut first = vec![NONE; n];
     let blocks = first.par_chunks_mut(BLOCK).enumerate();
     let counts: Vec<u32> = blocks

@@ -1,10 +1,11 @@
 //! Linear algebra in the host's memory, on all threads.
 
-use laguerre_core::algebra::{Algebra, CELL, Held, Kept, rise};
+use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, rise};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, Laplacian, Result};
 use rayon::prelude::*;
 
+use super::aggregation;
 use super::sparse::{self, Matrix};
 use crate::vectors::for_each;
 
@@ -43,6 +44,19 @@ impl Algebra for Host {
     fn rows(&self, a: &Held) -> Result<Rows> {
         let Matrix { offsets, columns, values } = own_matrix(a)?.clone();
         Ok((offsets, columns, values))
+    }
+
+    fn row_count(&self, a: &Held) -> Result<usize> {
+        Ok(own_matrix(a)?.rows())
+    }
+
+    fn coarser(&self, a: &Held, inverse_diagonal: &Held, how: Coarsening) -> Result<Option<Coarser>> {
+        let made = aggregation::coarser(own_matrix(a)?, numbers(inverse_diagonal)?, how);
+        Ok(made.map(|(prolongation, restriction, matrix)| Coarser {
+            prolongation: Held::new(prolongation),
+            restriction: Held::new(restriction),
+            matrix: Held::new(matrix),
+        }))
     }
 
     fn laplacian(&self, _kept: &Kept, _scale: f64) -> Result<Option<Held>> {

@@ -5,16 +5,19 @@
 //! next level's matrix is `Pᵀ A P`. A cycle smooths by Chebyshev polynomials, which are symmetric and, unlike Gauss–Seidel, the same for
 //! every number of threads.
 //!
-//! To make a hierarchy takes as long as some 15 iterations, so that it is kept from one matrix to the next while it serves.
+//! To make a hierarchy takes as long as some 15 iterations, so that it is kept from one matrix to the next while it serves. It is made where the matrix is, if that
+//! can, else on the host.
 
 use laguerre_core::Result;
-use laguerre_core::algebra::{Algebra, Held};
+use laguerre_core::algebra::{Algebra, Coarsening, Coarser, Held};
 use std::borrow::Cow;
 
-use super::aggregation::{Coarse, coarser};
 use super::dense::Dense;
+use super::host::HOST;
 use super::sparse::Matrix;
 
+/// `|a_ij| ≥ STRONG·√(a_ii a_jj)` makes j a strong neighbour of i. Cells of white noise have 15 neighbours, whose mean is 1/15.
+const STRONG: f64 = 0.02;
 /// Levels end where a dense factorisation is cheaper than another level.
 pub(super) const COARSEST: usize = 300;
 /// Power iterations for the largest eigenvalue of `D⁻¹A`, and what is added to their estimate, which is from below.
@@ -64,28 +67,19 @@ impl<'a> Multigrid<'a> {
     /// For a symmetric matrix, positive semidefinite with the constants in its kernel; each row has its diagonal first.
     pub(super) fn new(algebra: &'a dyn Algebra, matrix: Held) -> Result<Self> {
         let (mut levels, mut matrix) = (Vec::<Level>::new(), matrix);
-        // What the host makes the next level of, where the matrix is not the host's.
-        let mut copy: Option<Matrix> = None;
         loop {
-            let rows = match (matrix.get::<Matrix>(), &copy) {
-                (Some(own), _) => own.rows(),
-                (None, Some(copy)) => copy.rows(),
-                (None, None) => copy.insert(Matrix::of(algebra.rows(&matrix)?)).rows(),
-            };
+            let rows = algebra.row_count(&matrix)?;
             let smoother = Smoother::new(algebra, matrix, rows)?;
-            let inverse = algebra.read(&smoother.inverse_diagonal)?;
-            let view = smoother.matrix.get::<Matrix>().or(copy.as_ref());
-            let coarse = view.and_then(|view| coarser(view, &inverse, smoother.smoothed.1));
-            let Some(Coarse { prolongation, restriction, matrix: next }) = coarse else {
-                let coarsest = view.filter(|view| view.rows() <= 4 * COARSEST).map(Dense::factorised);
+            let coarser = if rows > COARSEST { smoother.coarser(algebra)? } else { None };
+            let Some(Coarser { prolongation, restriction, matrix: next }) = coarser else {
+                let is_small = rows <= 4 * COARSEST;
+                let coarsest = if is_small { Some(on_host(algebra, &smoother.matrix)?) } else { None };
+                let coarsest = coarsest.map(|matrix| Dense::factorised(&matrix));
                 levels.push(Level::new(algebra, smoother, None, rows)?);
                 return Ok(Self { algebra, levels, coarsest, is_of_another: false });
             };
-            let is_host = smoother.matrix.get::<Matrix>().is_some();
-            let transfers = (algebra.matrix(restriction.into_rows())?, algebra.matrix(prolongation.into_rows())?);
-            levels.push(Level::new(algebra, smoother, Some(transfers), rows)?);
-            copy = (!is_host).then(|| next.clone());
-            matrix = algebra.matrix(next.into_rows())?;
+            levels.push(Level::new(algebra, smoother, Some((restriction, prolongation)), rows)?);
+            matrix = next;
         }
     }
 
@@ -123,10 +117,7 @@ impl<'a> Multigrid<'a> {
 
     /// The same as the host has it, or a copy.
     pub(super) fn finest_on_host(&self) -> Result<Cow<'_, Matrix>> {
-        match self.finest().get::<Matrix>() {
-            Some(own) => Ok(Cow::Borrowed(own)),
-            None => Ok(Cow::Owned(Matrix::of(self.algebra.rows(self.finest())?))),
-        }
+        on_host(self.algebra, self.finest())
     }
 
     /// Whether the coarsest matrix has but the constants in its kernel.
@@ -201,6 +192,14 @@ impl<'a> Multigrid<'a> {
     }
 }
 
+/// A matrix as the host has it, or a copy.
+fn on_host<'a>(algebra: &dyn Algebra, matrix: &'a Held) -> Result<Cow<'a, Matrix>> {
+    match matrix.get::<Matrix>() {
+        Some(own) => Ok(Cow::Borrowed(own)),
+        None => Ok(Cow::Owned(Matrix::of(algebra.rows(matrix)?))),
+    }
+}
+
 impl Level {
     fn new(algebra: &dyn Algebra, smoother: Smoother, transfers: Option<(Held, Held)>, rows: usize) -> Result<Self> {
         let zeros = || algebra.vector(&vec![0.0; rows]);
@@ -219,6 +218,24 @@ impl Smoother {
         let inverse_diagonal = algebra.inverse_diagonal(&matrix)?;
         let largest = largest_eigenvalue(algebra, &matrix, &inverse_diagonal, rows)?;
         Ok(Self { matrix, inverse_diagonal, smoothed: (SMOOTHED_SHARE * largest, largest) })
+    }
+
+    /// The next level; `None` where there is none.
+    fn coarser(&self, algebra: &dyn Algebra) -> Result<Option<Coarser>> {
+        let how = Coarsening { strong: STRONG, omega: 4.0 / 3.0 / self.smoothed.1 };
+        let made = algebra.coarser(&self.matrix, &self.inverse_diagonal, how)?;
+        if made.is_some() || self.matrix.get::<Matrix>().is_some() {
+            return Ok(made);
+        }
+        let matrix = HOST.matrix(algebra.rows(&self.matrix)?)?;
+        let inverse = HOST.vector(&algebra.read(&self.inverse_diagonal)?)?;
+        let Some(made) = HOST.coarser(&matrix, &inverse, how)? else { return Ok(None) };
+        let brought = |matrix: &Held| algebra.matrix(HOST.rows(matrix)?);
+        Ok(Some(Coarser {
+            prolongation: brought(&made.prolongation)?,
+            restriction: brought(&made.restriction)?,
+            matrix: brought(&made.matrix)?,
+        }))
     }
 
     /// Improves the solution, of zeros at first or as it is, by Chebyshev's polynomial for the smoothed eigenvalues. The residual must be that of the solution,

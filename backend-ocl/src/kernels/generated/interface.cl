@@ -144,6 +144,9 @@ typedef struct {
 // Work-items that share out the facets of a row: it has 15.5 where sites are white. (By one, neighboring work-items read and wrote far apart.)
 #define PER_ROW ((uint)(16))
 
+// Work-items of a group that makes a row of a product of matrices.
+#define ROW_GROUP ((uint)(32))
+
 // The outcome of a cell: its status, and beside it whether exact arithmetic was needed, and whether it is uncertified.
 #define OUTCOME_STATUS ((uint)(0xff))
 
@@ -615,6 +618,115 @@ typedef struct {
     double share, \
     double flattest, \
     __global uint *is_found
+
+#define RANK_FREE_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *inverse, \
+    double strong, \
+    __global const uint *root, \
+    __global uint *ranks, \
+    __global uint *is_found
+
+#define SPREAD_RANKS_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *inverse, \
+    double strong, \
+    __global const uint *ranks, \
+    __global uint *near
+
+#define CHOOSE_ROOTS_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *inverse, \
+    double strong, \
+    __global const uint *ranks, \
+    __global const uint *near, \
+    __global uint *root
+
+#define JOIN_ROOTS_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *inverse, \
+    double strong, \
+    __global uint *root
+
+#define JOIN_REST_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *inverse, \
+    double strong, \
+    __global const uint *root, \
+    __global uint *joined, \
+    __global uint *numbers
+
+#define PROLONG_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *inverse, \
+    double strong, \
+    double omega, \
+    __global const uint *joined, \
+    __global const uint *numbers, \
+    uint fills, \
+    __global uint *starts, \
+    __global uint *made_columns, \
+    __global double *made_values, \
+    __global uint *is_found
+
+#define COUNT_COLUMNS_ARGUMENTS \
+    uint count, \
+    __global const uint *columns, \
+    __global uint *counts
+
+#define LIST_COLUMNS_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const uint *starts, \
+    __global uint *listed, \
+    __global uint *listed_rows, \
+    __global uint *listed_places
+
+#define SORT_COLUMNS_ARGUMENTS \
+    __global const uint *starts, \
+    __global const double *values, \
+    __global const uint *listed_rows, \
+    __global const uint *listed_places, \
+    __global uint *made_columns, \
+    __global double *made_values
+
+#define MULTIPLY_ROWS_ARGUMENTS \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const uint *other_offsets, \
+    __global const uint *other_columns, \
+    __global const double *other_values, \
+    uint fills, \
+    __global uint *starts, \
+    __global uint *made_columns, \
+    __global double *made_values, \
+    __global uint *is_found
+
+#define BALANCE_ROWS_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global double *values
 
 #define TRY_LANES_ARGUMENTS \
     __global uint *right

@@ -1,8 +1,6 @@
 """A film of heavy fluid that is let go in a box of light fluid, cell by cell."""
 
-import pyvista
-
-import laguerre as lg
+import pyvista, laguerre as lg
 
 scene = lg.scene("dam-break", 1_000)
 film = pyvista.Plotter(off_screen=True)

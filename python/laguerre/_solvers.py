@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Relaxation:
     """What :func:`lloyd` came to."""
 
@@ -39,6 +39,9 @@ class Relaxation:
     def converged(self) -> bool:
         """Whether the last gradient is within the tolerance."""
         return self.end == "converged"
+
+    def __repr__(self) -> str:
+        return f"<laguerre.Relaxation of {len(self.points)} points: {self.end}, {len(self.gradient) - 1} iterations, gradient {self.gradient[-1]:.1e}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +100,7 @@ class Function:
         return whole(self.degree, "Function"), column
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Transport:
     """What :func:`transport` came to."""
 
@@ -123,6 +126,9 @@ class Transport:
     def converged(self) -> bool:
         """Whether the residual is within the tolerance."""
         return self.end == "converged"
+
+    def __repr__(self) -> str:
+        return f"<laguerre.Transport of {len(self.weights)} points: {self.end}, {len(self.residuals) - 1} steps, residual {self.residual:.1e}>"
 
     def pullback(
         self, weights: ArrayLike | None = None, centroid: ArrayLike | None = None, cost: float = 0.0

@@ -161,6 +161,44 @@ def test_arrays_that_change_afterwards_change_nothing():
             array[0] = 1
 
 
+def test_what_nobody_can_write_to_is_not_copied():
+    cells = lg.cells(white(100), domain=CUBE)
+    again = lg.cells(cells.points, domain=CUBE)
+    assert again.points is cells.points and np.array_equal(again.volume, cells.volume)
+    constant = white(100)
+    constant.flags.writeable = False
+    assert lg.cells(constant, domain=CUBE).points is constant
+    # Behind a view is an array that can be written to; and what is not in C order cannot be taken as it is.
+    view = white(100)[:]
+    view.flags.writeable = False
+    assert lg.cells(view, domain=CUBE).points is not view
+    assert lg.cells(np.asfortranarray(constant), domain=CUBE).points.flags.c_contiguous
+
+
+def test_arrays_of_others_are_taken_by_dlpack():
+    class Other:
+        """An array that knows nothing of NumPy."""
+
+        def __init__(self, array):
+            self.array = array
+
+        def __dlpack__(self, **options):
+            return self.array.__dlpack__(**options)
+
+        def __dlpack_device__(self):
+            return self.array.__dlpack_device__()
+
+    class Busy(Other):
+        def __dlpack__(self, **options):
+            raise BufferError("it is on a device")
+
+    points, weights = white(100), 1e-3 * white(100, 2)[:, 0]
+    expected = lg.cells(points, weights, domain=CUBE).volume
+    assert np.array_equal(lg.cells(Other(points), Other(weights), domain=CUBE).volume, expected)
+    with pytest.raises(ValueError, match="points: it is on a device: detach it and bring it to the host"):
+        lg.cells(Busy(points), domain=CUBE)
+
+
 def test_domains_diagrams_and_backends_are_pickled():
     domain = pickle.loads(pickle.dumps(lg.Domain(*TETRAHEDRON)))
     assert domain.volume == pytest.approx(1 / 6)

@@ -50,7 +50,8 @@ pub(crate) fn test() -> Result<(), String> {
     succeed(module(&python, &["mypy", "laguerre"]).current_dir(&sources))?;
     // Beside the sources `import laguerre` would find those.
     let tests = sources.join("tests");
-    succeed(module(&python, &["mypy.stubtest", "laguerre._laguerre"]).current_dir(&tests))?;
+    let stubtest = ["mypy.stubtest", "--mypy-config-file", "../pyproject.toml", "laguerre._laguerre"];
+    succeed(module(&python, &stubtest).current_dir(&tests))?;
     let mut pytest = module(&python, &["pytest", "-q", "-p", "no:cacheprovider"]);
     let program = target().join("debug/laguerre").with_extension(std::env::consts::EXE_EXTENSION);
     print!("{}", succeed(pytest.current_dir(tests).env("LAGUERRE_PROGRAM", program))?);

@@ -206,8 +206,6 @@ class Cells:
     def laplacian(self) -> scipy.sparse.csr_array:
         """(N, N) (length): minus area over distance of each facet, and their sum on the diagonal. It is symmetric and positive semidefinite, and each
         row sums to 0. (For Voronoi cells it is the two-point flux Laplacian of finite volumes.)"""
-        import scipy.sparse
-
         if "laplacian" in self._found:
             return self._csr(*(self._found[name] for name in ("laplacian", "laplacian_columns", "laplacian_offsets")))
         self._asked("offsets", "laplacian=True or facets=True")
@@ -215,7 +213,7 @@ class Cells:
         rate = self._csr(facets.area / facets.distance, facets.neighbor, facets.offsets)
         # To the last bit: each side rounds for itself.
         rate = (rate + rate.T) / 2
-        return scipy.sparse.csr_array(scipy.sparse.dia_array((rate.sum(axis=1)[None], [0]), shape=rate.shape) - rate)
+        return self._csr(rate.sum(axis=1), np.arange(len(self)), np.arange(len(self) + 1)) - rate
 
     def mass_jacobian_weights(self) -> scipy.sparse.csr_array:
         """(N, N) (length): the derivative of each volume by each weight, half of the :meth:`laplacian`."""

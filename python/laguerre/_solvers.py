@@ -162,7 +162,8 @@ def lloyd(
     callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Relaxation:
-    """Moves points down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``).
+    """Moves points, (N, 3), down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``), until their mean distance from the
+    centroids is at most ``tolerance`` times the mean cell's size, or there are no more ``iterations``.
 
     With a ``density``, as of :func:`transport`, points go to centroids of mass, and crowd where it is high.
     ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far), and ``points`` and ``weights``, after each iteration, the start
@@ -195,7 +196,7 @@ def transport(
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
-    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, :class:`Gaussians` or :class:`Function`; without, it is 1. The masses have to sum to the
+    ``points`` are (N, 3). It ends where the largest ``|mass / target - 1|`` is at most ``tolerance``. ``weights``, (N,), are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, :class:`Gaussians` or :class:`Function`; without, it is 1. The masses have to sum to the
     domain's; with ``normalize`` they are scaled so that they do, and ``Transport.masses`` are those of the domain.
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
     start included; a true answer ends it with what there is. With ``facets`` its cells have facets, which takes one more diagram. ``options`` are those of :class:`Diagram`.

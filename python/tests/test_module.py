@@ -1,5 +1,6 @@
 """The module by itself: what importing it takes, and what it offers."""
 
+import doctest
 import inspect
 import subprocess
 import sys
@@ -52,3 +53,8 @@ def test_results_are_told_in_one_line():
     for moments in (cells.second_moment, cells.facets.second_moment):
         assert moments.flags.c_contiguous and not moments.flags.writeable
     assert {matrix.indices.dtype for matrix in (cells.laplacian(), cells.adjacency(), cells.mass_jacobian_points())} == {np.dtype(np.int32)}
+
+
+def test_the_first_example_is_as_it_says():
+    example = next(iter(doctest.DocTestFinder().find(lg.cells, "cells", globs={"laguerre": lg})))
+    assert doctest.DocTestRunner().run(example) == (0, 1)

@@ -2,6 +2,7 @@
 
 import pickle
 import time
+import types
 
 import numpy as np
 import pytest
@@ -248,6 +249,13 @@ def test_meshes_of_others_are_domains():
     domain = lg.Domain(pyvista.Sphere())
     assert 0.4 < domain.volume < 0.53
     assert lg.cells(white(200) - 0.5, domain=domain).volume.sum() == pytest.approx(domain.volume, abs=1e-14)
+
+
+def test_a_mesh_of_trimesh_is_a_domain():
+    # (It is told by its attributes, which are what counts.)
+    mesh = types.SimpleNamespace(vertices=TETRAHEDRON[0], faces=TETRAHEDRON[1])
+    assert lg.Domain(mesh).volume == lg.Domain(*TETRAHEDRON).volume
+    assert lg.cells(white(20), domain=mesh).volume.sum() == pytest.approx(1 / 6)
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,11 @@
 """The module by itself: what importing it takes, and what it offers."""
 
+import ast
 import doctest
 import inspect
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,3 +60,10 @@ def test_results_are_told_in_one_line():
 def test_the_first_example_is_as_it_says():
     example = next(iter(doctest.DocTestFinder().find(lg.cells, "cells", globs={"laguerre": lg})))
     assert doctest.DocTestRunner().run(example) == (0, 1)
+
+
+@pytest.mark.parametrize("example", sorted((Path(__file__).parents[1] / "examples").glob("*.py")), ids=lambda path: path.stem)
+def test_examples_take_ten_lines(example):
+    code = ast.parse(example.read_text()).body[1:]
+    lines = example.read_text().splitlines()[code[0].lineno - 1 :]
+    assert sum(bool(line.strip()) for line in lines) <= 10

@@ -1,5 +1,6 @@
 """The laws of cells, in NumPy."""
 
+import gzip
 import pickle
 import time
 import types
@@ -339,6 +340,17 @@ def test_geometry_is_saved_whether_it_was_asked_for_or_not(tmp_path):
     assert np.array_equal(np.unique(solids.cell_data["volume"]), np.unique(asked.volume[asked.status == 0]))
     page = (tmp_path / "True.html").read_text()
     assert "<title>50 cells</title>" in page.replace("\n", "") and 'id="block-0"' in page
+
+
+def test_domains_are_read_from_what_others_write(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    ball = pyvista.Icosphere(nsub=2)
+    for ending in (".ply", ".stl", ".vtk", ".vtp"):
+        ball.save(tmp_path / f"ball{ending}")
+        with open(tmp_path / f"ball{ending}", "rb") as plain, gzip.open(tmp_path / f"ball{ending}.gz", "wb") as packed:
+            packed.write(plain.read())
+        for name in (f"ball{ending}", f"ball{ending}.gz"):
+            assert lg.Domain.load(tmp_path / name).volume == pytest.approx(ball.volume, rel=1e-6)
 
 
 def test_files_that_are_not_there_are_errors_of_the_system():

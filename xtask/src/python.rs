@@ -7,9 +7,11 @@ use std::process::Command;
 use crate::guide::Page;
 use crate::run::{cargo, root, succeed, target};
 
-/// From PyPI: what builds the wheel, and what its tests and examples import.
+/// From PyPI: what builds the wheel.
+const MATURIN: &str = "maturin==1.16.0";
+/// That, and what tests and examples import.
 const PACKAGES: [&str; 8] = [
-    "maturin==1.16.0",
+    MATURIN,
     "pytest==9.2.0",
     "numpy==2.4.6",
     "scipy==1.17.1",
@@ -23,7 +25,7 @@ const PACKAGES: [&str; 8] = [
 
 /// A wheel for users, in `target/wheels`.
 pub(crate) fn wheel() -> Result<(), String> {
-    let python = tools()?;
+    let python = environment("maturin", "import maturin", &[MATURIN])?;
     let folder = target().join("wheels");
     build(&python, &folder, "release")?;
     println!("the wheel is in {}", folder.display());

@@ -12,7 +12,7 @@ Of points at one place, or nearer than the container's frame can tell apart, one
 
 from ._laguerre import __version__
 
-# (What type checkers read; `typing` itself would take half of the time of this import.)
+# (What type checkers read; to import `typing` for it would take longer than all the rest.)
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from ._backend import Backend, Device, devices

@@ -23,6 +23,9 @@ fn tell(domain: laguerre::Result<Domain>) {
             println!("right: volume {:.6}, area {:.6}", domain.volume(), domain.area());
             domain.notes().iter().for_each(|note| println!("  note: {note}"));
         }
-        Err(error) => println!("wrong: {error} (triangle {:?})", error.place().triangle),
+        Err(error) => {
+            println!("wrong: {error}");
+            error.place().triangle.iter().for_each(|triangle| println!("  place: triangle {triangle}"));
+        }
     }
 }

@@ -359,7 +359,7 @@ async function begin() {
   fill();
   const context = canvas.getContext('webgl2', { antialias: true, alpha: true, powerPreference: 'high-performance' });
   if (!context) {
-    sayInstead('This browser or device offers no WebGL 2, by which the cells are drawn. The figures of the run are beside; another browser, or one with its graphics acceleration switched on, shows the cells.');
+    sayInstead('This browser or device offers no WebGL 2, by which the cells are drawn. The figures of the run are among the controls; another browser, or one with its graphics acceleration switched on, shows the cells.');
     return;
   }
   if (!window.DecompressionStream) {

@@ -9,5 +9,5 @@ points = torch.rand(200, 3, dtype=torch.float64, generator=torch.Generator().man
 for step in range(20):
     volume, centroid = cells(points, domain=lg.Box(0, 1))
     loss = ((200 * volume - 1) ** 2).mean()
-    points.data -= 1e-3 * torch.autograd.grad(loss, points)[0]
+    points.data -= 0.05 * torch.autograd.grad(loss, points)[0]
     print(f"step {step}: mean square deviation {loss.item():.4f}")

@@ -11,13 +11,15 @@ if TYPE_CHECKING:
 
 
 def numbers(values: Any, what: str, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-    """A copy of ``values`` as doubles in C order, not to be written to; ``None`` in ``shape`` is any length."""
+    """``values`` as doubles in C order, not to be written to: a copy, or what they are where nobody can write to it. ``None`` in ``shape`` is any length."""
     found = _array(values, what)
     if found.dtype.kind not in "fiu":
         raise ValueError(f"{what}: real numbers are needed, these are {found.dtype}")
     if found.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, found.shape)):
         wanted = ", ".join("N" if n is None else str(n) for n in shape) + ("," if len(shape) == 1 else "")
         raise ValueError(f"{what}: an array of shape ({wanted}) is needed, this has {found.shape}")
+    if found.dtype == float and found.dtype.isnative and found.flags.c_contiguous and found.flags.aligned and _is_constant(found):
+        return found
     return frozen(np.array(found, dtype=float, order="C"))
 
 
@@ -37,6 +39,16 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     """The same array, not to be written to: others read it later."""
     array.flags.writeable = False
     return array
+
+
+def _is_constant(array: NDArray[Any]) -> bool:
+    """Whether neither it nor any array that it is a view of can be written to."""
+    found: Any = array
+    while isinstance(found, np.ndarray):
+        if found.flags.writeable:
+            return False
+        found = found.base
+    return True
 
 
 def _array(values: Any, what: str) -> NDArray[Any]:

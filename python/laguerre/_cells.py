@@ -58,7 +58,7 @@ def freeze(found: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Facets:
     """Facets between cells as compressed rows: those of point ``i`` are ``offsets[i]`` to ``offsets[i + 1]``, sorted by neighbour. Each stands once
     in each of its two rows."""
@@ -83,12 +83,15 @@ class Facets:
     def __len__(self) -> int:
         return len(self.neighbor)
 
+    def __repr__(self) -> str:
+        return f"<laguerre.Facets: {len(self)} in {len(self.offsets) - 1} rows>"
+
     def site(self) -> NDArray[np.int64]:
         """The point on this side of each facet, (M,)."""
         return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Boundary:
     """The piece of the domain's boundary in each cell."""
 
@@ -98,6 +101,9 @@ class Boundary:
     """Barycenter, (N, 3); zero where there is none."""
     vector_area: NDArray[np.float64]
     """The integral of the outward unit normal over it, (N, 3) (length squared)."""
+
+    def __repr__(self) -> str:
+        return f"<laguerre.Boundary of {len(self.area)} cells, area {self.area.sum():g}>"
 
 
 class Cells:
@@ -140,8 +146,8 @@ class Cells:
     def facets(self) -> Facets:
         """Where asked for: the facets between cells."""
         offsets, f = self._asked("offsets", "facets=True"), self._found
-        names = ("neighbor", "area", "facet_centroid", "distance")
-        return Facets(offsets.view(np.int64), *(f[name] for name in names), f.get("facet_second_moment"))
+        second = f.get("facet_second_moment")
+        return Facets(offsets.view(np.int64), f["neighbor"], f["area"], f["facet_centroid"], f["distance"], second)
 
     @property
     def boundary(self) -> Boundary:
@@ -200,8 +206,6 @@ class Cells:
     def laplacian(self) -> scipy.sparse.csr_array:
         """(N, N) (length): minus area over distance of each facet, and their sum on the diagonal. It is symmetric and positive semidefinite, and each
         row sums to 0. (For Voronoi cells it is the two-point flux Laplacian of finite volumes.)"""
-        import scipy.sparse
-
         if "laplacian" in self._found:
             return self._csr(*(self._found[name] for name in ("laplacian", "laplacian_columns", "laplacian_offsets")))
         self._asked("offsets", "laplacian=True or facets=True")
@@ -209,7 +213,7 @@ class Cells:
         rate = self._csr(facets.area / facets.distance, facets.neighbor, facets.offsets)
         # To the last bit: each side rounds for itself.
         rate = (rate + rate.T) / 2
-        return scipy.sparse.csr_array(scipy.sparse.diags_array(rate.sum(axis=1)) - rate)
+        return self._csr(rate.sum(axis=1), np.arange(len(self)), np.arange(len(self) + 1)) - rate
 
     def mass_jacobian_weights(self) -> scipy.sparse.csr_array:
         """(N, N) (length): the derivative of each volume by each weight, half of the :meth:`laplacian`."""
@@ -249,9 +253,9 @@ class Cells:
     def to_pyvista(self) -> pyvista.PolyData:
         """Where geometry was asked for: the faces of all cells, with ``volume``, ``site`` and ``beyond`` (the point on the other side, -1 for the
         boundary) of each."""
+        geometry = self._asked("geometry", "geometry=True")
         import pyvista
 
-        geometry = self._asked("geometry", "geometry=True")
         offsets, corners, site, beyond = geometry.faces
         mesh = pyvista.PolyData(geometry.points, faces=np.insert(corners, offsets[:-1], np.diff(offsets)))
         mesh.cell_data["site"] = site
@@ -262,7 +266,7 @@ class Cells:
     def _csr(self, values: NDArray[np.float64], columns: NDArray[Any], offsets: NDArray[Any]) -> Any:
         import scipy.sparse
 
-        kind = np.int32 if len(values) < 2**31 else np.int64
+        kind = index_kind(len(values))
         parts = (values, columns.astype(kind), offsets.astype(kind))
         return scipy.sparse.csr_array(parts, shape=(len(self), len(self)))
 
@@ -281,9 +285,15 @@ class Cells:
             given.backend, given.points, given.weights, inner(given.container), found, of, by
         )
         shape = (3 if of == "centroid" else 1, 3 if by == "points" else 1)
-        blocks = (values.reshape(-1, *shape), columns.astype(np.int64), offsets.view(np.int64))
+        kind = index_kind(values.size)
+        blocks = (values.reshape(-1, *shape), columns.astype(kind), offsets.astype(kind))
         n = len(self)
         return scipy.sparse.csr_array(scipy.sparse.bsr_array(blocks, shape=(n * shape[0], n * shape[1])))
+
+
+def index_kind(entries: int) -> type[np.signedinteger[Any]]:
+    """The indices of a sparse matrix: where 32 bits will do, direct solvers take no others."""
+    return np.int32 if entries < 2**31 else np.int64
 
 
 def evaluated(function: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -300,4 +310,4 @@ def _matrices(packed: NDArray[np.float64] | None, option: str) -> NDArray[np.flo
     """Symmetric matrices from xx, yy, zz, xy, xz, yz."""
     if packed is None:
         raise ValueError(f"these cells were evaluated without: ask laguerre.cells for {option}=True")
-    return packed[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
+    return frozen(packed.take([0, 3, 4, 3, 1, 5, 4, 5, 2], axis=1).reshape(-1, 3, 3))

@@ -62,7 +62,7 @@ class Domain:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, orient: bool = False) -> Domain:
-        """Reads ``.obj``, ``.off``, ``.ply``, ``.stl`` or ``.vtk``; ``orient`` as for arrays."""
+        """Reads ``.obj``, ``.off``, ``.ply``, ``.stl``, ``.vtk`` or ``.vtp``, each also with ``.gz`` behind it; ``orient`` as for arrays."""
         return cls._of(_laguerre.Domain.load(path, orient), None)
 
     @property

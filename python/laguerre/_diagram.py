@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Diagram:
     """Points, weights and their container, to be evaluated again and again: the container's grid and the backend are kept.
 
-    ``weights``, (N,), are squared lengths, in whose place ``radii``, (N,), are lengths whose squares are the weights. ``domain`` is a :class:`Domain`,
+    ``points`` are (N, 3) (length), ``weights``, (N,), are squared lengths, in whose place ``radii``, (N,), are lengths whose squares are the weights. ``domain`` is a :class:`Domain`,
     a :class:`Box`, a mesh's file, a PyVista or trimesh mesh, or nothing: the box around these points. ``backend`` is ``"auto"`` (a GPU if there is one),
     ``"cpu"``, ``"ocl"`` or a :class:`Backend`; ``devices`` are the numbers of OpenCL devices, ``threads`` the CPU's.
     """
@@ -79,10 +79,12 @@ class Diagram:
         origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
         epsilon: float | None = None,
     ) -> Cells:
-        """Volumes and centroids of all cells, and what else is asked for.
+        """Volumes, (N,) (length cubed), and centroids, (N, 3) (length), of all cells, and what else is asked for.
 
-        ``laplacian`` is what :meth:`Cells.laplacian` needs, for which ``facets`` will do as well; by itself it is faster, on a GPU several times.
-        ``polynomial`` maps exponents of x, y, z, counted from ``origin``, to coefficients. ``epsilon`` ends each search at a radius that is enlarged by
+        ``facets`` are neighbours, with areas, centroids and distances, and each cell's piece of the boundary: :class:`Facets`, :class:`Boundary`.
+        ``second_moments`` are (N, 3, 3), ``facet_second_moments`` (M, 3, 3), which derivatives of volumes by points and of centroids are made of.
+        ``geometry`` has the cells as polygons, for :meth:`Cells.to_pyvista` and :meth:`Cells.save`. ``laplacian`` is what :meth:`Cells.laplacian` needs, for which ``facets`` will do as well; by itself it is faster, on a GPU several times.
+        ``polynomial`` maps exponents of x, y, z, counted from ``origin``, to coefficients: ``{(2, 0, 0): 1.0}`` is x squared, :attr:`Cells.integral` its integral. ``epsilon`` ends each search at a radius that is enlarged by
         ``1 + epsilon`` instead of a proof.
         """
         terms = None
@@ -114,7 +116,18 @@ def cells(
     precision: str = "f64",
     threads: int | None = None,
 ) -> Cells:
-    """The restricted cells of weighted points: :class:`Diagram` and :meth:`Diagram.cells` in one call."""
+    """The restricted cells of weighted points.
+
+    ``points`` are (N, 3) (length). ``weights``, (N,), are squared lengths; a larger one is a larger cell. In their place ``radii``, (N,), are lengths whose
+    squares are the weights. ``domain`` is a :class:`Domain`, a :class:`Box`, a mesh's file, a PyVista or trimesh mesh, or nothing: the box around the points.
+
+    The :class:`Cells` have ``volume``, (N,) (length cubed), ``centroid``, (N, 3) (length), ``status``, (N,), and what is asked for: see
+    :meth:`Diagram.cells`, and :class:`Diagram` for ``backend``, ``devices``, ``precision`` and ``threads``. Where points move and their container stays, a
+    :class:`Diagram` is faster.
+
+    >>> laguerre.cells([[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]], [0.1, 0.0], domain=laguerre.Box(0, 1)).volume
+    array([0.6, 0.4])
+    """
     diagram = Diagram(
         points, weights, radii=radii, domain=domain, backend=backend, devices=devices, precision=precision, threads=threads
     )

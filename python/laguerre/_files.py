@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def save(cells: Cells, path: str | os.PathLike[str]) -> None:
 
 
 def _save_npz(cells: Cells, path: str) -> None:
-    found = {"volume": cells.volume, "barycenter": cells.centroid, "status": cells.status}
+    found: dict[str, Any] = {"volume": cells.volume, "barycenter": cells.centroid, "status": cells.status}
     if "offsets" in cells._found:
         found["facets"] = np.diff(cells.facets.offsets) + (cells.boundary.area > 0)
     found.update({name: getattr(cells, name) for name in ("integral", "second_moment") if name in cells._found})

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Flow:
     """What :func:`fluid` came to, which it goes on from when it is given in the place of points."""
 
@@ -56,6 +56,9 @@ class Flow:
     _settings: dict[str, Any]
     _at_start: tuple[float, float]
 
+    def __repr__(self) -> str:
+        return f"<laguerre.Flow of {len(self.points)} particles: {self.end}, {self.steps} steps, time {self.time[-1]:g}>"
+
 
 def fluid(
     points: ArrayLike | Flow,
@@ -88,10 +91,11 @@ def fluid(
     check(steps, callback, "steps")
     if "radii" in options:
         raise ValueError("radii: a fluid finds its weights; leave them out")
-    before = None
+    before: tuple[Any, ...] | None = None
+    settings: dict[str, Any]
     if isinstance(points, Flow):
-        settings = (domain, velocities, densities, epsilon, viscosity, gravity, shake, time_step)
-        if any(setting is not None for setting in settings):
+        own = (domain, velocities, densities, epsilon, viscosity, gravity, shake, time_step)
+        if any(setting is not None for setting in own):
             raise ValueError("a Flow goes on with its own domain, velocities, densities and settings: give steps, callback and where to compute alone")
         flow = points
         before = (flow.steps, float(flow.time[-1]), flow.weights, flow.weight_rates, *flow._at_start)
@@ -110,7 +114,7 @@ def fluid(
             "time_step": time_step,
         }
     found = _laguerre.fluid(
-        given.backend, given.points, inner(given.container), speeds, densities, *settings.values(), before, steps, callback
+        given.backend, given.points, inner(given.container), speeds, densities, before=before, steps=steps, callback=callback, **settings
     )
     cells = freeze(found.pop("cells"))
     freeze(found)

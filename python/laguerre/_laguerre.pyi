@@ -2,15 +2,35 @@
 
 import os
 from collections.abc import Callable
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Backend",
+    "Domain",
+    "Geometry",
+    "__version__",
+    "devices",
+    "evaluate",
+    "fluid",
+    "integrate",
+    "jacobian",
+    "lloyd",
+    "page",
+    "pull_back",
+    "pull_back_cells",
+    "save",
+    "scene",
+    "transport",
+]
+
 __version__: str
 
+@final
 class Backend:
-    def __init__(self, name: str = "auto", devices: list[int] | None = None, precision: str = "f64", threads: int | None = None) -> None: ...
+    def __new__(cls, name: str = "auto", devices: list[int] | None = None, precision: str = "f64", threads: int | None = None) -> Backend: ...
     @property
     def name(self) -> str: ...
     @property
@@ -20,8 +40,9 @@ class Backend:
     @property
     def threads(self) -> int: ...
 
+@final
 class Domain:
-    def __init__(self, vertices: NDArray[np.float64], triangles: NDArray[np.uint32], orient: bool) -> None: ...
+    def __new__(cls, vertices: NDArray[np.float64], triangles: NDArray[np.uint32], orient: bool) -> Domain: ...
     @staticmethod
     def load(path: str | os.PathLike[str], orient: bool) -> Domain: ...
     @staticmethod
@@ -45,6 +66,7 @@ class Domain:
     @property
     def notes(self) -> list[str]: ...
 
+@final
 class Geometry:
     @property
     def points(self) -> NDArray[np.float64]: ...

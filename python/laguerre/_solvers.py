@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Relaxation:
     """What :func:`lloyd` came to."""
 
@@ -39,6 +39,9 @@ class Relaxation:
     def converged(self) -> bool:
         """Whether the last gradient is within the tolerance."""
         return self.end == "converged"
+
+    def __repr__(self) -> str:
+        return f"<laguerre.Relaxation of {len(self.points)} points: {self.end}, {len(self.gradient) - 1} iterations, gradient {self.gradient[-1]:.1e}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +100,7 @@ class Function:
         return whole(self.degree, "Function"), column
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Transport:
     """What :func:`transport` came to."""
 
@@ -123,6 +126,9 @@ class Transport:
     def converged(self) -> bool:
         """Whether the residual is within the tolerance."""
         return self.end == "converged"
+
+    def __repr__(self) -> str:
+        return f"<laguerre.Transport of {len(self.weights)} points: {self.end}, {len(self.residuals) - 1} steps, residual {self.residual:.1e}>"
 
     def pullback(
         self, weights: ArrayLike | None = None, centroid: ArrayLike | None = None, cost: float = 0.0
@@ -156,7 +162,8 @@ def lloyd(
     callback: Callable[[dict[str, Any]], Any] | None = None,
     **options: Any,
 ) -> Relaxation:
-    """Moves points down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``).
+    """Moves points, (N, 3), down the energy of centroidal tessellations, by ``"lbfgs"`` or by Lloyd's own steps (``"lloyd"``), until their mean distance from the
+    centroids is at most ``tolerance`` times the mean cell's size, or there are no more ``iterations``.
 
     With a ``density``, as of :func:`transport`, points go to centroids of mass, and crowd where it is high.
     ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far), and ``points`` and ``weights``, after each iteration, the start
@@ -189,7 +196,7 @@ def transport(
 ) -> Transport:
     """Weights for cells of the ``masses``, (N,), asked for (all equal without): semi-discrete optimal transport, by a damped Newton method.
 
-    ``weights`` are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, :class:`Gaussians` or :class:`Function`; without, it is 1. The masses have to sum to the
+    ``points`` are (N, 3). It ends where the largest ``|mass / target - 1|`` is at most ``tolerance``. ``weights``, (N,), are where it starts. ``density`` is ``(value, gradient)`` for ``value + gradient . x``, :class:`Gaussians` or :class:`Function`; without, it is 1. The masses have to sum to the
     domain's; with ``normalize`` they are scaled so that they do, and ``Transport.masses`` are those of the domain.
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
     start included; a true answer ends it with what there is. With ``facets`` its cells have facets, which takes one more diagram. ``options`` are those of :class:`Diagram`.

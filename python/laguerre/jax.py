@@ -32,7 +32,7 @@ def cells(points: Any, weights: Any = None, **options: Any) -> tuple[jax.Array, 
     def shapes(n: int) -> tuple[jax.ShapeDtypeStruct, jax.ShapeDtypeStruct]:
         return jax.ShapeDtypeStruct((n,), kind), jax.ShapeDtypeStruct((n, 3), kind)
 
-    def evaluated(p: Any, w: Any, **what: bool) -> Cells:
+    def evaluated(p: Any, w: Any, **what: Any) -> Cells:
         return Diagram(np.asarray(p), np.asarray(w), **options).cells(**what)
 
     def host(p: Any, w: Any) -> Any:

@@ -19,7 +19,7 @@ class _Function(torch.autograd.Function):
         wants = points.requires_grad or (weights is not None and weights.requires_grad)
         cells = Diagram(_array(points), None if weights is None else _array(weights), **options).cells(facet_second_moments=wants)
         ctx.cells = cells
-        where = {"dtype": points.dtype, "device": points.device}
+        where: dict[str, Any] = {"dtype": points.dtype, "device": points.device}
         return torch.tensor(cells.volume, **where), torch.tensor(cells.centroid, **where)
 
     @staticmethod
@@ -48,7 +48,7 @@ class _Transport(torch.autograd.Function):
         ctx.save_for_backward(points, masses)
         found = solved(_array(points), None if masses is None else _array(masses), options)
         ctx.found = found
-        where = {"dtype": points.dtype, "device": points.device}
+        where: dict[str, Any] = {"dtype": points.dtype, "device": points.device}
         return (
             torch.tensor(found.weights, **where),
             torch.tensor(found.cells.centroid, **where),

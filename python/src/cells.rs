@@ -16,7 +16,8 @@ use crate::container::{self, Container, diagram, table};
 use crate::geometry::Geometry;
 use crate::run::{detached, detached_in_pool, raised};
 
-/// Where to compute.
+/// Where to compute: `name` is "auto" (a GPU if there is one), "cpu" or "ocl"; `devices` are the numbers of OpenCL devices, as laguerre.devices() counts
+/// them; `precision` is "f64", or "f32" for volumes and centroids on OpenCL; `threads` are the CPU's, all without. Diagrams take it as `backend=`.
 #[pyclass(frozen, module = "laguerre")]
 pub(crate) struct Backend {
     backend: Box<dyn laguerre::Backend>,
@@ -75,21 +76,25 @@ impl Backend {
         Ok((slf.get_type().into_any(), arguments))
     }
 
+    /// "cpu" or "ocl": what "auto" came to.
     #[getter]
     fn name(&self) -> &'static str {
         self.backend.info().backend
     }
 
+    /// What the processor or the OpenCL devices are called.
     #[getter]
     fn device(&self) -> String {
         self.backend.info().device
     }
 
+    /// "f64" or "f32".
     #[getter]
     fn precision(&self) -> &'static str {
         self.backend.info().precision.word()
     }
 
+    /// How many threads of the host it has.
     #[getter]
     fn threads(&self) -> usize {
         self.backend.info().threads

@@ -12,7 +12,8 @@ mod solvers;
 
 use pyo3::prelude::*;
 
-#[pymodule]
+// Without Python's lock, too: what threads share is frozen or behind a lock, and arrays are of one call, or constant.
+#[pymodule(gil_used = false)]
 mod _laguerre {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name")]

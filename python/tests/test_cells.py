@@ -1,7 +1,10 @@
 """The laws of cells, in NumPy."""
 
+import concurrent.futures
+import gzip
 import pickle
 import time
+import types
 
 import numpy as np
 import pytest
@@ -161,6 +164,44 @@ def test_arrays_that_change_afterwards_change_nothing():
             array[0] = 1
 
 
+def test_what_nobody_can_write_to_is_not_copied():
+    cells = lg.cells(white(100), domain=CUBE)
+    again = lg.cells(cells.points, domain=CUBE)
+    assert again.points is cells.points and np.array_equal(again.volume, cells.volume)
+    constant = white(100)
+    constant.flags.writeable = False
+    assert lg.cells(constant, domain=CUBE).points is constant
+    # Behind a view is an array that can be written to; and what is not in C order cannot be taken as it is.
+    view = white(100)[:]
+    view.flags.writeable = False
+    assert lg.cells(view, domain=CUBE).points is not view
+    assert lg.cells(np.asfortranarray(constant), domain=CUBE).points.flags.c_contiguous
+
+
+def test_arrays_of_others_are_taken_by_dlpack():
+    class Other:
+        """An array that knows nothing of NumPy."""
+
+        def __init__(self, array):
+            self.array = array
+
+        def __dlpack__(self, **options):
+            return self.array.__dlpack__(**options)
+
+        def __dlpack_device__(self):
+            return self.array.__dlpack_device__()
+
+    class Busy(Other):
+        def __dlpack__(self, **options):
+            raise BufferError("it is on a device")
+
+    points, weights = white(100), 1e-3 * white(100, 2)[:, 0]
+    expected = lg.cells(points, weights, domain=CUBE).volume
+    assert np.array_equal(lg.cells(Other(points), Other(weights), domain=CUBE).volume, expected)
+    with pytest.raises(ValueError, match="points: it is on a device: detach it and bring it to the host"):
+        lg.cells(Busy(points), domain=CUBE)
+
+
 def test_domains_diagrams_and_backends_are_pickled():
     domain = pickle.loads(pickle.dumps(lg.Domain(*TETRAHEDRON)))
     assert domain.volume == pytest.approx(1 / 6)
@@ -173,6 +214,21 @@ def test_domains_diagrams_and_backends_are_pickled():
 def test_a_backend_is_opened_once():
     first, second = (lg.Diagram(white(5), domain=CUBE, threads=2) for _ in range(2))
     assert first.backend is second.backend and first.backend.threads == 2
+
+
+def test_python_threads_share_domains_and_diagrams():
+    # With Python's lock or without: what they share is constant, and each has the bits that it has alone.
+    diagram = lg.Diagram(white(400), domain=lg.Domain(*TETRAHEDRON))
+
+    def work(seed):
+        other = lg.Diagram(white(400, seed), domain=diagram.domain)
+        cells = diagram.cells(facets=True)
+        return cells.volume, cells.pullback(cells.volume, cells.points)[0], other.cells().integrate(lambda x: x[:, 0] ** 2)
+
+    alone = [work(seed) for seed in range(6)]
+    with concurrent.futures.ThreadPoolExecutor(6) as pool:
+        for together, expected in zip(pool.map(work, range(6)), alone):
+            assert all(np.array_equal(a, b) for a, b in zip(together, expected))
 
 
 def test_small_diagrams_do_not_wait():
@@ -210,6 +266,13 @@ def test_meshes_of_others_are_domains():
     domain = lg.Domain(pyvista.Sphere())
     assert 0.4 < domain.volume < 0.53
     assert lg.cells(white(200) - 0.5, domain=domain).volume.sum() == pytest.approx(domain.volume, abs=1e-14)
+
+
+def test_a_mesh_of_trimesh_is_a_domain():
+    # (It is told by its attributes, which are what counts.)
+    mesh = types.SimpleNamespace(vertices=TETRAHEDRON[0], faces=TETRAHEDRON[1])
+    assert lg.Domain(mesh).volume == lg.Domain(*TETRAHEDRON).volume
+    assert lg.cells(white(20), domain=mesh).volume.sum() == pytest.approx(1 / 6)
 
 
 @pytest.mark.parametrize(
@@ -293,6 +356,17 @@ def test_geometry_is_saved_whether_it_was_asked_for_or_not(tmp_path):
     assert np.array_equal(np.unique(solids.cell_data["volume"]), np.unique(asked.volume[asked.status == 0]))
     page = (tmp_path / "True.html").read_text()
     assert "<title>50 cells</title>" in page.replace("\n", "") and 'id="block-0"' in page
+
+
+def test_domains_are_read_from_what_others_write(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    ball = pyvista.Icosphere(nsub=2)
+    for ending in (".ply", ".stl", ".vtk", ".vtp"):
+        ball.save(tmp_path / f"ball{ending}")
+        with open(tmp_path / f"ball{ending}", "rb") as plain, gzip.open(tmp_path / f"ball{ending}.gz", "wb") as packed:
+            packed.write(plain.read())
+        for name in (f"ball{ending}", f"ball{ending}.gz"):
+            assert lg.Domain.load(tmp_path / name).volume == pytest.approx(ball.volume, rel=1e-6)
 
 
 def test_files_that_are_not_there_are_errors_of_the_system():

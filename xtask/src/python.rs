@@ -7,9 +7,11 @@ use std::process::Command;
 use crate::guide::Page;
 use crate::run::{cargo, root, succeed, target};
 
-/// From PyPI: what builds the wheel, and what its tests and examples import.
-const PACKAGES: [&str; 7] = [
-    "maturin==1.16.0",
+/// From PyPI: what builds the wheel.
+const MATURIN: &str = "maturin==1.16.0";
+/// That, and what tests and examples import.
+const PACKAGES: [&str; 8] = [
+    MATURIN,
     "pytest==9.2.0",
     "numpy==2.4.6",
     "scipy==1.17.1",
@@ -17,11 +19,13 @@ const PACKAGES: [&str; 7] = [
     // PyVista's films.
     "imageio==2.38.1",
     "jax==0.10.2",
+    // Holds annotations to the code, and the stub to what it is of.
+    "mypy==2.4.1",
 ];
 
 /// A wheel for users, in `target/wheels`.
 pub(crate) fn wheel() -> Result<(), String> {
-    let python = tools()?;
+    let python = environment("maturin", "import maturin", &[MATURIN])?;
     let folder = target().join("wheels");
     build(&python, &folder, "release")?;
     println!("the wheel is in {}", folder.display());
@@ -45,10 +49,14 @@ pub(crate) fn test() -> Result<(), String> {
     let mut pip = module(&python, &["pip", "install", "--quiet", "--disable-pip-version-check"]);
     succeed(pip.args(["--force-reinstall", "--no-deps"]).arg(wheel))?;
     let sources = root().join("python");
+    succeed(module(&python, &["mypy", "laguerre"]).current_dir(&sources))?;
     // Beside the sources `import laguerre` would find those.
+    let tests = sources.join("tests");
+    let stubtest = ["mypy.stubtest", "--mypy-config-file", "../pyproject.toml", "laguerre._laguerre"];
+    succeed(module(&python, &stubtest).current_dir(&tests))?;
     let mut pytest = module(&python, &["pytest", "-q", "-p", "no:cacheprovider"]);
     let program = target().join("debug/laguerre").with_extension(std::env::consts::EXE_EXTENSION);
-    print!("{}", succeed(pytest.current_dir(sources.join("tests")).env("LAGUERRE_PROGRAM", program))?);
+    print!("{}", succeed(pytest.current_dir(tests).env("LAGUERRE_PROGRAM", program))?);
     examples(&python)
 }
 
@@ -79,7 +87,7 @@ fn examples(python: &Path) -> Result<(), String> {
 }
 
 fn tools() -> Result<PathBuf, String> {
-    environment("python", "import maturin, pytest, scipy, pyvista, imageio, jax", &PACKAGES)
+    environment("python", "import maturin, pytest, scipy, pyvista, imageio, jax, mypy", &PACKAGES)
 }
 
 fn build(python: &Path, folder: &Path, profile: &str) -> Result<(), String> {

@@ -23,6 +23,9 @@ pub(super) const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 /// Facets of a cell that a batch has room for, on average: a Voronoi cell of random sites has 15.5.
 const FACETS_PER_CELL: usize = 18;
 
+/// Facets of a cell at most, of those that are computed on a device (`LANES_P` of `lanes_store.cl`).
+const MOST_FACETS: usize = 512;
+
 /// Cells of a batch at most, the share of the device's memory that its facets may take, and the smallest that is tried where even that
 /// is not to be had.
 const MOST_CELLS: usize = 1 << 21;
@@ -245,8 +248,6 @@ impl Device {
                     break;
                 }
                 way = match stage {
-                    // (Facets of cells that need still more room are not computed together.)
-                    Stage::Large | Stage::Wide if request.needs_facets() => Way::Alone(room),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Together(lanes, Stage::Large),
                 };
@@ -385,7 +386,7 @@ impl Device {
         // All that are to stay on the device, if it has the memory.
         let mut all = if self.results.are_kept { share.min(self.most_cells) } else { 0 };
         loop {
-            let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_PLANES as usize);
+            let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
             let Memory { facets, facet_seconds, .. } = &mut self.memory;
             let seconds = if request.facet_second_moments() { room } else { 1 };
             let is_there = batch <= FEWEST_CELLS

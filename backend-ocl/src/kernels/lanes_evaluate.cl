@@ -121,7 +121,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if !WITH_DOMAIN
         CellSums walls = (CellSums){ 0 };
 #endif
-        UNROLLED
+        UNROLLED_WORDS
         for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
             const uint f = (turn * LANES) + s->lane;
             uint is_facet = 0;
@@ -153,7 +153,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
             status = FACETS_FULL;
         } else {
             uint next = begin;
-            UNROLLED
+            UNROLLED_WORDS
             for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
                 if (((kept[turn] >> s->lane) & 1u) != 0u) {
                     __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));

@@ -107,7 +107,7 @@ SUM_SHARE uint sum_share(
 INLINE void gather_facets(CELL_SPACE const Cell *cell, uint lane, uint from, uint end, uint count, uint flags, FacetSum *facet) {
     for (uint v = from; v < end; v++) {
         const Triplet t = unpacked(cell->triplet[v]);
-        UNROLLED
+        UNROLLED_WORDS
         for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
             const uint f = (turn * LANES) + lane;
             const uint corner = (f < count) ? corner_of(t, f) : 3u;
@@ -124,7 +124,7 @@ INLINE void gather_facets(CELL_SPACE const Cell *cell, uint lane, uint from, uin
 }
 
 INLINE void clear_facets(FacetSum *facet) {
-    UNROLLED
+    UNROLLED_WORDS
     for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
         facet[turn] = (FacetSum){ 0 };
     }

@@ -17,12 +17,12 @@ use std::ops::Range;
 use std::time::Instant;
 
 use laguerre_core::{Error, ErrorKind, Result};
+use rayon::prelude::*;
 
 use super::newton::{Problem, State, is_out_of_range};
 use super::sparse::center;
 use super::tangents::Tangents;
 use super::{End, Options, mend};
-use crate::vectors::for_each;
 
 /// Groups are halved so often from level to level. (Once takes a quarter longer, three times as long.)
 const HALVINGS: u32 = 2;
@@ -51,12 +51,12 @@ pub(super) fn state(problem: &mut Problem<'_>) -> Result<State> {
     let mut coarse: Option<(Level, State)> = None;
     for depth in (finest % HALVINGS..=finest).step_by(HALVINGS as usize) {
         let level = Level::new(problem, &order, depth);
-        let weights = refined(coarse.as_ref(), &level.positions);
+        let weights = refined(coarse.as_ref(), &level.positions, &(0..1 << depth).collect::<Vec<_>>());
         if let Some(state) = solved(problem, &level, weights)? {
             coarse = Some((level, state));
         }
     }
-    let weights = refined(coarse.as_ref(), &problem.positions);
+    let weights = refined(coarse.as_ref(), &problem.positions, &order);
     let state = problem.evaluate(weights)?;
     mend::mended(problem, state)
 }
@@ -95,21 +95,23 @@ fn solved(problem: &mut Problem<'_>, level: &Level, weights: Vec<f64>) -> Result
     Ok(Some(state))
 }
 
-/// Weights of sites from what groups of them have; equal where there are none.
-fn refined(coarse: Option<&(Level, State)>, positions: &[[f64; 3]]) -> Vec<f64> {
+/// Weights of sites from what groups of them have; equal where there are none. In `order` neighbors are together.
+fn refined(coarse: Option<&(Level, State)>, positions: &[[f64; 3]], order: &[u32]) -> Vec<f64> {
     let mut weights = vec![0.0; positions.len()];
     let Some((level, State { weights: coarse, output, .. })) = coarse else { return weights };
     let rows: Vec<u32> = (0..coarse.len() as u32).collect();
     let tangents = Tangents::new(&level.positions, coarse, output, &rows, positions.len());
     let moments = output.second_moment().unwrap_or_default();
-    for_each(&mut weights, |i, w| {
-        let p = positions[i];
-        let (weight, group) = tangents.highest(p);
-        let [x, y, z]: [f64; 3] = std::array::from_fn(|k| p[k] - level.positions[group][k]);
-        let [xx, yy, zz, xy, xz, yz] = moments.get(group).copied().unwrap_or_default();
+    let points: Vec<[f64; 3]> = order.par_iter().map(|&i| positions[i as usize]).collect();
+    let highest = tangents.highest(&points);
+    let above = |(p, (weight, group)): (&[f64; 3], &(f64, usize))| {
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|k| p[k] - level.positions[*group][k]);
+        let [xx, yy, zz, xy, xz, yz] = moments.get(*group).copied().unwrap_or_default();
         let moment = xx * x * x + yy * y * y + zz * z * z + 2.0 * (xy * x * y + xz * x * z + yz * y * z);
-        *w = weight - 2.0 * DEVIATIONS * (moment.max(0.0) / output.volume()[group]).sqrt();
-    });
+        weight - 2.0 * DEVIATIONS * (moment.max(0.0) / output.volume()[*group]).sqrt()
+    };
+    let found: Vec<f64> = points.par_iter().zip(&highest).map(above).collect();
+    order.iter().zip(found).for_each(|(&i, weight)| weights[i as usize] = weight);
     center(&mut weights);
     weights
 }
@@ -124,7 +126,8 @@ impl Level {
             let share = |i: usize, k: usize| problem.targets[i] / total * problem.positions[i][k];
             std::array::from_fn(|k| members(part).map(|i| share(i, k)).sum())
         };
-        Self { positions: (0..1 << depth).map(mean).collect(), targets: (0..1 << depth).map(target).collect() }
+        let parts = (0..1 << depth).into_par_iter();
+        Self { positions: parts.clone().map(mean).collect(), targets: parts.map(target).collect() }
     }
 }
 

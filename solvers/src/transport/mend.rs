@@ -7,7 +7,6 @@
 //! of 3,000 cells in the box of a trefoil knot did not get fewer; now 500 are gone in seven rounds.
 
 use laguerre_core::Result;
-use rayon::prelude::*;
 
 use super::newton::{Problem, State};
 use super::sparse::center;
@@ -39,8 +38,8 @@ fn rounds(problem: &mut Problem<'_>, mut state: State, most: usize) -> Result<St
             break;
         }
         let tangents = Tangents::new(&problem.positions, &state.weights, &state.output, &full, empty.len());
-        let raised: Vec<(f64, usize)> =
-            empty.par_iter().map(|&i| tangents.highest(problem.positions[i as usize])).collect();
+        let points: Vec<[f64; 3]> = empty.iter().map(|&i| problem.positions[i as usize]).collect();
+        let raised = tangents.highest(&points);
         let mut weights = std::mem::take(&mut state.weights);
         let mut is_halved = vec![false; full.len()];
         for (i, (weight, row)) in empty.into_iter().zip(raised) {

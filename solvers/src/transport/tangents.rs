@@ -8,10 +8,13 @@ use laguerre_core::Output;
 use rayon::prelude::*;
 
 use super::levels::halved;
-use crate::vectors::{distance2, inner};
+use crate::vectors::inner;
 
 /// Children of a node, and planes of a leaf.
 const CHILDREN: usize = 8;
+
+/// Questions that are asked together.
+const TOGETHER: usize = 512;
 
 /// For so few questions all planes are gone through: to put them in order takes as long as some ten times that.
 const FEW: usize = 8;
@@ -33,13 +36,17 @@ struct Tangent {
     barycenter: [f64; 3],
 }
 
-/// Some planes that follow each other.
+/// The box of the barycenters of some planes that follow each other.
+#[derive(Clone, Copy)]
 struct Node {
-    /// The site of one, the least weight that a site there is to have, and the box of the barycenters.
-    site: [f64; 3],
-    least: f64,
     lo: [f64; 3],
     hi: [f64; 3],
+}
+
+/// What the planes of each node, level by level, come to at a place: the least weight that a site there is to have.
+struct Anchor {
+    place: [f64; 3],
+    least: Vec<Vec<f64>>,
 }
 
 impl Tangent {
@@ -52,32 +59,30 @@ impl Tangent {
 }
 
 impl Node {
-    fn new(tangents: &[Tangent]) -> Self {
-        let along = |k: usize| tangents.iter().map(move |tangent| tangent.barycenter[k]);
-        let lo = std::array::from_fn(|k| along(k).fold(f64::INFINITY, f64::min));
-        let hi = std::array::from_fn(|k| along(k).fold(f64::NEG_INFINITY, f64::max));
-        // That whose barycenter is in the middle: the bound misses half of the box's width then, not up to all of it.
-        let middle = std::array::from_fn(|k| 0.5 * (lo[k] + hi[k]));
-        let away = |tangent: &Tangent| distance2(tangent.barycenter, middle);
-        let site = tangents.iter().min_by(|a, b| away(a).total_cmp(&away(b))).map_or(middle, |tangent| tangent.site);
-        Self {
-            site,
-            least: tangents.iter().map(|tangent| tangent.weight_at(site)).fold(f64::INFINITY, f64::min),
-            lo,
-            hi,
-        }
+    /// Of all of these.
+    fn around(boxes: impl Iterator<Item = Self>) -> Self {
+        let none = Self { lo: [f64::INFINITY; 3], hi: [f64::NEG_INFINITY; 3] };
+        boxes.fold(none, |all, one| Self {
+            lo: std::array::from_fn(|k| all.lo[k].min(one.lo[k])),
+            hi: std::array::from_fn(|k| all.hi[k].max(one.hi[k])),
+        })
     }
 
-    /// On none of these planes a site at p has a smaller weight: from `site` to p the weight changes by `(p − site)·(p + site − 2b)`.
-    fn bound(&self, p: [f64; 3]) -> f64 {
-        let q = self.site;
+    /// On none of these planes, on all of which a site at q has at least a weight of `least`, a site at p has a smaller one: from q to p the weight changes by
+    /// `(p − q)·(p + q − 2b)`.
+    fn bound(&self, q: [f64; 3], least: f64, p: [f64; 3]) -> f64 {
         let change = |k: usize| {
             let way = p[k] - q[k];
             let b = if way > 0.0 { self.hi[k] } else { self.lo[k] };
             way * ((p[k] - b) + (q[k] - b))
         };
-        self.least + change(0) + change(1) + change(2)
+        least + change(0) + change(1) + change(2)
     }
+}
+
+/// Of weights and rows the less, of equal weights the first row.
+fn less(a: &(f64, usize), b: &(f64, usize)) -> std::cmp::Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
 impl Tangents {
@@ -98,49 +103,79 @@ impl Tangents {
         let depth = (0..).find(|depth| given.len() <= CHILDREN << depth).unwrap_or(0);
         let rows = halved(&barycenters, depth);
         let tangents: Vec<Tangent> = rows.iter().map(|&row| given[row as usize]).collect();
-        let mut levels: Vec<Vec<Node>> = Vec::new();
-        let mut width = CHILDREN;
-        while levels.last().is_none_or(|last| last.len() > 1) {
-            levels.push(tangents.par_chunks(width).map(Node::new).collect());
-            width *= CHILDREN;
+        let point = |tangent: &Tangent| Node { lo: tangent.barycenter, hi: tangent.barycenter };
+        let leaf = |tangents: &[Tangent]| Node::around(tangents.iter().map(point));
+        let mut levels: Vec<Vec<Node>> = vec![tangents.par_chunks(CHILDREN).map(leaf).collect()];
+        while let Some(last) = levels.last().filter(|last| last.len() > 1) {
+            let node = |nodes: &[Node]| Node::around(nodes.iter().copied());
+            levels.push(last.par_chunks(CHILDREN).map(node).collect());
         }
         Self { tangents, rows, levels }
     }
 
-    /// The weight of a site at p that is on the highest plane, and the row of the cell whose plane that is; of equals the first.
-    pub(super) fn highest(&self, p: [f64; 3]) -> (f64, usize) {
-        let Some(top) = self.levels.len().checked_sub(1) else {
-            let all = self.tangents.par_iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
-            let less = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-            return all.min_by(less).unwrap_or((f64::INFINITY, 0));
-        };
+    /// For each of some sites, which had better be in an order that keeps neighbors together: the weight of a site there that is on the highest plane, and the row of
+    /// the cell whose plane that is; of equals the first.
+    ///
+    /// Bounds are from what all planes come to at the middle of some sites that follow each other: there, how far the site is misses little. (From a place in each node, what the bounds missed kept
+    /// all leaves along the boundary between the cells of two clusters in question: 31 µs a site of a million in 200 clusters.)
+    pub(super) fn highest(&self, points: &[[f64; 3]]) -> Vec<(f64, usize)> {
+        if self.levels.is_empty() {
+            let of_all = |&p: &[f64; 3]| {
+                let all = self.tangents.par_iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
+                all.min_by(less).unwrap_or((f64::INFINITY, 0))
+            };
+            return points.iter().map(of_all).collect();
+        }
+        let together = points.par_chunks(TOGETHER).map(|points| {
+            let anchor = self.anchor(points);
+            points.iter().map(|&p| self.highest_from(&anchor, p)).collect::<Vec<_>>()
+        });
+        together.collect::<Vec<_>>().concat()
+    }
+
+    /// At the middle of some places.
+    fn anchor(&self, points: &[[f64; 3]]) -> Anchor {
+        let around = Node::around(points.iter().map(|&p| Node { lo: p, hi: p }));
+        let place = std::array::from_fn(|k| 0.5 * (around.lo[k] + around.hi[k]));
+        let least_of = |weights: &[f64]| weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let of_leaf =
+            |leaf: &[Tangent]| leaf.iter().map(|tangent| tangent.weight_at(place)).fold(f64::INFINITY, f64::min);
+        let mut least: Vec<Vec<f64>> = vec![self.tangents.chunks(CHILDREN).map(of_leaf).collect()];
+        while let Some(last) = least.last().filter(|last| last.len() > 1) {
+            least.push(last.chunks(CHILDREN).map(least_of).collect());
+        }
+        Anchor { place, least }
+    }
+
+    fn highest_from(&self, anchor: &Anchor, p: [f64; 3]) -> (f64, usize) {
         let mut found = (f64::INFINITY, 0);
-        self.descend(p, top, 0, &mut found);
+        self.descend(anchor, p, self.levels.len() - 1, 0, &mut found);
         found
     }
 
-    fn descend(&self, p: [f64; 3], level: usize, node: usize, found: &mut (f64, usize)) {
+    fn descend(&self, anchor: &Anchor, p: [f64; 3], level: usize, node: usize, found: &mut (f64, usize)) {
         let begin = node * CHILDREN;
         if level == 0 {
             for (k, tangent) in self.tangents[begin..self.tangents.len().min(begin + CHILDREN)].iter().enumerate() {
-                let (weight, row) = (tangent.weight_at(p), self.rows[begin + k] as usize);
-                if weight < found.0 || (weight == found.0 && row < found.1) {
-                    *found = (weight, row);
+                let own = (tangent.weight_at(p), self.rows[begin + k] as usize);
+                if less(&own, found).is_lt() {
+                    *found = own;
                 }
             }
             return;
         }
-        let below = &self.levels[level - 1];
+        let (below, least) = (&self.levels[level - 1], &anchor.least[level - 1]);
         let mut children = [(f64::INFINITY, 0); CHILDREN];
         let there = below.len().min(begin + CHILDREN) - begin;
         let children = &mut children[..there];
         for (child, (bound, node)) in children.iter_mut().enumerate() {
-            (*bound, *node) = (below[begin + child].bound(p), begin + child);
+            let at = begin + child;
+            (*bound, *node) = (below[at].bound(anchor.place, least[at], p), at);
         }
         children.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         for &mut (bound, child) in children {
             if bound <= found.0 {
-                self.descend(p, level - 1, child, found);
+                self.descend(anchor, p, level - 1, child, found);
             }
         }
     }
@@ -163,11 +198,12 @@ mod tests {
             let given: Vec<Tangent> = (0..cells).map(one).collect();
             let tangents = Tangents::of(&given);
             let none = Tangents { tangents: given.clone(), rows: Vec::new(), levels: Vec::new() };
-            for _ in 0..100 {
-                let p = point();
+            let points: Vec<[f64; 3]> = (0..2 * TOGETHER / 3 * 2).map(|_| point()).collect();
+            let found = tangents.highest(&points);
+            assert_eq!(found, none.highest(&points));
+            for (&p, found) in points.iter().zip(found) {
                 let all = given.iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
-                assert_eq!(tangents.highest(p), none.highest(p));
-                assert_eq!(tangents.highest(p), all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap());
+                assert_eq!(found, all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap());
             }
         }
     }

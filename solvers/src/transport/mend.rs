@@ -7,7 +7,7 @@
 //! of 3,000 cells in the box of a trefoil knot did not get fewer; now 500 are gone in seven rounds.
 
 use laguerre_core::Result;
-use rayon::prelude::*;
+use laguerre_core::parallel;
 
 use super::newton::{Problem, State};
 use super::sparse::center;
@@ -18,6 +18,8 @@ const MOST_ROUNDS: usize = 40;
 /// The same of a trial step, where no more than one cell in so many is empty; else it was too long.
 const ROUNDS_OF_STEP: usize = 4;
 const ONE_IN: usize = 20;
+/// Empty cells whose weight one task finds.
+const AT_ONCE: usize = 16;
 
 /// The state without empty cells that is near `state`; with fewer than before where there is none in sight.
 pub(super) fn mended(problem: &mut Problem<'_>, state: State) -> Result<State> {
@@ -40,7 +42,7 @@ fn rounds(problem: &mut Problem<'_>, mut state: State, most: usize) -> Result<St
         }
         let tangents = Tangents::new(&problem.positions, &state.weights, &state.output, &full, empty.len());
         let raised: Vec<(f64, usize)> =
-            empty.par_iter().map(|&i| tangents.highest(problem.positions[i as usize])).collect();
+            parallel::map(empty.len(), AT_ONCE, |k| tangents.highest(problem.positions[empty[k] as usize]));
         let mut weights = std::mem::take(&mut state.weights);
         let mut is_halved = vec![false; full.len()];
         for (i, (weight, row)) in empty.into_iter().zip(raised) {

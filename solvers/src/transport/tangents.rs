@@ -5,10 +5,12 @@
 //! has some cell's barycenter in its own.
 
 use laguerre_core::Output;
-use rayon::prelude::*;
+use laguerre_core::parallel;
+use laguerre_core::summation::chunks;
+use std::ops::Range;
 
 use super::levels::halved;
-use crate::vectors::{distance2, inner};
+use crate::vectors::{distance2, inner, map};
 
 /// Children of a node, and planes of a leaf.
 const CHILDREN: usize = 8;
@@ -26,7 +28,7 @@ pub(super) struct Tangents {
 }
 
 /// The plane of a cell.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Tangent {
     weight: f64,
     site: [f64; 3],
@@ -83,11 +85,11 @@ impl Node {
 impl Tangents {
     /// Of the cells of some of these sites, none of which is empty, for so many questions.
     pub(super) fn new(positions: &[[f64; 3]], weights: &[f64], output: &Output, sites: &[u32], asked: usize) -> Self {
-        let tangent = |&i: &u32| {
-            let i = i as usize;
+        let tangent = |row: usize| {
+            let i = sites[row] as usize;
             Tangent { weight: weights[i], site: positions[i], barycenter: output.barycenter()[i] }
         };
-        let tangents = sites.par_iter().map(tangent).collect::<Vec<_>>();
+        let tangents = map(sites.len(), tangent);
         if asked <= FEW { Self { tangents, rows: Vec::new(), levels: Vec::new() } } else { Self::of(&tangents) }
     }
 
@@ -101,7 +103,8 @@ impl Tangents {
         let mut levels: Vec<Vec<Node>> = Vec::new();
         let mut width = CHILDREN;
         while levels.last().is_none_or(|last| last.len() > 1) {
-            levels.push(tangents.par_chunks(width).map(Node::new).collect());
+            let node = |k: usize| Node::new(&tangents[k * width..tangents.len().min((k + 1) * width)]);
+            levels.push(parallel::results(tangents.len().div_ceil(width), node));
             width *= CHILDREN;
         }
         Self { tangents, rows, levels }
@@ -110,9 +113,9 @@ impl Tangents {
     /// The weight of a site at p that is on the highest plane, and the row of the cell whose plane that is; of equals the first.
     pub(super) fn highest(&self, p: [f64; 3]) -> (f64, usize) {
         let Some(top) = self.levels.len().checked_sub(1) else {
-            let all = self.tangents.par_iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
             let less = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-            return all.min_by(less).unwrap_or((f64::INFINITY, 0));
+            let least = |part: Range<usize>| part.map(|row| (self.tangents[row].weight_at(p), row)).min_by(less);
+            return chunks(self.tangents.len(), least).into_iter().flatten().min_by(less).unwrap_or((f64::INFINITY, 0));
         };
         let mut found = (f64::INFINITY, 0);
         self.descend(p, top, 0, &mut found);

@@ -8,8 +8,9 @@ use super::polyhedra::Polyhedra;
 use super::vtk::{Array, Put, array, write_xml};
 use super::{GEOMETRY_ENDINGS, atomic, ending, results};
 use crate::geometry::{Beyond, Face};
+use crate::parallel;
 use crate::{Error, Geometry, Observer, Output, PowerDiagram, Result};
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// VTK's number for a polyhedron.
 const VTK_POLYHEDRON: u8 = 42;
@@ -26,7 +27,8 @@ const VTK_TETRA: u8 = 10;
 /// site's volumes is its `volume`. `.vtp` and `.ply` have the polygons of all cells, with `beyond`, the site on the other side: −1 where that is the outside of the domain,
 /// −2 where it is that of the box. A polygon between two cells stands twice, once for each.
 /// `.glb`, glTF 2.0, has them as triangles, with colours such that no two neighbours have the same, and the site as the attribute `_SITE`
-/// (where there are up to 2²⁴); coordinates have 32 bits, from the middle of all, which is the node's translation.
+/// (where there are up to 2²⁴); coordinates have 32 bits, from the middle of all, which is the node's translation. The mesh's `extras` have the units,
+/// what a status means, and in `cells`, in the order of the triangles, how many each cell has, and its `site`, `volume`, `weight` and `status`.
 ///
 /// The file appears whole or not at all.
 ///
@@ -68,9 +70,9 @@ pub fn write_geometry_watched(
             atomic::write_whole_watched(path, observer, |w| cells.write_vtu(w))
         }
         ".glb" => {
-            let glb = Glb::new(geometry, observer)?;
+            let glb = Glb::new(diagram, output, geometry, observer)?;
             let most = u32::MAX as usize;
-            refuse_beyond(path, glb.bytes(sites), most, "bytes, and .glb has room for", ".vtu or .vtp")?;
+            refuse_beyond(path, glb.bytes(), most, "bytes, and .glb has room for", ".vtu or .vtp")?;
             atomic::write_whole_watched(path, observer, |w| glb.write(geometry, w))
         }
         ".vtp" => atomic::write_whole_watched(path, observer, |w| cells.write_vtp(w)),
@@ -92,6 +94,9 @@ fn refuse_beyond(path: &Path, count: usize, most: usize, what: &str, instead: &s
 
 /// How much of its volume the tetrahedra of a cell may miss, as a share of the mean.
 const FILLED: f64 = 1e-9;
+
+/// Cells that one task looks at.
+const CELLS_AT_ONCE: usize = 256;
 
 /// What a cell consists of in a `.vtu`. Tetrahedra for all would be read by all, meshio too, but are 43 a cell: some 80 MB for 20,000 white cells,
 /// against 26, and a picture of edges shows theirs.
@@ -167,7 +172,7 @@ impl Cells<'_> {
 
     /// Of each site whether its cell can stand as a polyhedron.
     fn find_polyhedra(&self) -> Result<Vec<bool>> {
-        let is_one = |polyhedra: &mut Polyhedra, i: usize| {
+        let is_one = |polyhedra: &mut Polyhedra, i: usize| -> Result<bool> {
             self.observer.tell(0)?;
             let faces = self.geometry.faces(i);
             let mut solids = self.geometry.solids(i);
@@ -175,7 +180,12 @@ impl Cells<'_> {
             let meets_surface = faces.clone().any(|face| matches!(face.beyond, Beyond::Surface(_)));
             Ok(is_itself && !meets_surface && polyhedra.keeps(self.geometry.points(), faces))
         };
-        (0..self.geometry.sites()).into_par_iter().map_init(Polyhedra::default, is_one).collect()
+        let some = |range: Range<usize>| -> Result<Vec<bool>> {
+            let mut polyhedra = Polyhedra::default();
+            range.map(|i| is_one(&mut polyhedra, i)).collect()
+        };
+        let all: Result<Vec<_>> = parallel::chunks(self.geometry.sites(), CELLS_AT_ONCE, some).into_iter().collect();
+        Ok(all?.concat())
     }
 
     /// The solids of the cell of site `i`.
@@ -219,8 +229,8 @@ impl Cells<'_> {
                 ))
             })
         };
-        let sites = (0..self.geometry.sites()).into_par_iter().filter(|&i| !self.polyhedra[i]);
-        sites.find_map_first(failed).map_or(Ok(()), Err)
+        let first = |range: Range<usize>| range.filter(|&i| !self.polyhedra[i]).find_map(failed).map_or(Ok(()), Err);
+        parallel::chunks(self.geometry.sites(), CELLS_AT_ONCE, first).into_iter().collect()
     }
 
     /// The volume of a tetrahedron, of which the triangle is counterclockwise from outside.

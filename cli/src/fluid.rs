@@ -81,9 +81,14 @@ pub(crate) struct FluidArgs {
     #[arg(long, value_name = "KIND,…", value_delimiter = ',', default_values = ["png"], requires = "out_dir")]
     frames: Vec<FrameKind>,
 
-    /// Where to write a film of the slices: .gif
+    /// Where to write a film of the slices: .gif. Colours are densities, lighter where a particle is fast; where there is one density, they are speeds,
+    /// dark at rest and bright from 1 on
     #[arg(long, value_name = "FILE")]
     film: Option<PathBuf>,
+
+    /// Width of the slices, those of the film and of the .png, in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 480, value_parser = clap::value_parser!(u32).range(64..=3000))]
+    width: u32,
 
     /// Where to write a page that shows the cells in 3D over time, for any browser, all in the one file: .html, or - for standard output.
     /// Where there are many frames, some of them, so that the page has no more than 200,000 cells in all; each is computed once more for it
@@ -152,8 +157,7 @@ fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
         note(&format!("{} is at step {first} already; give --steps beyond that to go on", path.display()));
     }
     let resumed = args.resume.as_ref().map(|_| first);
-    let mut frames =
-        Frames::new(args.out_dir.as_deref(), &args.frames, args.film.as_deref(), scene, &container, resumed)?;
+    let mut frames = Frames::new(args, scene, &container, resumed)?;
     // Until now there was nothing to lose.
     end_well_when_interrupted();
     frames.add(&fluid, args.resume.is_none())?;

@@ -6,9 +6,12 @@ use crate::cell::{CellStore, CellSums, FACET_SECOND_MOMENTS, FacetSecond, TAG_BO
 use crate::diagram::FramedContainer;
 use crate::frame::Frame;
 use crate::geometry::Geometry;
+use crate::parallel;
 use crate::request::Request;
+use crate::summation::CHUNK;
 use crate::{Boundary, CellStatus, Error, FacetArrays, Facets, Laplacian, Output, OutputArrays, Report, Result};
-use rayon::prelude::*;
+use rayon::iter::{ParallelIterator, repeat_n};
+use std::ops::Range;
 
 /// One facet of a finished cell, in the frame of its site. Devices write the same.
 #[repr(C)]
@@ -126,7 +129,7 @@ impl<'a> Assembler<'a> {
             status: vec![CellStatus::Empty; n],
             volume: vec![0.0; n],
             // (Written on all threads: no memory that comes as zeros.)
-            barycenter: rayon::iter::repeat_n([f64::NAN; 3], n).collect(),
+            barycenter: repeat_n([f64::NAN; 3], n).collect(),
             second_moment: request.second_moments().then(|| vec![[0.0; 6]; n]),
             integral: request.integral().map(|f| vec![0.0; n * f.columns()]),
             ..OutputArrays::default()
@@ -213,29 +216,32 @@ impl<'a> Assembler<'a> {
             let (status, sums) = cell(i).filter(|(status, _)| *status != CellStatus::Empty)?;
             Some((status, finish(frame, *density, positions[i], &sums)))
         };
-        let columns = output.status.par_iter_mut().zip(&mut output.volume).zip(&mut output.barycenter);
-        columns.enumerate().for_each(|(i, ((status, volume), barycenter))| {
-            if let Some((how, cell)) = finished(i) {
-                (*status, *volume, *barycenter) = (how, cell.volume, cell.barycenter);
+        let columns = output.status.chunks_mut(CHUNK).zip(output.volume.chunks_mut(CHUNK));
+        let columns = columns.zip(output.barycenter.chunks_mut(CHUNK));
+        parallel::each(columns, |chunk, ((status, volume), barycenter)| {
+            for k in 0..status.len() {
+                if let Some((how, cell)) = finished(chunk * CHUNK + k) {
+                    (status[k], volume[k], barycenter[k]) = (how, cell.volume, cell.barycenter);
+                }
             }
         });
         if let Some(second) = &mut output.second_moment {
-            let set = |(i, second): (usize, &mut [f64; 6])| {
+            let set = |i: usize, second: &mut [f64; 6]| {
                 finished(i).into_iter().for_each(|(_, cell)| *second = cell.second_moment);
             };
-            second.par_iter_mut().enumerate().for_each(set);
+            parallel::for_each(second, CHUNK, set);
         }
         if let Some(integral) = &mut output.integral {
-            let set = |(i, integral): (usize, &mut f64)| {
+            let set = |i: usize, integral: &mut f64| {
                 finished(i).into_iter().for_each(|(_, cell)| *integral = cell.integral);
             };
-            integral.par_iter_mut().enumerate().for_each(set);
+            parallel::for_each(integral, CHUNK, set);
         }
         if let Some(boundary) = boundary {
-            let set = |(i, boundary): (usize, &mut Boundary)| {
+            let set = |i: usize, boundary: &mut Boundary| {
                 finished(i).into_iter().for_each(|(_, cell)| *boundary = cell.boundary);
             };
-            boundary.par_iter_mut().enumerate().for_each(set);
+            parallel::for_each(boundary, CHUNK, set);
         }
     }
 
@@ -343,7 +349,7 @@ fn facet_arrays<'b>(
     row_of: &(impl Fn(usize) -> &'b [FacetRecord] + Sync),
 ) -> FacetArrays {
     let mut offsets = vec![0; positions.len() + 1];
-    offsets[1..].par_iter_mut().enumerate().for_each(|(i, count)| *count = row_of(i).len());
+    parallel::for_each(&mut offsets[1..], CHUNK, |i, count| *count = row_of(i).len());
     let mut total = 0;
     for end in &mut offsets {
         total += *end;
@@ -351,8 +357,7 @@ fn facet_arrays<'b>(
     }
     let mut list = FacetArrays {
         offsets,
-        // Not zeros to the allocator, as the others are: written on all threads.
-        neighbor: rayon::iter::repeat_n(0, total).collect(),
+        neighbor: vec![0; total],
         area: vec![0.0; total],
         barycenter: vec![[0.0; 3]; total],
         distance: vec![0.0; total],
@@ -374,10 +379,10 @@ fn facet_arrays<'b>(
         );
         parts.push((first..last, columns));
     }
-    parts.into_par_iter().for_each(|(sites, (neighbor, area, barycenter, distance))| {
+    parallel::each(parts, |_, (sites, (neighbor, area, barycenter, distance))| {
         let mut row: Vec<FacetRecord> = Vec::new();
         let mut next = 0;
-        for i in sites {
+        for i in sites.clone() {
             row.clear();
             row.extend_from_slice(row_of(i));
             row.sort_unstable_by_key(|facet| facet.neighbor);
@@ -404,12 +409,16 @@ fn facet_seconds<'b>(
     row_of: &(impl Fn(usize) -> Row<'b> + Sync),
 ) -> Vec<[f64; 6]> {
     let unit = density * frame.unit().powi(4);
-    let row_in_order = |i: usize| {
-        let Row { records, seconds } = row_of(i);
-        let mut row: Vec<_> = records.iter().map(|facet| facet.neighbor).zip(seconds).collect();
-        row.sort_unstable_by_key(|(neighbor, _)| *neighbor);
-        row.into_iter()
-            .map(|(_, FacetSecond { diagonal: d, mixed: m })| [d.x, d.y, d.z, m.x, m.y, m.z].map(|entry| entry * unit))
+    let rows_in_order = |range: Range<usize>| {
+        let mut all: Vec<[f64; 6]> = Vec::new();
+        for i in range {
+            let Row { records, seconds } = row_of(i);
+            let mut row: Vec<_> = records.iter().map(|facet| facet.neighbor).zip(seconds).collect();
+            row.sort_unstable_by_key(|(neighbor, _)| *neighbor);
+            let of_facet = |FacetSecond { diagonal: d, mixed: m }: FacetSecond| [d.x, d.y, d.z, m.x, m.y, m.z];
+            all.extend(row.into_iter().map(|(_, second)| of_facet(*second).map(|entry| entry * unit)));
+        }
+        all
     };
-    (0..sites).into_par_iter().flat_map_iter(row_in_order).collect()
+    parallel::chunks(sites, ROWS_AT_ONCE, rows_in_order).concat()
 }

@@ -3,12 +3,16 @@
 
 use crate::cell::{self, CellSums, PlainStore, Polytope};
 use crate::diagram::Prepared;
+use crate::parallel;
 use crate::request::Request;
 use crate::search::Search;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// The share of the cells that capacities are proposed for (paper §6.1).
 pub const PROPOSED_SHARE: f64 = 0.95;
+
+/// Cells that one task counts.
+const AT_ONCE: usize = 64;
 
 /// Half-spaces of the box that a cell begins as.
 const BOX_PLANES: u32 = 6;
@@ -31,8 +35,11 @@ pub struct CellCounts {
 
 /// The counts of some sorted sites of a diagram, in their order, on the calling thread's pool. `K` is that of the search on the host.
 pub fn count_cells(prepared: &Prepared, request: &Request, sites: &[u32]) -> Vec<CellCounts> {
-    let new_search = || Search::new(prepared);
-    sites.par_iter().map_init(new_search, |search, &site| count_cell(search, prepared, request, site)).collect()
+    let count = |range: Range<usize>| -> Vec<CellCounts> {
+        let mut search = Search::new(prepared);
+        sites[range].iter().map(|&site| count_cell(&mut search, prepared, request, site)).collect()
+    };
+    parallel::chunks(sites.len(), AT_ONCE, count).concat()
 }
 
 /// For each count the least number that the given share (0 to 1) of the cells is content with; zeros where there is no cell.

@@ -1,16 +1,15 @@
 //! Sites, weights and the container they are restricted to.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::sync::Arc;
-
-use rayon::prelude::*;
 
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
 use crate::power_octree::PowerOctree;
 use crate::site_tree::SiteTree;
 use crate::summation::CHUNK;
-use crate::{Domain, Error, Result, memory};
+use crate::{Domain, Error, Result, memory, parallel};
 
 /// Largest coordinate magnitude that is accepted (its fifth power, a second moment, is still a number), and the inverse of the smallest extent of a container.
 pub const LARGEST_COORDINATE: f64 = 1e60;
@@ -182,8 +181,9 @@ impl PowerDiagram {
     pub fn prepare(&self) -> Result<Prepared> {
         let container = self.framed_container()?;
         self.check_range(&container)?;
-        let positions: Vec<[f64; 3]> = self.positions.par_iter().map(|&p| container.frame.enter(p)).collect();
-        let weights: Vec<f64> = self.weights.par_iter().map(|&w| container.frame.enter_weight(w)).collect();
+        let frame = &container.frame;
+        let positions = parallel::map(self.positions.len(), CHUNK, |i| frame.enter(self.positions[i]));
+        let weights = parallel::map(self.weights.len(), CHUNK, |i| frame.enter_weight(self.weights[i]));
         Ok(Prepared { container, sites: SiteTree::new(&positions, &weights), octree: None })
     }
 
@@ -307,10 +307,11 @@ fn check_sites(positions: &[[f64; 3]], weights: &[f64]) -> Result<()> {
 
 /// The first that is as asked for, looked for on all threads of a pool if this is one of them. (None is begun for it: one that is shared has no threads
 /// after a `fork`.)
-fn first<T: Sync>(all: &[T], is: impl Fn(&T) -> bool + Sync + Send) -> Option<usize> {
+fn first<T: Sync>(all: &[T], is: impl Fn(&T) -> bool + Sync) -> Option<usize> {
+    let of_range = |mut range: Range<usize>| range.find(|&i| is(&all[i]));
     match rayon::current_thread_index() {
-        Some(_) => all.par_iter().with_min_len(CHUNK).position_first(is),
-        None => all.iter().position(is),
+        Some(_) => parallel::chunks(all.len(), CHUNK, of_range).into_iter().flatten().next(),
+        None => of_range(0..all.len()),
     }
 }
 

@@ -26,6 +26,7 @@ pub mod narrow;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
 pub mod output;
+pub mod parallel;
 pub mod passes;
 pub mod power_octree;
 pub mod request;

@@ -19,9 +19,10 @@ use crate::cell::octree::{FEW_LISTED, OCTREE_MARGIN, middle_of, part_hi, part_lo
 use crate::cell::search_store::{HAS_PARTS, OctreeNode, OctreeStore, UNLISTED};
 use crate::cell::tree::octree_box_at;
 use crate::cell::{V3, v3};
+use crate::parallel;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
+use crate::summation::CHUNK;
 use lists::{OnHost, least_at, powers_at};
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A box is split so often at most.
@@ -129,7 +130,7 @@ impl OctreeBoxes {
             };
             octree.middles.resize(octree.middles.len() + counts.len(), [0.0; 3]);
             let middles = octree.middles[octree.nodes.len()..].as_chunks_mut::<WIDTH>().0;
-            middles.par_iter_mut().zip(&boxes).for_each(|(middles, whole)| *middles = middles_of_parts(whole));
+            parallel::for_each(middles, CHUNK, |i, middles| *middles = middles_of_parts(&boxes[i]));
             let (mut next_boxes, mut next_front) = (Vec::new(), Vec::new());
             let mut places = Vec::with_capacity(counts.len());
             octree.nodes.reserve(counts.len());
@@ -266,8 +267,9 @@ impl PowerOctree {
     /// Finds for each site the box in whose middle its power exceeds the least by the shortest way to their bisector.
     fn find_homes(&mut self, tree: &SiteTree) {
         let homes: Vec<AtomicU64> = (0..tree.len().div_ceil(WIDTH) * WIDTH).map(|_| AtomicU64::new(u64::MAX)).collect();
-        self.boxes.nodes.par_iter().zip(&self.boxes.middles).enumerate().for_each(|(node, (its, middle))| {
-            let (leaves, middle) = (self.leaves_of(*its), of_array(middle.map(f64::from)));
+        parallel::tasks(self.boxes.nodes.len(), &|node| {
+            let leaves = self.leaves_of(self.boxes.nodes[node]);
+            let middle = of_array(self.boxes.middles[node].map(f64::from));
             let Some(first) = least_at(tree, [middle], leaves).first().copied().filter(|_| !leaves.is_empty()) else {
                 return;
             };

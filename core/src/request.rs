@@ -61,12 +61,16 @@ impl Request {
 
     /// Also the geometry of the restricted cells as polygons. The CPU makes it in the pass that integrates, at about the cost of
     /// facets where cells have few triangles of the domain in them; what other backends compute the host then computes once more, for this alone.
+    ///
+    /// Not in a domain that has a density, which evaluations refuse: faces stand as often as the winding number says, and there that is the density,
+    /// as a multiple of a unit, of up to 2²⁸.
     #[must_use]
     pub fn with_geometry(self) -> Self {
         Self { geometry: true, ..self }
     }
 
-    /// Also the geometry, as [`Request::with_geometry`] does, and every cell that is not convex as convex solids.
+    /// Also the geometry, as [`Request::with_geometry`] does, and every cell that is not convex as convex solids; where
+    /// the winding number is negative, they are turned inside out.
     #[must_use]
     pub fn with_solids(self) -> Self {
         Self { geometry: true, solids: true, ..self }

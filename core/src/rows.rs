@@ -1,6 +1,6 @@
 //! Sparse rows, made on all threads to the same bits for every number of them.
 
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Rows that one thread takes at a time.
 const CHUNK: usize = 4096;
@@ -14,18 +14,15 @@ pub fn gather<S>(
     scratch: impl Fn() -> S + Sync,
     row: impl Fn(usize, &mut S, &mut Vec<u32>, &mut Vec<f64>) + Sync,
 ) -> Rows {
-    let parts: Vec<_> = (0..rows.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let mut scratch = scratch();
-            let (mut ends, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-            for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
-                row(i, &mut scratch, &mut columns, &mut values);
-                ends.push(columns.len());
-            }
-            (ends, columns, values)
-        })
-        .collect();
+    let parts = parallel::chunks(rows, CHUNK, |range| {
+        let mut scratch = scratch();
+        let (mut ends, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        for i in range {
+            row(i, &mut scratch, &mut columns, &mut values);
+            ends.push(columns.len());
+        }
+        (ends, columns, values)
+    });
     let mut offsets = Vec::with_capacity(rows + 1);
     let mut entries = 0;
     offsets.push(0);
@@ -44,7 +41,7 @@ fn joined<'a, T: Copy + Default + Send + Sync + 'a>(parts: impl Iterator<Item = 
     for part in parts {
         places.push((rest.split_off_mut(..part.len()).unwrap_or_default(), part));
     }
-    places.into_par_iter().for_each(|(place, part)| place.copy_from_slice(part));
+    parallel::each(places, |_, (place, part)| place.copy_from_slice(part));
     whole
 }
 

@@ -2,7 +2,8 @@
 
 mod totals;
 
-use rayon::prelude::*;
+use crate::parallel;
+use crate::summation::CHUNK;
 pub use totals::{Totals, relative_deviation};
 
 use crate::{Backend, CellStatus, ErrorKind, Output, PowerDiagram, Request, Result};
@@ -204,10 +205,9 @@ impl<'a> Session<'a> {
     /// As [`Session::move_to_barycenters`].
     pub fn move_to_barycenters_in(&mut self, accept: &(dyn Fn([f64; 3]) -> bool + Sync)) -> Result<()> {
         let (diagram, output) = self.read()?;
-        let sites = diagram.positions().par_iter().zip(output.barycenter()).zip(output.status());
-        let moved =
-            sites.map(|((&old, &new), &status)| if status != CellStatus::Empty && accept(new) { new } else { old });
-        let moved = moved.collect();
+        let (sites, centers, status) = (diagram.positions(), output.barycenter(), output.status());
+        let is_to_move = |i: usize| status[i] != CellStatus::Empty && accept(centers[i]);
+        let moved = parallel::map(sites.len(), CHUNK, |i| if is_to_move(i) { centers[i] } else { sites[i] });
         self.set_sites(moved, None)
     }
 

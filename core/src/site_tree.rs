@@ -9,6 +9,8 @@ mod slope;
 use crate::cell::V3;
 use crate::cell::node::{MOST_SAMPLED, NodeSource, box_of_node, slab_of_node, weights_of_node};
 use crate::cell::search_store::{NodeBox, NodeSlab, NodeWeights};
+use crate::parallel;
+use crate::summation::CHUNK;
 pub use hilbert::TURNS;
 use hilbert::curve_order;
 use rayon::prelude::*;
@@ -61,6 +63,9 @@ pub struct Slabs<Real = f64> {
     /// Largest weight, less the base.
     pub largest_weight: [Real; WIDTH],
 }
+
+/// Blocks of the tree that one task makes.
+const BLOCKS_AT_ONCE: usize = 16;
 
 /// Eight consecutive sites, coordinate by coordinate.
 #[repr(C)]
@@ -131,8 +136,8 @@ impl SiteTree {
         let weight = |i: u32| weights.get(i as usize).copied().unwrap_or(0.0);
         let mut order = curve_order(positions, &weight);
         let mut coincident = Vec::new();
-        let is_second = |pair: &[u32]| positions[pair[0] as usize] == positions[pair[1] as usize];
-        if order.par_windows(2).any(is_second) {
+        let is_second = |k: usize| k > 0 && positions[order[k - 1] as usize] == positions[order[k] as usize];
+        if parallel::chunks(order.len(), CHUNK, |mut range| range.any(is_second)).contains(&true) {
             let mut last = None;
             order.retain(|&i| {
                 let place = positions[i as usize];
@@ -144,15 +149,15 @@ impl SiteTree {
                 is_first
             });
         }
-        let site = |&i: &u32| {
+        let site = |i: u32| {
             let [x, y, z] = positions[i as usize];
             [x, y, z, weight(i)]
         };
-        let sites: Vec<[f64; 4]> = order.par_iter().map(site).collect();
+        let sites: Vec<[f64; 4]> = parallel::map(order.len(), CHUNK, |k| site(order[k]));
         let fold = |start: f64, pick: fn(f64, f64) -> f64| sites.iter().fold(start, |w, site| pick(w, site[3]));
         let (base_weight, largest_weight) = (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max));
         let mut tree = Self {
-            leaves: sites.par_chunks(WIDTH).map(Leaf::of).collect(),
+            leaves: leaves_of(&sites),
             order,
             coincident,
             boxes: Vec::new(),
@@ -176,7 +181,7 @@ impl SiteTree {
             coincident.extend((0..total as u32).filter(|&i| !is_there[i as usize]));
         }
         Self {
-            leaves: sites.par_chunks(WIDTH).map(Leaf::of).collect(),
+            leaves: leaves_of(&sites),
             levels: level_begins(sites.len()),
             order,
             coincident,
@@ -351,14 +356,20 @@ impl SiteTree {
                 }
                 (boxes, slabs, has_weights.then_some(weights))
             };
-            let built: Vec<(Boxes, Slabs, Option<WeightBounds>)> = (0..blocks).into_par_iter().map(block).collect();
-            for (boxes, slabs, weights) in built {
+            let built = parallel::chunks(blocks, BLOCKS_AT_ONCE, |range| range.map(block).collect::<Vec<_>>());
+            for (boxes, slabs, weights) in built.into_iter().flatten() {
                 self.boxes.push(boxes);
                 self.slabs.push(slabs);
                 self.weights.extend(weights);
             }
         }
     }
+}
+
+/// The sites eight by eight.
+fn leaves_of(sites: &[[f64; 4]]) -> Vec<Leaf> {
+    // (Leaves of nothing would be written by one thread beforehand, a fifth of a kilobyte each.)
+    sites.par_chunks(WIDTH).map(Leaf::of).collect()
 }
 
 /// A node whose bounds are found.

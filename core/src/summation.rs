@@ -3,14 +3,14 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Terms that one thread adds up at a time. Fixed: the order of sums depends on it.
 pub const CHUNK: usize = 4096;
 
 /// What `part` makes of each chunk of the numbers below `n`, in their order.
 pub fn chunks<T: Send>(n: usize, part: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
-    (0..n.div_ceil(CHUNK)).into_par_iter().map(|chunk| part(chunk * CHUNK..n.min((chunk + 1) * CHUNK))).collect()
+    parallel::chunks(n, CHUNK, part)
 }
 
 /// A running sum with Neumaier's compensation: the error of `n` terms is about one rounding of the result plus

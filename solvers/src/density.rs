@@ -2,10 +2,10 @@
 
 mod function;
 
+use crate::vectors::map;
 use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, Facets, Integrand, Observer, Output, PowerDiagram, Request, Result};
-use rayon::prelude::*;
 
 use function::COLUMNS;
 pub use function::{Function, Gaussian, is_of_density};
@@ -163,7 +163,7 @@ impl Density {
             let facet = facets.get(k);
             self.at(facet.barycenter) * facet.area
         };
-        Ok((0..facets.len()).into_par_iter().map(mass).collect())
+        Ok(map(facets.len(), mass))
     }
 
     /// The centre of mass of each cell of `diagram`, NaN where it is empty. `None` where the density is not uniform and `output` is not of

@@ -14,9 +14,12 @@
 
 use crate::density::Density;
 use crate::vectors::{for_each, inner};
+use laguerre_core::parallel;
 use laguerre_core::{CellStatus, Error, Facet, Facets, Output, PowerDiagram, Request, Result};
-use rayon::prelude::*;
 use std::ops::Deref;
+
+/// Rows that one task makes.
+const ROWS_AT_ONCE: usize = 256;
 
 /// Sparse rows, one for each cell, of blocks of `N` numbers: those of row `i` are `offsets[i]..offsets[i + 1]`, sorted by column. A row has its
 /// neighbours' columns and its own; that of an empty cell has none. (`values.as_flattened()` are the numbers alone.)
@@ -259,7 +262,8 @@ impl<'a> Derivatives<'a> {
             row.insert(place, (i as u32, own));
             row
         };
-        let rows: Vec<Vec<(u32, [f64; N])>> = (0..self.positions.len()).into_par_iter().map(row).collect();
+        let chunks = parallel::chunks(self.positions.len(), ROWS_AT_ONCE, |range| range.map(row).collect::<Vec<_>>());
+        let rows = chunks.concat();
         let mut made = Rows { offsets: Vec::with_capacity(rows.len() + 1), columns: Vec::new(), values: Vec::new() };
         made.offsets.push(0);
         for row in rows {

@@ -17,11 +17,10 @@ mod lbfgs;
 
 pub use laguerre_core::session::relative_deviation;
 use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result, Session, Totals};
-use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 use crate::density::{Density, is_of_density};
-use crate::vectors::dot;
+use crate::vectors::{dot, map};
 use descent::{Descent, OfDensity, State};
 use lbfgs::Memory;
 
@@ -223,12 +222,11 @@ pub fn gradient(diagram: &PowerDiagram, output: &Output) -> Vec<[f64; 3]> {
 
 /// The same of masses and their barycenters; zero where the mass is.
 fn gradient_of(diagram: &PowerDiagram, masses: &[f64], centers: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let cells = diagram.positions().par_iter().zip(masses).zip(centers);
-    let slope = |((&p, &mass), &center)| match mass {
+    let sites = diagram.positions();
+    map(sites.len(), |i| match masses[i] {
         0.0 => [0.0; 3],
-        _ => minus(p, center).map(|x| 2.0 * mass * x),
-    };
-    cells.map(slope).collect()
+        mass => minus(sites[i], centers[i]).map(|x| 2.0 * mass * x),
+    })
 }
 
 /// A step that lowers the energy by less than this share of what the slope promises is too long (Armijo's rule, with Liu et al.'s number).
@@ -252,8 +250,7 @@ fn descend(descent: &mut Descent<'_>, here: &State, memory: &mut Memory) -> Resu
     }
     let mut step = 1.0;
     for _ in 0..MOST_TRIES {
-        let along = |(p, d): (&[f64; 3], &[f64; 3])| std::array::from_fn(|k| p[k] + step * d[k]);
-        let moved = start.par_iter().zip(&direction).map(along).collect();
+        let moved = map(start.len(), |i| std::array::from_fn(|k| start[i][k] + step * direction[i][k]));
         if descent.set_sites(moved).is_err() {
             // Some site is out of all range.
             step *= SHORTEN[0];
@@ -286,7 +283,7 @@ fn descend(descent: &mut Descent<'_>, here: &State, memory: &mut Memory) -> Resu
 }
 
 fn differences(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    a.par_iter().zip(b).map(|(&a, &b)| minus(a, b)).collect()
+    map(a.len(), |i| minus(a[i], b[i]))
 }
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

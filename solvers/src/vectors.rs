@@ -1,17 +1,29 @@
 //! Vectors on all threads, to the same bits for every number of them: each entry of a result is computed by one thread, and sums go over
 //! chunks of a fixed length. And what single points need.
 
+use laguerre_core::parallel;
 pub(crate) use laguerre_core::summation::CHUNK;
 use laguerre_core::summation::chunks;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// Calls `f` with each entry and its index.
 pub(crate) fn for_each<T: Send>(x: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
-    x.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, part)| {
-        for (k, x) in part.iter_mut().enumerate() {
-            f(chunk * CHUNK + k, x);
-        }
-    });
+    parallel::for_each(x, CHUNK, f);
+}
+
+/// `f(i)` for i below `n`.
+pub(crate) fn map<T: Send + Clone + Default>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    parallel::map(n, CHUNK, f)
+}
+
+/// Whether `is(i)` for some i below `n`.
+pub(crate) fn any(n: usize, is: impl Fn(usize) -> bool + Sync) -> bool {
+    chunks(n, |mut part: Range<usize>| part.any(&is)).contains(&true)
+}
+
+/// The largest of `f(i)` for i below `n`, and of 0.
+pub(crate) fn largest(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    chunks(n, |part| part.map(&f).fold(0.0, f64::max)).into_iter().fold(0.0, f64::max)
 }
 
 /// `Σ f(i)` for i below `n`.

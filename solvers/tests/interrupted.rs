@@ -3,9 +3,11 @@
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use laguerre_core::diagram::Container;
 use laguerre_core::{Backend, BackendInfo, ErrorKind, Observer, Output, PowerDiagram, Request, Result};
 use laguerre_cpu::Cpu;
 use laguerre_solvers::density::Density;
+use laguerre_solvers::fluid::{Fluid, Scene, lattice};
 use laguerre_solvers::lloyd::{self, Method, relax};
 use laguerre_solvers::transport::{self, End, solve};
 
@@ -146,4 +148,31 @@ fn a_transport_that_stalled_is_not_lost_where_it_is_asked_why() {
     let diagrams = usize::MAX - never.left.load(Ordering::Relaxed);
     let found = solve(&Interrupted::after(diagrams - 1), &mut crowded(), &[], &options, &mut |_| Continue(())).unwrap();
     assert_eq!((found.end, found.weights), (End::Interrupted, whole.weights));
+}
+
+#[test]
+fn a_fluid_keeps_its_last_step() {
+    let (scene, extent) = (Scene::TaylorGreen, Scene::TaylorGreen.extent().unwrap());
+    let centers = lattice(extent, 64);
+    let densities = scene.densities(&centers, [0.0; 3], extent);
+    let settings = scene.settings(&densities, [0.0; 3], extent, 0.25, None);
+    let begin = |backend: &dyn Backend| {
+        let start = scene.start(&centers, densities.clone(), &settings);
+        Fluid::new(backend, &Container::Box([0.0; 3], extent), start, settings).unwrap()
+    };
+    let never = Interrupted::after(usize::MAX);
+    let mut whole = begin(&never);
+    let first = never.left.load(Ordering::Relaxed);
+    whole.step(&never).unwrap();
+    let diagrams = first - never.left.load(Ordering::Relaxed);
+    assert!(diagrams > 1);
+    for count in 0..diagrams {
+        let mut fluid = begin(&never);
+        let before = fluid.state().clone();
+        let error = fluid.step(&Interrupted::after(count)).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Interrupted);
+        assert_eq!(*fluid.state(), before);
+        fluid.step(&never).unwrap();
+        assert_eq!(fluid.state(), whole.state(), "ended after {count} of {diagrams} diagrams, and gone on");
+    }
 }

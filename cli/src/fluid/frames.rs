@@ -11,8 +11,8 @@ use laguerre::solvers::fluid::{Fluid, Scene, State};
 use laguerre::{Domain, Error, ErrorKind, Result, io};
 use tiny_skia::Pixmap;
 
-use super::extents;
 use super::series::Series;
+use super::{FluidArgs, extents};
 use crate::picture::{mixed, paint, save};
 use crate::slice::SlicePlane;
 
@@ -27,8 +27,6 @@ pub(super) enum FrameKind {
     Png,
 }
 
-/// Width of the pictures in pixels.
-const WIDTH: u32 = 480;
 /// Where along z the slice is: not in the middle, where cells of a lattice meet.
 const SLICE_AT: f64 = 0.46;
 /// Hundredths of a second that a frame of the film is seen.
@@ -54,6 +52,8 @@ pub(super) struct Frames {
     /// What pictures show the outline of.
     domain: Domain,
     plane: SlicePlane,
+    /// Of pictures, in pixels.
+    width: u32,
     film: Option<Film>,
     /// The times of the frames that are `.vtu`, where there are any.
     series: Option<Series>,
@@ -69,14 +69,8 @@ impl Frames {
     ///
     /// # Errors
     /// `Io` where it cannot.
-    pub(super) fn new(
-        folder: Option<&Path>,
-        kinds: &[FrameKind],
-        film: Option<&Path>,
-        scene: Scene,
-        container: &Container,
-        resumed: Option<u64>,
-    ) -> Result<Self> {
+    pub(super) fn new(args: &FluidArgs, scene: Scene, container: &Container, resumed: Option<u64>) -> Result<Self> {
+        let folder = args.out_dir.as_deref();
         if let Some(folder) = folder {
             let failed = |e| Error::new(ErrorKind::Io, format!("{}: cannot make this folder: {e}", folder.display()));
             fs::create_dir_all(folder).map_err(failed)?;
@@ -87,15 +81,16 @@ impl Frames {
             Container::Box(..) => cuboid(lo, hi)?,
         };
         let origin = [0.0, 0.0, lo[2] + SLICE_AT * (hi[2] - lo[2])];
-        let has_series = kinds.contains(&FrameKind::Vtu);
+        let has_series = args.frames.contains(&FrameKind::Vtu);
         Ok(Self {
             series: folder.filter(|_| has_series).map(|folder| Series::new(folder, resumed)),
             folder: folder.map(Path::to_path_buf),
-            kinds: kinds.to_vec(),
+            kinds: args.frames.clone(),
             scene,
             domain,
             plane: SlicePlane { origin, u: [1.0, 0.0, 0.0], v: [0.0, 1.0, 0.0] },
-            film: film.map(|path| Film { path: path.to_path_buf(), encoder: None }),
+            width: args.width,
+            film: args.film.clone().map(|path| Film { path, encoder: None }),
         })
     }
 
@@ -107,7 +102,7 @@ impl Frames {
         let folder = self.folder.as_ref().filter(|_| in_folder);
         let is_drawn = self.film.is_some() || (folder.is_some() && self.kinds.contains(&FrameKind::Png));
         let picture = is_drawn
-            .then(|| paint(&self.domain, fluid.diagram(), &colors(self.scene, fluid), &self.plane, WIDTH))
+            .then(|| paint(&self.domain, fluid.diagram(), &colors(self.scene, fluid), &self.plane, self.width))
             .transpose()?;
         if let Some(folder) = folder {
             let State { steps, time, .. } = *fluid.state();
@@ -143,7 +138,7 @@ impl Frames {
 
 impl Film {
     fn add(&mut self, picture: &Pixmap) -> std::result::Result<(), gif::EncodingError> {
-        // The slice of one container is always of one size, far below the 65,535 pixels of the format.
+        // The slice of one container is always of one size, no more than 20 times as high as it is wide: fewer than 65,536 pixels.
         let [width, height] = [picture.width(), picture.height()].map(|x| u16::try_from(x).unwrap_or(u16::MAX));
         let encoder = match &mut self.encoder {
             Some(encoder) => encoder,

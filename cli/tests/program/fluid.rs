@@ -31,6 +31,8 @@ fn a_scene_flows_and_is_filmed() {
         "vtu,ply,png",
         "--film",
         "film.gif",
+        "--width",
+        "200",
     ];
     let found = report(folder.path(), &args);
     assert_eq!((&found["scene"], &found["steps"]), (&"rayleigh-taylor".into(), &4.into()));
@@ -67,7 +69,7 @@ fn a_scene_flows_and_is_filmed() {
     while film.read_next_frame().unwrap().is_some() {
         frames += 1;
     }
-    assert_eq!((frames, film.width()), (3, 480));
+    assert_eq!((frames, film.width()), (3, 200));
 }
 
 #[test]

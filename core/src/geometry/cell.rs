@@ -107,9 +107,9 @@ impl Cell {
         self.pieces.is_empty() && self.windings.iter().all(|&w| w == 1)
     }
 
-    /// Whether no vertex is within the domain other than once.
-    pub(super) fn is_once(&self) -> bool {
-        self.windings.iter().all(|w| (0..=1).contains(w))
+    /// Whether no vertex is within the domain more than once, either way.
+    pub(super) fn is_at_most_once(&self) -> bool {
+        self.windings.iter().all(|w| (-1..=1).contains(w))
     }
 
     /// The vertices and edges of the clipped cell.

@@ -3,8 +3,7 @@
 use super::{Geometry, GeometryAssembler, Shaper, Shapes};
 use crate::cell::{self, CellSums, PlainStore};
 use crate::search::Search;
-use crate::{CellStatus, Error, PowerDiagram, Result, Watched};
-use rayon::prelude::*;
+use crate::{CellStatus, Error, PowerDiagram, Result, Watched, parallel};
 
 /// Cells that one task computes, and those that are computed before they are put together.
 const CHUNK: usize = 256;
@@ -24,8 +23,9 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStat
     let mut geometry = GeometryAssembler::new(diagram.positions().len(), frame, request.solids());
     let all: Vec<u32> = (0..prepared.sites.len() as u32).collect();
     for wave in all.chunks(WAVE) {
-        let compute = |(search, shaper): &mut (Search<'_>, Shaper), chunk: &[u32]| {
-            let mut shapes = Shapes::default();
+        let compute = |chunk: &[u32]| {
+            let (mut search, mut shaper, mut shapes) =
+                (Search::new(&prepared), Shaper::new(request.solids()), Shapes::default());
             let is_empty = |site: u32| status.get(order[site as usize] as usize) == Some(&CellStatus::Empty);
             for &site in chunk.iter().filter(|&&site| !is_empty(site)) {
                 let [x, y, z, _] = prepared.sites.site(site);
@@ -46,8 +46,7 @@ pub fn on_host(diagram: &PowerDiagram, request: &Watched<'_>, status: &[CellStat
             request.advance(0)?;
             Ok(shapes)
         };
-        let rooms = || (Search::new(&prepared), Shaper::new(request.solids()));
-        let made: Vec<Result<Shapes>> = wave.par_chunks(CHUNK).map_init(rooms, compute).collect();
+        let made: Vec<Result<Shapes>> = parallel::chunks(wave.len(), CHUNK, |range| compute(&wave[range]));
         for shapes in made {
             geometry.add(&shapes?);
         }

@@ -85,8 +85,8 @@ impl Geometry {
         self.has_solids
     }
 
-    /// The cell of site `i` as convex solids: itself where it is convex, else pyramids, or larger ones where those would not do. None where
-    /// solids were not asked for.
+    /// The cell of site `i` as convex solids: itself where it is convex, else pyramids, or larger ones where those would not do. They stand as often as
+    /// the winding number says, turned inside out where it is negative. None where solids were not asked for.
     ///
     /// # Panics
     /// Where there is no such site.

@@ -1,5 +1,7 @@
 //! A cell that is not convex as convex solids, which is what most programs take a polyhedron for (VTK's volumes are those of convex hulls).
 //!
+//! Where the winding number is negative a solid is turned inside out, as its faces are: its volume is negative, and all below is meant so.
+//!
 //! What is star-shaped about some point becomes pyramids over its faces with their apex there. What is not is cut in two, and the halves are made as
 //! cells are: what has many triangles in the middle of those, so that there are few on each side, else by the plane of a triangle that turns its back
 //! to where the apex would be best. (By planes of triangles alone, each of which goes on through all that is beyond, one cell of a hollow ball of 6,144
@@ -57,6 +59,12 @@ struct Part<'a> {
     used: Vec<u32>,
 }
 
+/// The triangles of what is not star-shaped, that first which found it out, and the sign of its volume.
+struct Turned {
+    triangles: Vec<u32>,
+    sign: Real,
+}
+
 /// A face as seen from a point: its vector area, and a point of its plane.
 struct Seen {
     area: V3,
@@ -81,7 +89,7 @@ impl Solids {
             return;
         }
         let all: Vec<usize> = (0..cell.faces.len()).collect();
-        if cell.is_once() && is_convex(cell, &all) {
+        if cell.is_at_most_once() && is_convex(cell, &all) {
             return;
         }
         self.keys.extend_from_slice(&cell.keys);
@@ -132,7 +140,7 @@ impl Solids {
                 continue;
             }
             match apex {
-                Ok(apex) if !(cell.is_once() && is_convex(cell, faces)) => {
+                Ok(apex) if !(cell.is_at_most_once() && is_convex(cell, faces)) => {
                     self.push_pyramids(cell, numbers, faces, apex)
                 }
                 _ => self.push(cell, numbers, faces),
@@ -173,15 +181,15 @@ impl Solids {
     }
 
     /// Cuts a part in the middle of its triangles where they are many, else by the plane of the first of those that parts it; `None` where none does.
-    fn split<'a>(&mut self, part: &Part<'a>, turned: &[u32]) -> Option<[Part<'a>; 2]> {
+    fn split<'a>(&mut self, part: &Part<'a>, turned: &Turned) -> Option<[Part<'a>; 2]> {
         let is_many = part.cell.triangles.len() > MANY_TRIANGLES;
         if let Some(planes) = middle_of_surface(&part.cell).filter(|_| is_many)
             && let Some(halves) = self.cut(part, planes, TAG_CAP)
         {
             return Some(halves);
         }
-        let fresh = turned.iter().filter(|t| !part.used.contains(t));
-        fresh.into_iter().find_map(|&t| self.cut(part, planes_before(&part.store, t), t))
+        let fresh = turned.triangles.iter().filter(|t| !part.used.contains(t));
+        fresh.into_iter().find_map(|&t| self.cut(part, planes_before(&part.store, t, turned.sign), t))
     }
 
     /// Cuts a part by a plane, which is that of triangle `used`, if that is one.
@@ -254,11 +262,11 @@ fn middle_of_surface(cell: &Cell) -> Option<[Plane; 2]> {
     (gap[0] < place && place < gap[1]).then(|| [plane(1.0), plane(-1.0)])
 }
 
-/// The two half-spaces of a plane just before a triangle: that with the triangle, and the other.
-fn planes_before<S: DomainStore>(store: &S, t: u32) -> [Plane; 2] {
+/// The two half-spaces of a plane just before a triangle, or just behind it where `sign` is negative: that with the triangle, and the other.
+fn planes_before<S: DomainStore>(store: &S, t: u32, sign: Real) -> [Plane; 2] {
     let site = store.site();
     let [a, b, c] = [0, 1, 2].map(|k| sub(store.triangle_point(t, k), site));
-    let mut plane = triangle_plane(a, b, c, -1.0);
+    let mut plane = triangle_plane(a, b, c, -sign);
     let first = store.position(0);
     let ways = (0..store.vertices()).map(|v| sub(store.position(v), first));
     let size = ways.map(|way| dot(way, way)).fold(0.0, Real::max).sqrt();
@@ -335,38 +343,40 @@ fn is_convex(cell: &Cell, faces: &[usize]) -> bool {
     let corners: Vec<V3> =
         faces.iter().flat_map(|&f| cell.faces.corners_of(f)).map(|&i| cell.points[i as usize]).collect();
     let volume: Real = seen.iter().map(|s| s.volume(corners[0])).sum();
-    if volume <= 0.0 {
+    if volume == 0.0 {
         return false;
     }
-    let mut before = 0.0;
+    let (mut before, sign) = (0.0, volume.signum());
     for face in &seen {
-        before += corners.iter().map(|&x| -face.volume(x)).fold(0.0, Real::max);
-        if before > NOTHING * volume {
+        before += corners.iter().map(|&x| -sign * face.volume(x)).fold(0.0, Real::max);
+        if before > NOTHING * volume.abs() {
             return false;
         }
     }
     true
 }
 
-/// A point from which all faces of a component are seen, or the triangles of those that leave none, that first which found it out.
+/// A point from which all faces of a component are seen, or what stands against it.
 ///
 /// Such points are in the cell and behind all of its surface: what is left of the clipped cell by those half-spaces.
-fn apex<S: DomainStore>(store: &S, cell: &Cell, faces: &[usize]) -> Result<V3, Vec<u32>> {
+fn apex<S: DomainStore>(store: &S, cell: &Cell, faces: &[usize]) -> Result<V3, Turned> {
     let triangle = |face: &usize| match cell.faces.beyond[*face] {
         Beyond::Surface(t) => Some(t),
         _ => None,
     };
     let mut triangles: Vec<u32> = faces.iter().filter_map(triangle).collect();
     let volume = volume_of(cell, faces);
+    let sign = volume.signum();
     let mut kernel = copy(store);
     for k in 0..triangles.len() {
-        if volume < 0.0 || clip(&mut kernel, planes_before(store, triangles[k])[0], TAG_CAP) == EMPTY {
+        if clip(&mut kernel, planes_before(store, triangles[k], sign)[0], TAG_CAP) == EMPTY {
             triangles.rotate_left(k);
-            return Err(triangles);
+            return Err(Turned { triangles, sign });
         }
     }
     let n = Real::from(kernel.vertices());
     let sum = (0..kernel.vertices()).map(|v| kernel.position(v)).fold(V3::default(), add);
     let apex = v3(sum.x / n, sum.y / n, sum.z / n);
-    if faces.iter().all(|&face| seen(cell, face).volume(apex) >= -NOTHING * volume) { Ok(apex) } else { Err(triangles) }
+    let is_seen = |&face: &usize| sign * seen(cell, face).volume(apex) >= -NOTHING * volume.abs();
+    if faces.iter().all(is_seen) { Ok(apex) } else { Err(Turned { triangles, sign }) }
 }

@@ -8,8 +8,9 @@ use super::polyhedra::Polyhedra;
 use super::vtk::{Array, Put, array, write_xml};
 use super::{GEOMETRY_ENDINGS, atomic, ending, results};
 use crate::geometry::{Beyond, Face};
+use crate::parallel;
 use crate::{Error, Geometry, Observer, Output, PowerDiagram, Result};
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// VTK's number for a polyhedron.
 const VTK_POLYHEDRON: u8 = 42;
@@ -21,16 +22,19 @@ const VTK_TETRA: u8 = 10;
 ///
 /// `.vtu` has solids, which [`Request::with_solids`](crate::Request::with_solids) asks for: a cell that the domain's surface does not meet is a
 /// polyhedron, any other stands as tetrahedra, of one `site`, numbered by `solid` from 0 on; the data of all are the cell's. So does one in some
-/// thirty of the others, as VTK would lose a part of it as a polyhedron. (meshio reads no polyhedra.) `.vtp` and `.ply` have the polygons of all cells, with `beyond`, the site on the other side: −1 where that is the outside of the domain,
+/// thirty of the others, as VTK would lose a part of it as a polyhedron. (meshio reads no polyhedra.) Where the winding number of the domain is
+/// two they stand twice, and where it is negative they are turned inside out: VTK's volume of such a tetrahedron is negative, and the sum of a
+/// site's volumes is its `volume`. `.vtp` and `.ply` have the polygons of all cells, with `beyond`, the site on the other side: −1 where that is the outside of the domain,
 /// −2 where it is that of the box. A polygon between two cells stands twice, once for each.
 /// `.glb`, glTF 2.0, has them as triangles, with colours such that no two neighbours have the same, and the site as the attribute `_SITE`
-/// (where there are up to 2²⁴); coordinates have 32 bits, from the middle of all, which is the node's translation.
+/// (where there are up to 2²⁴); coordinates have 32 bits, from the middle of all, which is the node's translation. The mesh's `extras` have the units,
+/// what a status means, and in `cells`, in the order of the triangles, how many each cell has, and its `site`, `volume`, `weight` and `status`.
 ///
 /// The file appears whole or not at all.
 ///
 /// # Errors
-/// `Input` for another ending, where the output has no geometry of this diagram, or for `.vtu` where a cell is not to be had as solids: its winding
-/// number is negative somewhere, or it has thousands of parts; where it is more than `.ply` or `.glb` can count; `Io` where writing failed.
+/// `Input` for another ending, where the output has no geometry of this diagram, or for `.vtu` where a cell has
+/// too many parts for solids; where it is more than `.ply` or `.glb` can count; `Io` where writing failed.
 pub fn write_geometry(path: impl AsRef<Path>, diagram: &PowerDiagram, output: &Output) -> Result<()> {
     write_geometry_watched(path, diagram, output, &())
 }
@@ -66,9 +70,9 @@ pub fn write_geometry_watched(
             atomic::write_whole_watched(path, observer, |w| cells.write_vtu(w))
         }
         ".glb" => {
-            let glb = Glb::new(geometry, observer)?;
+            let glb = Glb::new(diagram, output, geometry, observer)?;
             let most = u32::MAX as usize;
-            refuse_beyond(path, glb.bytes(sites), most, "bytes, and .glb has room for", ".vtu or .vtp")?;
+            refuse_beyond(path, glb.bytes(), most, "bytes, and .glb has room for", ".vtu or .vtp")?;
             atomic::write_whole_watched(path, observer, |w| glb.write(geometry, w))
         }
         ".vtp" => atomic::write_whole_watched(path, observer, |w| cells.write_vtp(w)),
@@ -90,6 +94,9 @@ fn refuse_beyond(path: &Path, count: usize, most: usize, what: &str, instead: &s
 
 /// How much of its volume the tetrahedra of a cell may miss, as a share of the mean.
 const FILLED: f64 = 1e-9;
+
+/// Cells that one task looks at.
+const CELLS_AT_ONCE: usize = 256;
 
 /// What a cell consists of in a `.vtu`. Tetrahedra for all would be read by all, meshio too, but are 43 a cell: some 80 MB for 20,000 white cells,
 /// against 26, and a picture of edges shows theirs.
@@ -165,15 +172,20 @@ impl Cells<'_> {
 
     /// Of each site whether its cell can stand as a polyhedron.
     fn find_polyhedra(&self) -> Result<Vec<bool>> {
-        let is_one = |polyhedra: &mut Polyhedra, i: usize| {
+        let is_one = |polyhedra: &mut Polyhedra, i: usize| -> Result<bool> {
             self.observer.tell(0)?;
             let faces = self.geometry.faces(i);
             let mut solids = self.geometry.solids(i);
-            let is_itself = solids.next().is_some() && solids.next().is_none();
+            let is_itself = solids.next().is_some() && solids.next().is_none() && self.output.volume()[i] > 0.0;
             let meets_surface = faces.clone().any(|face| matches!(face.beyond, Beyond::Surface(_)));
             Ok(is_itself && !meets_surface && polyhedra.keeps(self.geometry.points(), faces))
         };
-        (0..self.geometry.sites()).into_par_iter().map_init(Polyhedra::default, is_one).collect()
+        let some = |range: Range<usize>| -> Result<Vec<bool>> {
+            let mut polyhedra = Polyhedra::default();
+            range.map(|i| is_one(&mut polyhedra, i)).collect()
+        };
+        let all: Result<Vec<_>> = parallel::chunks(self.geometry.sites(), CELLS_AT_ONCE, some).into_iter().collect();
+        Ok(all?.concat())
     }
 
     /// The solids of the cell of site `i`.
@@ -184,18 +196,16 @@ impl Cells<'_> {
         }
     }
 
-    /// A convex solid as tetrahedra, from one of its corners to the triangles of all faces that do not have it.
+    /// A convex solid as tetrahedra, from one of its corners to the triangles of all faces that do not have it: those of the sign that the solid's
+    /// volume has, as the others are rounding.
     fn tetrahedra(&self, faces: &[Face<'_>]) -> Vec<Solid<'static>> {
-        let mut tetrahedra = Vec::new();
-        let Some(top) = faces.first().map(|face| face.corners[0]) else { return tetrahedra };
-        for corners in faces.iter().map(|face| face.corners).filter(|corners| !corners.contains(&top)) {
-            let fan = corners[1..].windows(2).map(|pair| (corners[0], pair[0], pair[1]));
-            tetrahedra.extend(
-                fan.filter(|&(a, b, c)| self.volume_of(top, [a, b, c]) > 0.0)
-                    .map(|(a, b, c)| Solid::Tetrahedron([a, c, b, top])),
-            );
-        }
-        tetrahedra
+        let Some(top) = faces.first().map(|face| face.corners[0]) else { return Vec::new() };
+        let others = faces.iter().map(|face| face.corners).filter(|corners| !corners.contains(&top));
+        let fans = others.flat_map(|corners| corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
+        let volumes: Vec<([u32; 3], f64)> = fans.map(|triangle| (triangle, self.volume_of(top, triangle))).collect();
+        let volume: f64 = volumes.iter().map(|(_, volume)| volume).sum();
+        let kept = volumes.into_iter().filter(|&(_, v)| v != 0.0 && (v > 0.0) == (volume > 0.0));
+        kept.map(|([a, b, c], _)| Solid::Tetrahedron([a, c, b, top])).collect()
     }
 
     /// Refuses cells that their tetrahedra do not fill.
@@ -214,13 +224,13 @@ impl Cells<'_> {
             let is_off = self.geometry.faces(i).len() > 0 && (sum - expected).abs() > FILLED * mean.max(expected.abs());
             is_off.then(|| {
                 Error::input(format!(
-                    "the cell of site {i} cannot be written as solids, which fill {sum:e} of {expected:e}: its winding number is \
-                     negative somewhere, or it has too many parts; write .vtp or .ply, or take more sites"
+                    "the cell of site {i} cannot be written as solids, which fill {sum:e} of {expected:e}: it has too many \
+                     parts; write .vtp or .ply, or take more sites"
                 ))
             })
         };
-        let sites = (0..self.geometry.sites()).into_par_iter().filter(|&i| !self.polyhedra[i]);
-        sites.find_map_first(failed).map_or(Ok(()), Err)
+        let first = |range: Range<usize>| range.filter(|&i| !self.polyhedra[i]).find_map(failed).map_or(Ok(()), Err);
+        parallel::chunks(self.geometry.sites(), CELLS_AT_ONCE, first).into_iter().collect()
     }
 
     /// The volume of a tetrahedron, of which the triangle is counterclockwise from outside.
@@ -362,7 +372,7 @@ mod tests {
     use super::super::scratch;
     use super::*;
     use crate::oracle::Naive;
-    use crate::{Backend, CellStatus, Domain, OutputArrays, Request};
+    use crate::{Backend, CellStatus, Domain, OutputArrays, Request, shapes};
 
     /// Two sites in a tetrahedron's box, the second with a weight that leaves the other nothing in a third case.
     fn case(weight: f64) -> (PowerDiagram, Output) {
@@ -437,6 +447,34 @@ mod tests {
         write_geometry(folder.join("cells.ply"), &diagram, &output).unwrap();
         let mesh = super::super::read_mesh(folder.join("cells.ply")).unwrap();
         assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (7, 2 * 6));
+    }
+
+    /// The sum of a `.vtu`'s tetrahedra, as VTK has their volumes.
+    #[test]
+    fn tetrahedra_are_turned_where_the_winding_number_is_negative() {
+        let path = scratch("geometry-turned").join("cells.vtu");
+        let bar = shapes::cuboid([0.5, 0.2, 0.3], [2.0, 0.8, 0.7]).flipped();
+        let domain = shapes::cuboid([0.0; 3], [1.0; 3]).merged(&bar).domain();
+        let sites = [[0.2, 0.5, 0.5], [0.9, 0.6, 0.4], [1.7, 0.4, 0.6]];
+        let diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
+        let output = Naive::default().evaluate(&diagram, &Request::moments().with_solids()).unwrap();
+        write_geometry(&path, &diagram, &output).unwrap();
+        let arrays = announced(&std::fs::read(&path).unwrap());
+        let words = |name: &str| arrays.iter().find(|(n, _)| n == name).unwrap().1.as_chunks::<8>().0;
+        let points: Vec<f64> = words("Points").iter().map(|b| f64::from_le_bytes(*b)).collect();
+        assert_eq!(arrays.iter().find(|(n, _)| n == "types").unwrap().1, vec![VTK_TETRA; words("site").len()]);
+        let mut volumes = [0.0; 3];
+        for (site, corners) in words("site").iter().zip(words("connectivity").as_chunks::<4>().0) {
+            let [p, a, b, c] = corners.map(|i| &points[3 * i64::from_le_bytes(i) as usize..][..3]);
+            let [a, b, c] = [a, b, c].map(|x| [0, 1, 2].map(|k| x[k] - p[k]));
+            let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+            let volume = (a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)) / 6.0;
+            volumes[i64::from_le_bytes(*site) as usize] += volume;
+        }
+        for (volume, expected) in volumes.iter().zip(output.volume()) {
+            assert!((volume - expected).abs() < 1e-13, "{volumes:?} for {:?}", output.volume());
+        }
+        assert!(volumes[2] < -0.1);
     }
 
     #[test]

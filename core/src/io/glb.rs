@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use crate::geometry::{Beyond, Geometry};
-use crate::{Observer, Result};
+use crate::{CellStatus, Observer, Output, PowerDiagram, Result};
 
 /// The cells as triangles: of each cell its own corners, with a colour that none of its neighbours has.
 pub(super) struct Glb {
@@ -17,17 +17,23 @@ pub(super) struct Glb {
     middle: [f64; 3],
     lo: [f32; 3],
     hi: [f32; 3],
+    json: String,
 }
 
 /// The site's number as a 32-bit float, which glTF allows for an attribute of one's own, is exact so far.
 const EXACT_SITES: usize = 1 << 24;
 
 impl Glb {
-    /// The triangles of a geometry.
+    /// The triangles of an output's geometry.
     ///
     /// # Errors
     /// `Interrupted` where the observer, who is asked cell by cell, ends it.
-    pub(super) fn new(geometry: &Geometry, observer: &dyn Observer) -> Result<Self> {
+    pub(super) fn new(
+        diagram: &PowerDiagram,
+        output: &Output,
+        geometry: &Geometry,
+        observer: &dyn Observer,
+    ) -> Result<Self> {
         let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let points = geometry.points();
         for corner in (0..geometry.sites()).flat_map(|i| geometry.faces(i)).flat_map(|face| face.corners) {
@@ -37,11 +43,12 @@ impl Glb {
         let middle = [0, 1, 2].map(|k| if lo[k] <= hi[k] { lo[k] + 0.5 * (hi[k] - lo[k]) } else { 0.0 });
         let colors = colors(geometry);
         let (mut cells, mut corners, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+        let mut counts: Vec<usize> = Vec::new();
         let mut numbers: HashMap<u32, u32> = HashMap::new();
         for (i, &color) in colors.iter().enumerate() {
             observer.tell(0)?;
             numbers.clear();
-            let first = corners.len();
+            let (first, before) = (corners.len(), triangles.len());
             for face in geometry.faces(i) {
                 let mut number = |&point: &u32| {
                     *numbers.entry(point).or_insert_with(|| {
@@ -55,11 +62,14 @@ impl Glb {
             }
             if corners.len() > first {
                 cells.push((i as u32, rgba(color), corners.len() - first));
+                counts.push(triangles.len() - before);
             }
         }
         let place = |x: f64, k: usize| (x - middle[k]) as f32;
         let (lo, hi) = ([0, 1, 2].map(|k| place(lo[k], k)), [0, 1, 2].map(|k| place(hi[k], k)));
-        Ok(Self { cells, corners, triangles, middle, lo, hi })
+        let mut glb = Self { cells, corners, triangles, middle, lo, hi, json: String::new() };
+        glb.json = glb.json(geometry.sites(), &glb.extras(diagram, output, &counts));
+        Ok(glb)
     }
 
     /// Bytes of its numbers.
@@ -68,16 +78,16 @@ impl Glb {
     }
 
     /// Bytes of all of it; the format has room for 2³² less one.
-    pub(super) fn bytes(&self, sites: usize) -> usize {
-        12 + 8 + self.json(sites).len() + if self.triangles.is_empty() { 0 } else { 8 + self.numbers() }
+    pub(super) fn bytes(&self) -> usize {
+        12 + 8 + self.json.len() + if self.triangles.is_empty() { 0 } else { 8 + self.numbers() }
     }
 
     pub(super) fn write(&self, geometry: &Geometry, w: &mut dyn Write) -> io::Result<()> {
-        let json = self.json(geometry.sites());
+        let json = &self.json;
         let put = |w: &mut dyn Write, n: usize| w.write_all(&(n as u32).to_le_bytes());
         w.write_all(b"glTF")?;
         put(w, 2)?;
-        put(w, self.bytes(geometry.sites()))?;
+        put(w, self.bytes())?;
         put(w, json.len())?;
         w.write_all(b"JSON")?;
         w.write_all(json.as_bytes())?;
@@ -99,8 +109,29 @@ impl Glb {
         self.triangles.iter().flatten().try_for_each(|corner| w.write_all(&corner.to_le_bytes()))
     }
 
+    /// What glTF has no words for: the units, what a status means, and of each cell, in the order of the triangles, the number of those, and its data.
+    fn extras(&self, diagram: &PowerDiagram, output: &Output, counts: &[usize]) -> String {
+        let listed = |text: &dyn Fn(usize) -> String| -> String {
+            let all = self.cells.iter().map(|&(site, ..)| text(site as usize));
+            all.collect::<Vec<_>>().join(",")
+        };
+        let triangles: Vec<String> = counts.iter().map(usize::to_string).collect();
+        let weight = |i: usize| diagram.weights().get(i).copied().unwrap_or(0.0);
+        let statuses = [CellStatus::Complete, CellStatus::Empty, CellStatus::Uncertified];
+        let meaning = statuses.map(|status| format!(r#""{}":"{}""#, status.number(), status.word()));
+        format!(
+            r#"{{"units":{{"length":"that of the sites","volume":"length^3","weight":"length^2"}},"status":{{{}}},"cells":{{"site":[{}],"triangles":[{}],"status":[{}],"volume":[{}],"weight":[{}]}}}}"#,
+            meaning.join(","),
+            listed(&|i| i.to_string()),
+            triangles.join(","),
+            listed(&|i| output.status()[i].number().to_string()),
+            listed(&|i| format!("{:?}", output.volume()[i])),
+            listed(&|i| format!("{:?}", weight(i))),
+        )
+    }
+
     /// The JSON, padded with spaces to a multiple of four bytes.
-    fn json(&self, sites: usize) -> String {
+    fn json(&self, sites: usize, extras: &str) -> String {
         let (corners, indices) = (self.corners.len(), 3 * self.triangles.len());
         let asset = format!(r#""asset":{{"version":"2.0","generator":"laguerre {}"}}"#, env!("CARGO_PKG_VERSION"));
         let [x, y, z] = self.middle;
@@ -131,7 +162,7 @@ impl Glb {
             ];
             let site = if has_sites { r#","_SITE":2"# } else { "" };
             format!(
-                r#"{{{asset},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"name":"cells","mesh":0,"translation":[{x:?},{y:?},{z:?}]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"COLOR_0":1{site}}},"indices":3,"material":0}}]}}],"materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0.0,"roughnessFactor":1.0}}}}],"buffers":[{{"byteLength":{}}}],"bufferViews":[{}],"accessors":[{}]}}"#,
+                r#"{{{asset},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"name":"cells","mesh":0,"translation":[{x:?},{y:?},{z:?}]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"COLOR_0":1{site}}},"indices":3,"material":0}}],"extras":{extras}}}],"materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0.0,"roughnessFactor":1.0}}}}],"buffers":[{{"byteLength":{}}}],"bufferViews":[{}],"accessors":[{}]}}"#,
                 self.numbers(),
                 views.join(","),
                 accessors.join(",")
@@ -175,15 +206,11 @@ mod tests {
     use crate::oracle::Naive;
     use crate::{Backend, PowerDiagram, Request};
 
-    fn geometry(sites: &[[f64; 3]], at: f64) -> Geometry {
+    fn evaluated(sites: &[[f64; 3]], at: f64) -> (PowerDiagram, Output) {
         let sites: Vec<[f64; 3]> = sites.iter().map(|p| p.map(|x| x + at)).collect();
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([at; 3], [at + 1.0; 3]).unwrap();
-        Naive::default()
-            .evaluate(&diagram, &Request::moments().with_geometry())
-            .unwrap()
-            .into_arrays()
-            .geometry
-            .unwrap()
+        let output = Naive::default().evaluate(&diagram, &Request::moments().with_geometry()).unwrap();
+        (diagram, output)
     }
 
     fn number(bytes: &[u8], at: usize) -> usize {
@@ -193,17 +220,23 @@ mod tests {
     #[test]
     fn chunks_are_as_long_as_they_say_and_triangles_enclose_the_box() {
         // So far away that 32 bits would have nothing left of a cell.
-        let geometry = geometry(&[[0.2, 0.3, 0.4], [0.7, 0.6, 0.5], [0.4, 0.8, 0.1]], 1e8);
-        let glb = Glb::new(&geometry, &()).unwrap();
+        let (diagram, output) = evaluated(&[[0.2, 0.3, 0.4], [0.7, 0.6, 0.5], [0.4, 0.8, 0.1]], 1e8);
+        let geometry = output.geometry().unwrap();
+        let glb = Glb::new(&diagram, &output, geometry, &()).unwrap();
         let mut file = Vec::new();
-        glb.write(&geometry, &mut file).unwrap();
+        glb.write(geometry, &mut file).unwrap();
         assert_eq!((&file[..4], number(&file, 4)), (&b"glTF"[..], 2));
-        assert_eq!([number(&file, 8), glb.bytes(3)], [file.len(); 2]);
+        assert_eq!([number(&file, 8), glb.bytes()], [file.len(); 2]);
         let json = number(&file, 12);
         assert_eq!((json % 4, &file[16..20]), (0, &b"JSON"[..]));
         let text = std::str::from_utf8(&file[20..20 + json]).unwrap();
         assert!(text.contains(r#""translation":[100000000.5,100000000.5,100000000.5]"#), "{text}");
         assert!(text.contains(r#""min":[-0.5, -0.5, -0.5],"max":[0.5, 0.5, 0.5]"#), "{text}");
+        assert!(
+            text.contains(r#""status":{"0":"complete","1":"empty","2":"uncertified"},"cells":{"site":[0,1,2],"#),
+            "{text}"
+        );
+        assert!(text.contains(&format!(r#""volume":{:?}"#, output.volume()).replace(' ', "")), "{text}");
         let depth = |bracket: [char; 2]| bracket.map(|b| text.matches(b).count());
         assert!([depth(['{', '}']), depth(['[', ']'])].iter().all(|[open, close]| open == close), "{text}");
         let binary = &file[28 + json..];
@@ -229,8 +262,9 @@ mod tests {
     fn neighbours_have_different_colours() {
         let steps = [0.819_172, 0.671_043, 0.549_7];
         let sites: Vec<_> = (1..=300).map(|i| steps.map(|step: f64| (f64::from(i) * step).fract())).collect();
-        let geometry = geometry(&sites, 0.0);
-        let colors = colors(&geometry);
+        let output = evaluated(&sites, 0.0).1;
+        let geometry = output.geometry().unwrap();
+        let colors = colors(geometry);
         for i in 0..geometry.sites() {
             for face in geometry.faces(i) {
                 if let Beyond::Site(j) = face.beyond {

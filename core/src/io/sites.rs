@@ -53,7 +53,8 @@ pub fn read_sites_by_columns(path: impl AsRef<Path>, columns: &Columns) -> Resul
 
 fn read(path: &Path, columns: Option<&Columns>) -> Result<SitesFile> {
     if is_standard(path) {
-        return parse(io::stdin().lock(), 0, ".txt", columns).map_err(|e| e.at("standard input"));
+        let reader: Box<dyn BufRead> = Box::new(io::stdin().lock());
+        return parse(reader, 0, ".txt", columns).map_err(|e| e.at("standard input"));
     }
     let form = Form::of(path, SITES_INPUT_ENDINGS)?;
     let (reader, length) = open(path)?;

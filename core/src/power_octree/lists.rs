@@ -7,9 +7,9 @@ use crate::cell::octree::{
 };
 use crate::cell::octree::{half_of, part_hi, part_lo};
 use crate::cell::{V3, v3};
+use crate::parallel;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
 use pulp::{Arch, NullaryFnOnce};
-use rayon::prelude::*;
 
 /// The lists of the boxes that are split, one after the other, and of those that are not.
 pub(super) struct OnHost<'a> {
@@ -37,7 +37,7 @@ impl Lists for OnHost<'_> {
             let job = Job { tree: self.tree, middle: middle_of(lo, hi), half: half_of(lo, hi, self.margin), leaves };
             Arch::new().dispatch(job)
         };
-        self.parts = (0..8 * front.len()).into_par_iter().map(part).collect();
+        self.parts = parallel::results(8 * front.len(), part);
         Ok(self.parts.iter().map(|leaves| leaves.len() as u32).collect())
     }
 

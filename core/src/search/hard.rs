@@ -10,14 +10,17 @@ use crate::cell::search::Vantage;
 use crate::cell::search_store::HOME_KNOWN;
 use crate::cell::{CellStore, EMPTY, PlainStore, Real, UNTOUCHED, scale, v3};
 use crate::diagram::Prepared;
+use crate::parallel;
 use crate::power_octree::{Home, PowerOctree};
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// Cells that are tried without an octree: so many, one in so many at most, and none where that would be too few to go by. (A hard one takes ten times as
 /// long so; a thousand sites are as fast without.)
 const MOST_TRIED: usize = 64;
 const ONE_IN: usize = 256;
 const LEAST_TRIED: usize = 4;
+/// Of them in one task.
+const TRIED_AT_ONCE: usize = 4;
 
 /// Blocks of eight nodes that a cell opens on average, from which on an octree is made. (At 90, clusters with weights of transport, cells take half the
 /// time with it; white sites with any weights open 2 to 27.)
@@ -34,13 +37,17 @@ impl Prepared {
         if !self.sites.has_weights() || tried < LEAST_TRIED {
             return Ok(self);
         }
-        let opened = |search: &mut Search<'_>, i: usize| {
+        let opened = |search: &mut Search<'_>, i: usize| -> u64 {
             let site = (i * (sites / tried)) as u32;
             let [x, y, z, _] = self.sites.site(site);
             let mut store = PlainStore::new([x, y, z], self.domain_grid());
             u64::from(search.complete(&mut store, site, None).opened)
         };
-        let opened: u64 = (0..tried).into_par_iter().map_init(|| Search::new(&self), opened).sum();
+        let some = |range: Range<usize>| {
+            let mut search = Search::new(&self);
+            range.map(|i| opened(&mut search, i)).sum::<u64>()
+        };
+        let opened: u64 = parallel::chunks(tried, TRIED_AT_ONCE, some).iter().sum();
         if opened > MANY_OPENED * tried as u64 {
             let bounds = [self.container.lo, self.container.hi];
             self.octree = PowerOctree::new(&self.sites, bounds, MOST_LISTED, go_on)?;

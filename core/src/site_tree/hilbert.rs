@@ -2,6 +2,8 @@
 
 use super::WIDTH;
 use crate::diagram::bounding_box;
+use crate::parallel;
+use crate::summation::CHUNK;
 use rayon::prelude::*;
 
 /// Bits of the curve along each axis; sites that it cannot tell apart have a curve of their own.
@@ -10,10 +12,9 @@ const BITS: u32 = 21;
 /// Indices of `positions` along the curve. Sites at one position stand together, the one with the largest weight, then the lowest index, first.
 pub(super) fn curve_order(positions: &[[f64; 3]], weight: &(impl Fn(u32) -> f64 + Sync)) -> Vec<u32> {
     let cube = Cube::about(bounding_box(positions));
-    let mut keyed: Vec<(u64, u32)> =
-        positions.par_iter().zip(0..positions.len() as u32).map(|(&p, i)| (cube.key(p), i)).collect();
+    let mut keyed: Vec<(u64, u32)> = parallel::map(positions.len(), CHUNK, |i| (cube.key(positions[i]), i as u32));
     keyed.par_sort_unstable();
-    let mut order: Vec<u32> = keyed.par_iter().map(|&(_, i)| i).collect();
+    let mut order: Vec<u32> = parallel::map(keyed.len(), CHUNK, |k| keyed[k].1);
     for_each_run(&keyed, |run| settle(positions, weight, &mut order[run]));
     order
 }

@@ -1,12 +1,13 @@
 //! Densities that are functions, sums of Gaussians among them: known by their values alone, and integrated by quadrature.
 
 use laguerre_core::integrand::Batch;
+use laguerre_core::parallel;
 use laguerre_core::{
     Backend, Error, ErrorKind, Facet, Facets, Integrand, Observer, Output, PowerDiagram, Request, Result,
 };
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::fmt;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Density;
@@ -181,16 +182,15 @@ impl Function {
         seconds: &[[f64; 6]],
         bounds: Option<[[f64; 3]; 2]>,
     ) -> Result<Vec<f64>> {
-        let masses = |chunk: usize| {
-            let range = chunk * FACETS_AT_ONCE..((chunk + 1) * FACETS_AT_ONCE).min(seconds.len());
+        let masses = |range: Range<usize>| {
             let places: Vec<[f64; 3]> =
                 range.clone().flat_map(|k| nodes(&facets.get(k), &seconds[k], bounds)).collect();
             let values = self.value.of(&places)?;
             let each = range.zip(values.as_chunks().0);
             Ok(each.map(|(k, values)| mean(values) * facets.get(k).area).collect::<Vec<f64>>())
         };
-        let chunks = (0..seconds.len().div_ceil(FACETS_AT_ONCE)).into_par_iter().map(masses);
-        Ok(chunks.collect::<Result<Vec<_>>>()?.concat())
+        let chunks = parallel::chunks(seconds.len(), FACETS_AT_ONCE, masses);
+        Ok(chunks.into_iter().collect::<Result<Vec<_>>>()?.concat())
     }
 
     /// Evaluates a diagram with the masses of its cells as integrals, or with all [`COLUMNS`] about `o`.

@@ -1,9 +1,8 @@
 //! Viscosity: velocities of neighbouring cells drawn together, by the implicit Euler method.
 
 use laguerre_core::{Error, Laplacian, Result};
-use rayon::prelude::*;
 
-use crate::vectors::{add, dot};
+use crate::vectors::{add, dot, map};
 
 /// What the residual of the linear system may be, of its right-hand side: what is left is momentum that is not conserved.
 const RELATIVE: f64 = 1e-12;
@@ -37,7 +36,7 @@ fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64
             }
             sum
         };
-        (0..masses.len()).into_par_iter().map(product).collect()
+        map(masses.len(), product)
     };
     let scaled = |r: &[[f64; 3]]| -> Vec<[f64; 3]> { r.iter().zip(&diagonal).map(|(r, d)| r.map(|x| x / d)).collect() };
     // The conjugate gradient from `v`, which is `u` but for the residual `−L v`.

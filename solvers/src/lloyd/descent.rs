@@ -1,5 +1,6 @@
 //! A diagram whose sites go down the energy, with or without a density.
 
+use crate::vectors::map;
 use std::borrow::Cow;
 
 use laguerre_core::diagram::Container;
@@ -7,7 +8,6 @@ use laguerre_core::summation::Sum;
 use laguerre_core::{
     Backend, BackendInfo, CellStatus, Error, Observer, Output, PowerDiagram, Request, Result, Session,
 };
-use rayon::prelude::*;
 
 use super::{energy_request, gradient_of, minus};
 use crate::density::Density;
@@ -132,8 +132,8 @@ impl<'a> Descent<'a> {
         let Some(varying) = &self.density else { return self.session.move_to_barycenters() };
         let (diagram, output) = self.session.read()?;
         let (masses, centers) = varying.moments(diagram, output)?;
-        let sites = diagram.positions().par_iter().zip(&masses).zip(&centers);
-        let moved = sites.map(|((&old, &mass), &center)| if mass == 0.0 { old } else { center }).collect();
+        let sites = diagram.positions();
+        let moved = map(sites.len(), |i| if masses[i] == 0.0 { sites[i] } else { centers[i] });
         self.session.set_sites(moved, None)
     }
 

@@ -2,9 +2,7 @@
 
 use std::collections::VecDeque;
 
-use rayon::prelude::*;
-
-use crate::vectors::{add, dot, for_each};
+use crate::vectors::{add, dot, for_each, map};
 
 /// Steps that are remembered. Liu et al. take 7; with more the directions hardly change, and each costs six numbers a site.
 const DEPTH: usize = 10;
@@ -55,7 +53,7 @@ impl Memory {
             shares.push(share);
         }
         let start = self.pairs.back().map_or(1.0, |last| {
-            let scaled: Vectors = last.change.par_iter().enumerate().map(|(i, y)| y.map(|x| scale(i) * x)).collect();
+            let scaled: Vectors = map(last.change.len(), |i| last.change[i].map(|x| scale(i) * x));
             last.curvature / dot(&last.change, &scaled)
         });
         for_each(&mut q, |i, q| *q = q.map(|x| -start * scale(i) * x));
@@ -68,7 +66,7 @@ impl Memory {
 }
 
 fn absolute(a: &[[f64; 3]]) -> Vectors {
-    a.par_iter().map(|a| a.map(f64::abs)).collect()
+    map(a.len(), |i| a[i].map(f64::abs))
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! The next level of a multigrid, made on the host: aggregates of unknowns and their strong neighbours, and the matrix between them.
 
 use laguerre_core::algebra::Coarsening;
-use rayon::prelude::*;
 
 use super::sparse::Matrix;
 use crate::vectors::for_each;
+use laguerre_core::parallel;
 
 /// Unknowns whose aggregates one thread makes; fixed, for these depend on it.
 const BLOCK: usize = 1 << 15;
@@ -74,24 +74,20 @@ fn aggregates(matrix: &Matrix, inverse: &[f64], least: f64) -> (Vec<u32>, usize)
     let n = matrix.rows();
     let strong = |i: usize| matrix.row(i).filter(move |&(j, a)| j != i && is_strong(i, j, a, inverse, least));
     let mut first = vec![NONE; n];
-    let blocks = first.par_chunks_mut(BLOCK).enumerate();
-    let counts: Vec<u32> = blocks
-        .map(|(block, aggregate)| {
-            let begin = block * BLOCK;
-            let is_inside = |j: &usize| j.wrapping_sub(begin) < BLOCK;
-            let of_block = |i: usize| strong(i).map(|(j, _)| j).filter(is_inside).map(|j| j - begin);
-            let mut count = 0;
-            for k in 0..aggregate.len() {
-                let i = begin + k;
-                if aggregate[k] == NONE && strong(i).next().is_some() && of_block(i).all(|j| aggregate[j] == NONE) {
-                    of_block(i).for_each(|j| aggregate[j] = count);
-                    aggregate[k] = count;
-                    count += 1;
-                }
+    let mut counts = vec![0; n.div_ceil(BLOCK)];
+    parallel::each(first.chunks_mut(BLOCK).zip(&mut counts), |block, (aggregate, count)| {
+        let begin = block * BLOCK;
+        let is_inside = |j: &usize| j.wrapping_sub(begin) < BLOCK;
+        let of_block = |i: usize| strong(i).map(|(j, _)| j).filter(is_inside).map(|j| j - begin);
+        for k in 0..aggregate.len() {
+            let i = begin + k;
+            if aggregate[k] == NONE && strong(i).next().is_some() && of_block(i).all(|j| aggregate[j] == NONE) {
+                of_block(i).for_each(|j| aggregate[j] = **count);
+                aggregate[k] = **count;
+                **count += 1;
             }
-            count
-        })
-        .collect();
+        }
+    });
     let mut sum = 0;
     let mut base = Vec::with_capacity(counts.len());
     for count in counts {

@@ -3,11 +3,10 @@
 use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, rise};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, Laplacian, Result};
-use rayon::prelude::*;
 
 use super::aggregation;
 use super::sparse::{self, Matrix};
-use crate::vectors::for_each;
+use crate::vectors::{any, for_each};
 
 /// It: what it holds are [`Matrix`] and lists of numbers.
 pub(super) struct Host;
@@ -116,7 +115,8 @@ impl Algebra for Host {
 
     fn is_within(&self, x: &Held, factor: f64, bound: &Held) -> Result<bool> {
         let (x, bound) = (numbers(x)?, numbers(bound)?);
-        Ok(x.par_iter().zip(bound).all(|(x, bound)| x.abs() <= factor * bound))
+        let is_within = |i: usize| x[i].abs() <= factor * bound[i];
+        Ok(!any(x.len(), |i| !is_within(i)))
     }
 
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool> {
@@ -126,6 +126,6 @@ impl Algebra for Host {
         }
         let cell = |i: usize| &cells[CELL * i..][..CELL];
         let rises = |i: usize, j: usize| x[i] > x[j] && x[i] - x[j] > rise(cell(i), cell(j), share, flattest);
-        Ok((0..a.rows()).into_par_iter().any(|i| a.row(i).any(|(j, _)| rises(i, j))))
+        Ok(any(a.rows(), |i| a.row(i).any(|(j, _)| rises(i, j))))
     }
 }

@@ -7,7 +7,6 @@
 use laguerre_core::algebra::Algebra;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, CellStatus, Error, Output, PowerDiagram, Result};
-use rayon::prelude::*;
 
 use super::conjugate_gradient;
 use super::host::HOST;
@@ -16,7 +15,7 @@ use super::multigrid::Multigrid;
 use super::sparse::{Matrix, center, center_parts, norm};
 use crate::density::Density;
 use crate::derivatives::{self, Derivatives};
-use crate::vectors::for_each;
+use crate::vectors::{for_each, map};
 
 /// The system is solved to this part of its right-hand side; a solution that is left with more than `TOO_MUCH` of it is none.
 const RELATIVE: f64 = 1e-12;
@@ -119,7 +118,7 @@ fn solved(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64])
     }
     let mut solution = found.solution;
     center(&mut solution);
-    Ok(place.par_iter().map(|&row| solution[row as usize]).collect())
+    Ok(map(place.len(), |i| solution[place[i] as usize]))
 }
 
 /// `‖b − A x‖`.

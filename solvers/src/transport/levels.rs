@@ -17,12 +17,12 @@ use std::ops::Range;
 use std::time::Instant;
 
 use laguerre_core::{Error, ErrorKind, Result};
-use rayon::prelude::*;
 
 use super::newton::{Problem, State, is_out_of_range};
 use super::sparse::center;
 use super::tangents::Tangents;
 use super::{End, Options, mend};
+use crate::vectors::map;
 
 /// Groups are halved so often from level to level. (Once takes a quarter longer, three times as long.)
 const HALVINGS: u32 = 2;
@@ -48,9 +48,10 @@ pub(super) fn state(problem: &mut Problem<'_>) -> Result<State> {
     let n = problem.positions.len();
     let finest = (0..).find(|depth| n <= 1 << HALVINGS << depth).unwrap_or(0);
     let order = halved(&problem.positions, finest);
+    let parts = moments_of_parts(problem, &order, finest);
     let mut coarse: Option<(Level, State)> = None;
     for depth in (finest % HALVINGS..=finest).step_by(HALVINGS as usize) {
-        let level = Level::new(problem, &order, depth);
+        let level = Level::new(&parts, depth);
         let weights = refined(coarse.as_ref(), &level.positions, &(0..1 << depth).collect::<Vec<_>>());
         if let Some(state) = solved(problem, &level, weights)? {
             coarse = Some((level, state));
@@ -102,32 +103,42 @@ fn refined(coarse: Option<&(Level, State)>, positions: &[[f64; 3]], order: &[u32
     let rows: Vec<u32> = (0..coarse.len() as u32).collect();
     let tangents = Tangents::new(&level.positions, coarse, output, &rows, positions.len());
     let moments = output.second_moment().unwrap_or_default();
-    let points: Vec<[f64; 3]> = order.par_iter().map(|&i| positions[i as usize]).collect();
+    let points = map(order.len(), |k| positions[order[k] as usize]);
     let highest = tangents.highest(&points);
-    let above = |(p, (weight, group)): (&[f64; 3], &(f64, usize))| {
-        let [x, y, z]: [f64; 3] = std::array::from_fn(|k| p[k] - level.positions[*group][k]);
-        let [xx, yy, zz, xy, xz, yz] = moments.get(*group).copied().unwrap_or_default();
+    let found = map(order.len(), |place| {
+        let (p, (weight, group)) = (points[place], highest[place]);
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|k| p[k] - level.positions[group][k]);
+        let [xx, yy, zz, xy, xz, yz] = moments.get(group).copied().unwrap_or_default();
         let moment = xx * x * x + yy * y * y + zz * z * z + 2.0 * (xy * x * y + xz * x * z + yz * y * z);
-        weight - 2.0 * DEVIATIONS * (moment.max(0.0) / output.volume()[*group]).sqrt()
-    };
-    let found: Vec<f64> = points.par_iter().zip(&highest).map(above).collect();
+        weight - 2.0 * DEVIATIONS * (moment.max(0.0) / output.volume()[group]).sqrt()
+    });
     order.iter().zip(found).for_each(|(&i, weight)| weights[i as usize] = weight);
     center(&mut weights);
     weights
 }
 
+/// The mass of each part at a depth of halving, and of that the moments.
+fn moments_of_parts(problem: &Problem<'_>, order: &[u32], depth: u32) -> Vec<[f64; 4]> {
+    map(1 << depth, |part| {
+        let mut sums = [0.0; 4];
+        for &i in &order[bounds(order.len(), depth, part)] {
+            let (mass, [x, y, z]) = (problem.targets[i as usize], problem.positions[i as usize]);
+            [1.0, x, y, z].iter().zip(&mut sums).for_each(|(x, sum)| *sum += mass * x);
+        }
+        sums
+    })
+}
+
 impl Level {
-    /// The parts at a depth of halving.
-    fn new(problem: &Problem<'_>, order: &[u32], depth: u32) -> Self {
-        let members = |part: usize| order[bounds(order.len(), depth, part)].iter().map(|&i| i as usize);
-        let target = |part: usize| members(part).map(|i| problem.targets[i]).sum::<f64>();
-        let mean = |part: usize| {
-            let total = target(part);
-            let share = |i: usize, k: usize| problem.targets[i] / total * problem.positions[i][k];
-            std::array::from_fn(|k| members(part).map(|i| share(i, k)).sum())
-        };
-        let parts = (0..1 << depth).into_par_iter();
-        Self { positions: parts.clone().map(mean).collect(), targets: parts.map(target).collect() }
+    /// The parts at a depth of halving, of which each is so many of these.
+    fn new(parts: &[[f64; 4]], depth: u32) -> Self {
+        let of_each = parts.len() >> depth;
+        let sums = map(1 << depth, |part| {
+            let own = &parts[part * of_each..][..of_each];
+            own.iter().fold([0.0; 4], |sum, one| std::array::from_fn(|k| sum[k] + one[k]))
+        });
+        let position = |&[mass, x, y, z]: &[f64; 4]| [x / mass, y / mass, z / mass];
+        Self { positions: sums.iter().map(position).collect(), targets: sums.iter().map(|sums| sums[0]).collect() }
     }
 }
 

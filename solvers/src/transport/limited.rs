@@ -9,13 +9,14 @@
 
 use laguerre_core::Result;
 use laguerre_core::algebra::{Algebra, CELL, Held, rise};
-use rayon::prelude::*;
+use laguerre_core::summation::chunks;
+use std::ops::Range;
 
 use super::mend;
 use super::newton::{Problem, State, is_out_of_range};
 use super::sparse::{Matrix, center};
 use super::system::System;
-use crate::vectors::{for_each, sum};
+use crate::vectors::{any, for_each, map, sum};
 
 /// Steps of this kind at most; some 15 are usual.
 const MOST_STEPS: usize = 40;
@@ -120,7 +121,8 @@ fn mirror(matrix: &Matrix) -> Vec<usize> {
         let there = row(matrix.columns[k] as usize);
         there.start + matrix.columns[there.clone()].iter().position(|&back| back as usize == i).unwrap_or(0)
     };
-    (0..matrix.rows()).into_par_iter().flat_map_iter(|i| row(i).map(move |k| image(i, k))).collect()
+    let images = |rows: Range<usize>| -> Vec<usize> { rows.flat_map(|i| row(i).map(move |k| image(i, k))).collect() };
+    chunks(matrix.rows(), images).concat()
 }
 
 /// Makes the facets larger that weights `x` move too far, by as much as that is; whether there are any.
@@ -137,12 +139,10 @@ fn stiffen(matrix: &mut Matrix, cells: &[f64], mirror: &[usize], x: &[f64]) -> b
         }
     });
     for_each(&mut matrix.values, |k, value| *value *= factors[k]);
-    let diagonals: Vec<f64> = (0..matrix.rows())
-        .into_par_iter()
-        .map(|i| -matrix.values[matrix.offsets[i] + 1..matrix.offsets[i + 1]].iter().sum::<f64>())
-        .collect();
+    let diagonals: Vec<f64> =
+        map(matrix.rows(), |i| -matrix.values[matrix.offsets[i] + 1..matrix.offsets[i + 1]].iter().sum::<f64>());
     for (i, diagonal) in diagonals.into_iter().enumerate() {
         matrix.values[matrix.offsets[i]] = diagonal;
     }
-    factors.par_iter().any(|factor| *factor > 1.0)
+    any(factors.len(), |k| factors[k] > 1.0)
 }

@@ -1,13 +1,14 @@
 //! The damped Newton: from a state without empty cells to the masses asked for.
 
+use laguerre_core::summation::chunks;
 use std::ops::ControlFlow;
+use std::ops::Range;
 use std::time::Instant;
 
 use laguerre_core::algebra::{Algebra, Held, Kept};
 use laguerre_core::diagram::Container;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
-use rayon::prelude::*;
 
 use super::host::HOST;
 use super::laplacian::{of_masses, of_volumes};
@@ -17,7 +18,7 @@ use super::sparse::{center, center_parts};
 use super::system::{Aim, System};
 use super::{End, Iteration, Options, bridge, limited, mend, request, start};
 use crate::density::{Density, is_of_density};
-use crate::vectors::{for_each, sum};
+use crate::vectors::{for_each, largest, map, sum};
 
 /// Weights, and what they give.
 pub(super) struct State {
@@ -198,10 +199,10 @@ impl<'a> Problem<'a> {
         let missing = || Error::new(ErrorKind::Device, "the backend gave no integrals though asked to");
         let mut masses = self.density.masses(&output).ok_or_else(missing)?;
         let scale = self.scale(&masses)?;
-        masses.par_iter_mut().for_each(|mass| *mass *= scale);
-        let least = masses.par_iter().copied().reduce(|| f64::INFINITY, f64::min);
-        let each = masses.par_iter().zip(&self.targets);
-        let residual = each.map(|(m, t)| (m / t - 1.0).abs()).reduce(|| 0.0, f64::max);
+        for_each(&mut masses, |_, mass| *mass *= scale);
+        let least_of = |part: Range<usize>| masses[part].iter().copied().fold(f64::INFINITY, f64::min);
+        let least = chunks(masses.len(), least_of).into_iter().fold(f64::INFINITY, f64::min);
+        let residual = largest(masses.len(), |i| (masses[i] / self.targets[i] - 1.0).abs());
         let error = sum(masses.len(), |i| (self.targets[i] - masses[i]).powi(2)).sqrt();
         Ok(State { weights, output, masses, scale, least, residual, error })
     }
@@ -345,7 +346,7 @@ impl<'a> Problem<'a> {
 
     /// What a step is to come to; where the cells are in parts that do not touch, and one of them has to gain mass from others, the sites of that.
     fn aim(&self, state: &State, multigrid: &Multigrid<'_>) -> Result<std::result::Result<Aim, Vec<bool>>> {
-        let targets: Vec<f64> = self.order.par_iter().map(|&i| self.targets[i as usize]).collect();
+        let targets: Vec<f64> = map(self.order.len(), |row| self.targets[self.order[row] as usize]);
         let (mut missing, mut slope) = self.missing(state, &targets);
         if let Some((parts, count)) = multigrid.parts()? {
             let exact: Vec<f64> =
@@ -401,7 +402,7 @@ impl<'a> Problem<'a> {
     fn advance(&mut self, state: &State, mut system: System<'a>) -> Result<Option<(f64, usize, State)>> {
         let (mut iterations, slope) = (system.newton.iterations, system.aim.slope);
         let solution = &system.newton.solution;
-        let newton: Vec<f64> = self.place.par_iter().map(|&row| solution[row as usize]).collect();
+        let newton: Vec<f64> = map(self.place.len(), |i| solution[self.place[i] as usize]);
         if limited::is_to_be(self, &system)? {
             if self.limited_steps == 0
                 && let Some((step, next)) = self.damped(state, &newton, slope, 1.0)?
@@ -428,12 +429,11 @@ impl<'a> Problem<'a> {
     /// The longest step, of twice the last one halved again and again, after which no cell has too little mass and the error has fallen
     /// enough; none shorter than `shortest`.
     fn damped(&mut self, state: &State, direction: &[f64], slope: f64, shortest: f64) -> Result<Option<(f64, State)>> {
-        let largest = |x: &[f64]| x.par_iter().map(|x| x.abs()).reduce(|| 0.0, f64::max);
-        let (reach, rounding) = (largest(direction), f64::EPSILON * largest(&state.weights));
+        let size = |x: &[f64]| largest(x.len(), |i| x[i].abs());
+        let (reach, rounding) = (size(direction), f64::EPSILON * size(&state.weights));
         let mut step = (2.0 * self.step).min(1.0);
         while step >= shortest && step * reach > rounding {
-            let along = state.weights.par_iter().zip(direction).map(|(w, d)| w + step * d);
-            let mut weights: Vec<f64> = along.collect();
+            let mut weights = map(direction.len(), |i| state.weights[i] + step * direction[i]);
             center(&mut weights);
             match mend::step(self, weights) {
                 Ok(next) if next.residual <= self.tolerance => return Ok(Some((step, next))),

@@ -1,9 +1,8 @@
 //! Sparse matrices on all threads, to the same bits for every number of them, and what their vectors need.
 
 use laguerre_core::rows::{Rows, gather};
-use rayon::prelude::*;
 
-use crate::vectors::{CHUNK, for_each, sum};
+use crate::vectors::{CHUNK, for_each, map, sum};
 
 /// A matrix in compressed rows. Columns within a row are in no order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,15 +78,12 @@ impl Matrix {
     /// Makes each row's sum zero but for a rounding of its own, by its diagonal. What rounding left of it grew from level to level, until the
     /// direct solver of two lattices of 4,000 points did not find the constants in the kernel.
     pub(super) fn balance(&mut self) {
-        let diagonals: Vec<(usize, f64)> = (0..self.rows())
-            .into_par_iter()
-            .filter_map(|i| {
-                let others = self.row(i).filter(|&(j, _)| j != i).map(|(_, a)| a).sum::<f64>();
-                let at = self.columns[self.offsets[i]..self.offsets[i + 1]].iter().position(|&j| j as usize == i)?;
-                Some((self.offsets[i] + at, -others))
-            })
-            .collect();
-        diagonals.into_iter().for_each(|(k, diagonal)| self.values[k] = diagonal);
+        let diagonals: Vec<Option<(usize, f64)>> = map(self.rows(), |i| {
+            let others = self.row(i).filter(|&(j, _)| j != i).map(|(_, a)| a).sum::<f64>();
+            let at = self.columns[self.offsets[i]..self.offsets[i + 1]].iter().position(|&j| j as usize == i)?;
+            Some((self.offsets[i] + at, -others))
+        });
+        diagonals.into_iter().flatten().for_each(|(k, diagonal)| self.values[k] = diagonal);
     }
 
     /// The product with `other`.

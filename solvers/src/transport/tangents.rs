@@ -5,10 +5,12 @@
 //! has some cell's barycenter in its own.
 
 use laguerre_core::Output;
-use rayon::prelude::*;
+use laguerre_core::parallel;
+use laguerre_core::summation::chunks;
+use std::ops::Range;
 
 use super::levels::halved;
-use crate::vectors::inner;
+use crate::vectors::{inner, map};
 
 /// Children of a node, and planes of a leaf.
 const CHILDREN: usize = 8;
@@ -29,7 +31,7 @@ pub(super) struct Tangents {
 }
 
 /// The plane of a cell.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Tangent {
     weight: f64,
     site: [f64; 3],
@@ -88,11 +90,11 @@ fn less(a: &(f64, usize), b: &(f64, usize)) -> std::cmp::Ordering {
 impl Tangents {
     /// Of the cells of some of these sites, none of which is empty, for so many questions.
     pub(super) fn new(positions: &[[f64; 3]], weights: &[f64], output: &Output, sites: &[u32], asked: usize) -> Self {
-        let tangent = |&i: &u32| {
-            let i = i as usize;
+        let tangent = |row: usize| {
+            let i = sites[row] as usize;
             Tangent { weight: weights[i], site: positions[i], barycenter: output.barycenter()[i] }
         };
-        let tangents = sites.par_iter().map(tangent).collect::<Vec<_>>();
+        let tangents = map(sites.len(), tangent);
         if asked <= FEW { Self { tangents, rows: Vec::new(), levels: Vec::new() } } else { Self::of(&tangents) }
     }
 
@@ -104,11 +106,12 @@ impl Tangents {
         let rows = halved(&barycenters, depth);
         let tangents: Vec<Tangent> = rows.iter().map(|&row| given[row as usize]).collect();
         let point = |tangent: &Tangent| Node { lo: tangent.barycenter, hi: tangent.barycenter };
-        let leaf = |tangents: &[Tangent]| Node::around(tangents.iter().map(point));
-        let mut levels: Vec<Vec<Node>> = vec![tangents.par_chunks(CHILDREN).map(leaf).collect()];
+        let leaf = |range: Range<usize>| Node::around(tangents[range].iter().map(point));
+        let mut levels: Vec<Vec<Node>> = vec![parallel::chunks(tangents.len(), CHILDREN, leaf)];
         while let Some(last) = levels.last().filter(|last| last.len() > 1) {
-            let node = |nodes: &[Node]| Node::around(nodes.iter().copied());
-            levels.push(last.par_chunks(CHILDREN).map(node).collect());
+            let node = |range: Range<usize>| Node::around(last[range].iter().copied());
+            let next = parallel::chunks(last.len(), CHILDREN, node);
+            levels.push(next);
         }
         Self { tangents, rows, levels }
     }
@@ -121,16 +124,17 @@ impl Tangents {
     pub(super) fn highest(&self, points: &[[f64; 3]]) -> Vec<(f64, usize)> {
         if self.levels.is_empty() {
             let of_all = |&p: &[f64; 3]| {
-                let all = self.tangents.par_iter().enumerate().map(|(row, tangent)| (tangent.weight_at(p), row));
-                all.min_by(less).unwrap_or((f64::INFINITY, 0))
+                let least = |part: Range<usize>| part.map(|row| (self.tangents[row].weight_at(p), row)).min_by(less);
+                chunks(self.tangents.len(), least).into_iter().flatten().min_by(less).unwrap_or((f64::INFINITY, 0))
             };
             return points.iter().map(of_all).collect();
         }
-        let together = points.par_chunks(TOGETHER).map(|points| {
+        let together = parallel::chunks(points.len(), TOGETHER, |range| {
+            let points = &points[range];
             let anchor = self.anchor(points);
             points.iter().map(|&p| self.highest_from(&anchor, p)).collect::<Vec<_>>()
         });
-        together.collect::<Vec<_>>().concat()
+        together.concat()
     }
 
     /// At the middle of some places.

@@ -115,7 +115,8 @@ pub(crate) enum Stage {
     First,
     /// Those that may meet the surface; those are given up that need exact signs.
     Surface,
-    /// Those that are completed by their vertices, where the tree is searched; those are given up that double-double does not decide.
+    /// Those that are completed by their vertices, where the tree is searched; those are given up that double-double does not decide, or that reach far outside the
+    /// domain.
     Far,
     /// Those that need exact signs, or sites beyond the table of offsets, or reach far outside the domain; and where facets are asked for those that the surface
     /// cuts.

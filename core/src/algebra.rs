@@ -110,7 +110,9 @@ pub trait Algebra: Send + Sync {
     fn rows(&self, a: &Held) -> Result<Rows>;
 
     /// How many they are.
-    fn row_count(&self, a: &Held) -> Result<usize>;
+    fn row_count(&self, a: &Held) -> Result<usize> {
+        Ok(self.rows(a)?.0.len().saturating_sub(1))
+    }
 
     /// The next coarser level of a Laplacian, by smoothed aggregation; `None` where the caller has to make it of its rows: where there is none, and where it
     /// is not made here.

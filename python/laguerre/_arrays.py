@@ -42,13 +42,13 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _is_constant(array: NDArray[Any]) -> bool:
-    """Whether neither it nor any array that it is a view of can be written to."""
+    """Whether neither it nor any array that it is a view of can be written to, and its memory is NumPy's, of bytes, or of a result: others' may be written to by them."""
     found: Any = array
     while isinstance(found, np.ndarray):
         if found.flags.writeable:
             return False
         found = found.base
-    return True
+    return found is None or isinstance(found, bytes) or type(found).__name__ == "PySliceContainer"
 
 
 def _array(values: Any, what: str) -> NDArray[Any]:

@@ -191,6 +191,12 @@ def test_arrays_of_others_are_taken_by_dlpack():
         def __dlpack_device__(self):
             return self.array.__dlpack_device__()
 
+    class Old(Other):
+        """One that does not say who else writes to it."""
+
+        def __dlpack__(self, stream=None):
+            return self.array.__dlpack__()
+
     class Busy(Other):
         def __dlpack__(self, **options):
             raise BufferError("it is on a device")
@@ -198,6 +204,10 @@ def test_arrays_of_others_are_taken_by_dlpack():
     points, weights = white(100), 1e-3 * white(100, 2)[:, 0]
     expected = lg.cells(points, weights, domain=CUBE).volume
     assert np.array_equal(lg.cells(Other(points), Other(weights), domain=CUBE).volume, expected)
+    shared = points.copy()
+    cells = lg.cells(Old(shared), domain=CUBE)
+    shared[:] = 0.0
+    assert np.array_equal(cells.points, points)
     with pytest.raises(ValueError, match="points: it is on a device: detach it and bring it to the host"):
         lg.cells(Busy(points), domain=CUBE)
 

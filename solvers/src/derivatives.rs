@@ -263,10 +263,10 @@ impl<'a> Derivatives<'a> {
             row
         };
         let chunks = parallel::chunks(self.positions.len(), ROWS_AT_ONCE, |range| range.map(row).collect::<Vec<_>>());
-        let rows = chunks.concat();
-        let mut made = Rows { offsets: Vec::with_capacity(rows.len() + 1), columns: Vec::new(), values: Vec::new() };
+        let offsets = Vec::with_capacity(self.positions.len() + 1);
+        let mut made = Rows { offsets, columns: Vec::new(), values: Vec::new() };
         made.offsets.push(0);
-        for row in rows {
+        for row in chunks.into_iter().flatten() {
             made.columns.extend(row.iter().map(|(j, _)| j));
             made.values.extend(row.iter().map(|(_, value)| value));
             made.offsets.push(made.columns.len());

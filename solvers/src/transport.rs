@@ -46,7 +46,7 @@ pub struct Options {
     pub tolerance: f64,
     /// Newton steps at most.
     pub most_iterations: usize,
-    /// Whether the output of the last evaluation has second moments, which [`Solution::cost`] needs.
+    /// Whether the output of the last evaluation has second moments, which [`Solution::cost`] needs; where it was interrupted those of a device may be missing.
     pub second_moments: bool,
     /// Whether it has facets, which takes one more diagram.
     pub facets: bool,
@@ -150,7 +150,7 @@ pub enum End {
 pub struct Solution {
     /// One for each site (length²); their mean is 0.
     pub weights: Vec<f64>,
-    /// The diagram of these weights, with facets and the Laplacian where the options ask for them; without where [`End::Interrupted`], for they may be used up by then.
+    /// The diagram of these weights, with facets, the Laplacian and second moments where the options ask for them; where [`End::Interrupted`] without the first two, which may be used up by then, and on a device without the third.
     pub output: Output,
     /// Mass of each cell.
     pub masses: Vec<f64>,
@@ -161,7 +161,7 @@ pub struct Solution {
     /// The cell whose residual that is, with what stands in its way; where cells that touch no others lack mass, the worst of those.
     pub worst: Worst,
     /// `Σ_i ∫_i ρ(x) ‖x − p_i‖² dx` (mass·length²), the transport cost; `None` where the options did not ask for second moments,
-    /// and where it was interrupted with a density that takes another diagram.
+    /// and where it was interrupted with a density that takes another diagram, or on a device.
     pub cost: Option<f64>,
     /// How the iteration ended.
     pub end: End,

@@ -161,6 +161,11 @@ fn linear_densities_are_exact() {
     let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box(lo, hi).unwrap();
     let solution = solved(&mut diagram, &masses, &options);
     check(&diagram, &solution, &masses, &density);
+    // All that can be asked for comes together.
+    let mut all = options.clone().with_facets();
+    all.laplacian = true;
+    let output = solved(&mut diagram, &masses, &all).output;
+    assert!(output.facets().is_some() && output.laplacian().is_some() && output.second_moment().is_some());
     // The centres of mass are those of the whole.
     let centers = density.centers(&diagram, &solution.output).unwrap();
     let first: [f64; 3] = std::array::from_fn(|k| (0..500).map(|i| solution.masses[i] * centers[i][k]).sum());

@@ -34,7 +34,7 @@ INLINE void set_word(uint *bits, uint lane, uint word, uint value) {
 }
 
 // How a cell ends that is left to a stage with more room, or where facets are asked for and the surface cuts it to that WITH_EXACT, and in the end to the
-// other kernel; to this kernel built WITH_EXACT; to this kernel built WITH_SURFACE.
+// host; to this kernel built WITH_EXACT; to this kernel built WITH_SURFACE.
 #define LEFT 32u
 #define OPEN 33u
 #define NEAR 34u

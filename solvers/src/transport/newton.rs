@@ -227,7 +227,8 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// What the backend says.
     pub(super) fn complete(&mut self, state: &mut State, end: End, options: &Options) -> Result<()> {
-        let needs_facets = (options.facets || end == End::Stalled) && state.output.facets().is_none();
+        let wants_facets = options.facets || end == End::Stalled;
+        let needs_facets = wants_facets && state.output.facets().is_none();
         let kept = state.output.kept().zip(self.backend.algebra());
         let mut laplacian = match kept.filter(|_| options.laplacian) {
             Some((kept, algebra)) => algebra.read_laplacian(kept)?,
@@ -238,7 +239,7 @@ impl<'a> Problem<'a> {
         let needs_moments = options.second_moments && (is_function || state.output.second_moment().is_none());
         if needs_facets || needs_laplacian || needs_moments {
             let request = if is_function { self.request.clone() } else { Request::moments() };
-            let request = if needs_facets { request.with_facets() } else { request };
+            let request = if wants_facets { request.with_facets() } else { request };
             let request = if needs_laplacian { request.with_laplacian() } else { request };
             let request = if options.second_moments { request.with_second_moments() } else { request };
             self.diagram.set_sites(&self.positions, &state.weights)?;

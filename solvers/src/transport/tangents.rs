@@ -15,8 +15,9 @@ use crate::vectors::{distance2, inner, map};
 /// Children of a node, and planes of a leaf.
 const CHILDREN: usize = 8;
 
-/// Questions that are asked together.
+/// Questions that are asked together, at least: such a group goes over all planes once, and all groups over no more than so many.
 const TOGETHER: usize = 512;
+const MOST_PLANES: usize = 1 << 30;
 
 /// For so few questions all planes are gone through: to put them in order takes as long as some ten times that.
 const FEW: usize = 8;
@@ -147,7 +148,7 @@ impl Tangents {
     ///
     /// A node's bound is the better of two: from what its planes come to at a site of its own, and at the middle of some sites that follow each other. (Of 100,000 sites, 33,000 planes: 235 to 300 nodes
     /// are opened a site of a Plummer cluster, of clusters, of two clusters and of a Lévy flight; with the first alone 320 to 730, for along the boundary between the cells of two clusters it misses as
-    /// much as these are apart; with the second alone 350 to 1,400, for some sites lie far apart.)
+    /// much as these are apart; with the second alone 350 to 1,400, for some sites lie far apart.) Both are up to rounding, so that of planes as high as each other up to that any may be found.
     pub(super) fn highest(&self, points: &[[f64; 3]]) -> Vec<(f64, usize)> {
         if self.levels.is_empty() {
             let of_all = |&p: &[f64; 3]| {
@@ -156,7 +157,8 @@ impl Tangents {
             };
             return points.iter().map(of_all).collect();
         }
-        let together = parallel::chunks(points.len(), TOGETHER, |range| {
+        let length = TOGETHER.max(points.len().saturating_mul(self.tangents.len()) / MOST_PLANES);
+        let together = parallel::chunks(points.len(), length, |range| {
             let points = &points[range];
             let anchor = self.anchor(points);
             points.iter().map(|&p| self.highest_from(&anchor, p)).collect::<Vec<_>>()

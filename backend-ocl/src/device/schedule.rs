@@ -249,6 +249,8 @@ impl Device {
                 }
                 way = match stage {
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
+                    // (What of facets is asked for may leave signs open: so a cell ends in the same stage whatever that is, and has the same bits.)
+                    _ if request.needs_facets() && self.domain.is_some() => Way::Together(lanes, Stage::Wide),
                     _ => Way::Together(lanes, Stage::Large),
                 };
                 interior_only = false;

@@ -116,7 +116,7 @@ impl Ocl {
     /// Whether a kernel that is run by `ask` finds something.
     fn finds(&self, ask: impl FnOnce(&Device, &Room<u32>) -> Result<()>) -> Result<bool> {
         self.on_first(|device| {
-            device.answers.is_found.fill(&device.context, &device.queue, &[0])?;
+            device.unfind()?;
             ask(device, &device.answers.is_found)?;
             Ok(device.answers.is_found.first(&device.queue)? != 0)
         })

@@ -190,7 +190,7 @@ impl Device {
     }
 
     /// Nothing is found yet.
-    fn unfind(&mut self) -> Result<()> {
+    pub(super) fn unfind(&mut self) -> Result<()> {
         self.answers.is_found.fill(&self.context, &self.queue, &[0])
     }
 }

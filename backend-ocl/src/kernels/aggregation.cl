@@ -117,6 +117,11 @@ __kernel void join_rest(JOIN_REST_ARGUMENTS) {
 // Entries of a row of the prolongation that there is room for.
 #define MOST_TIED 64u
 
+// The number of the aggregate that an unknown has joined.
+INLINE uint aggregate_of(__global const uint *joined, __global const uint *numbers, uint i) {
+    return (joined[i] == NO_AGGREGATE) ? NO_AGGREGATE : numbers[joined[i]];
+}
+
 INLINE uint add_tied(uint *column, real *value, uint n, uint aggregate, real by) {
     if (aggregate == NO_AGGREGATE) {
         return n;
@@ -137,7 +142,7 @@ INLINE uint add_tied(uint *column, real *value, uint n, uint aggregate, real by)
     return n;
 }
 
-// (I − ω D⁻¹ A) T, `T` the piecewise constants; weak entries of `A` are added to the diagonal. How many entries each row has; or, where there are `starts`, these.
+// (I − ω D⁻¹ A) T, `T` the piecewise constants; weak entries of `A` are added to the diagonal. How many entries each row has; or, where `fills`, these.
 __kernel void prolong(PROLONG_ARGUMENTS) {
     const uint row = get_global_id(0);
     if (row >= count) {
@@ -146,7 +151,7 @@ __kernel void prolong(PROLONG_ARGUMENTS) {
     uint column[MOST_TIED];
     real value[MOST_TIED];
     uint n = 0;
-    const uint own = (joined[row] == NO_AGGREGATE) ? NO_AGGREGATE : numbers[joined[row]];
+    const uint own = aggregate_of(joined, numbers, row);
     n = add_tied(column, value, n, own, REAL(1.0));
     real sum = REAL(0.0);
     for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
@@ -157,8 +162,7 @@ __kernel void prolong(PROLONG_ARGUMENTS) {
         const real scale = omega / sum;
         for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
             if (is_strong(row, columns[k], values[k], inverse, strong)) {
-                const uint root = joined[columns[k]];
-                n = add_tied(column, value, n, (root == NO_AGGREGATE) ? NO_AGGREGATE : numbers[root], -scale * values[k]);
+                n = add_tied(column, value, n, aggregate_of(joined, numbers, columns[k]), -scale * values[k]);
             }
         }
         n = add_tied(column, value, n, own, -omega);

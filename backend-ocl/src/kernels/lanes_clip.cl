@@ -89,6 +89,12 @@ INLINE Trial trial_of(Store *s, Plane plane) {
     };
 }
 
+// How far a vertex is within it, in its units; and what is off in that.
+INLINE float value_at(Trial t, float4 p) {
+    return (((t.plane.x * p.x) + (t.plane.y * p.y)) + (t.plane.z * p.z)) + t.plane.w;
+}
+INLINE float bound_at(Trial t, float4 p) { return (t.size * p.w) + t.slack; }
+
 // Whether vertex v is among the marked ones.
 INLINE uint is_marked(const uint *bits, uint v) {
 #if SPREADS_WORDS
@@ -122,7 +128,6 @@ INLINE uint clip_together(Store *s, Trial trial) {
     CELL_SPACE Cell *cell = s->cell;
     const uint k = s->planes;
     const uint end = s->vertices;
-    const float4 plane = trial.plane;
     // 1. Mark, as `store.cl` does. (Beyond the last vertex there is room, and anything in it.)
     uint bits[KEPT_WORDS];
     uint marked = 0;
@@ -132,8 +137,8 @@ INLINE uint clip_together(Store *s, Trial trial) {
         if ((word * LANES) < end) {
             const uint v = (word * LANES) + s->lane;
             const float4 p = cell->rough[v];
-            const float value = (((plane.x * p.x) + (plane.y * p.y)) + (plane.z * p.z)) + plane.w;
-            const float bound = (trial.size * p.w) + trial.slack;
+            const float value = value_at(trial, p);
+            const float bound = bound_at(trial, p);
             uint mark = (value < -bound) ? MARK_CONFLICT : ((value > bound) ? MARK_KEEP : MARK_UNCERTAIN);
             mark = (v < end) ? mark : MARK_KEEP;
             if (lanes_with(mark == MARK_UNCERTAIN) != 0u) {

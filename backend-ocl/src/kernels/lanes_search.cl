@@ -59,4 +59,26 @@ INLINE uint store_held_key(Store *s, uint c) { return s->cell->candidate_key[(c 
 INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) + s->lane] = NO_SITE; }
 #endif
 
+// (As `clip_together` would find them. In loops that stay loops: the text is in the inner one.)
+INLINE void store_drop_held(Store *s, uint count) {
+    ROLLED
+    for (uint c = 0; c < store_held(s, count); c++) {
+        if (store_held_key(s, c) != NO_SITE) {
+            const Trial trial = trial_of(s, bisector_with(s, store_held_site(s, c)));
+            bool is_within = true;
+            ROLLED
+            for (uint v = 0; v < s->vertices; v++) {
+                const float4 p = s->cell->rough[v];
+                if (!(value_at(trial, p) > bound_at(trial, p))) {
+                    is_within = false;
+                    break;
+                }
+            }
+            if (is_within) {
+                store_let_go(s, c);
+            }
+        }
+    }
+}
+
 #import "generated/candidate_search.cl"

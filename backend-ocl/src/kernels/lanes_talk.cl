@@ -8,10 +8,12 @@
 // inlined none is (8 and 32 lanes).
 
 #if LANES > 1u
-// Before a loop over words or places that have to stay in registers.
+// Before a loop over words or places that have to stay in registers; and before one that stays a loop.
 #define UNROLLED _Pragma("unroll")
+#define ROLLED _Pragma("unroll 1")
 #else
 #define UNROLLED
+#define ROLLED
 #endif
 
 #if WITH_SUBGROUPS

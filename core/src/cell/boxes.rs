@@ -7,7 +7,6 @@
 
 use super::candidates::{Held, key_limit, nearest_held, take_held};
 use super::far::next_unsettled;
-use super::quadratic::FEW_ROUNDINGS_OF_SUM;
 use super::search::{Vantage, Wanted, gather, search_near};
 use super::search_store::{
     HOME_KNOWN, HOME_NOWHERE, LEAVES_AT_ONCE, MOST_CANDIDATES, MOST_OPEN, NO_SITE, OctreeNode, OctreeStore,
@@ -15,7 +14,7 @@ use super::search_store::{
 };
 use super::status::{COMPLETE, CUT, EMPTY, UNTOUCHED};
 use super::tree::{OctreePlace, octree_box_at};
-use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, norm_1, norm_max};
+use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, norm_1};
 
 /// Beyond all that is in a container.
 #[cfg_attr(opencl, single(1e30))]
@@ -192,7 +191,7 @@ pub(super) fn visit_leaves<S: SearchStore>(
             is_looked_at = is_home && (*visited == 0);
         } else {
             if !is_looked_at {
-                drop_candidates(s, count);
+                s.drop_held(count);
                 is_looked_at = true;
                 cuts = 0;
             }
@@ -217,59 +216,4 @@ pub(super) fn visit_leaves<S: SearchStore>(
         }
     }
     return UNTOUCHED;
-}
-
-/// Drops those candidates that cannot cut the cell.
-#[inline(always)]
-fn drop_candidates<S: SearchStore>(s: &mut S, count: u32) {
-    for c in 0..s.held(count) {
-        if (s.held_key(c) != NO_SITE) && !may_cut(s, s.held_site(c)) {
-            s.let_go(c);
-        }
-    }
-}
-
-/// Whether site `j`, this lane's own, may have less power than the cell's at one of its vertices: not alike.
-#[inline(always)]
-fn may_cut<S: SearchStore>(s: &S, j: u32) -> bool {
-    let other: Other = other_at(s.way_to(j), s.excess_of(j));
-    for v in 0..s.vertices() {
-        if may_have_less(other, s.position(v), s.radius(v)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/// Another site, as the cell's sees it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Other {
-    /// The way to it.
-    pub(crate) way: V3,
-    /// How much more power it has at the cell's site.
-    pub(crate) more: Real,
-    /// Room for roundings of that.
-    pub(crate) room: Real,
-    /// Twice the length of the way, at least.
-    pub(crate) length: Real,
-}
-
-/// A site at the way `d` that weighs `excess` more.
-#[inline(always)]
-pub(crate) fn other_at(d: V3, excess: Real) -> Other {
-    let square: Real = dot(d, d);
-    return Other {
-        way: d,
-        more: square - excess,
-        room: FEW_ROUNDINGS_OF_SUM * (square + excess.abs()),
-        length: 2.0 * norm_1(d),
-    };
-}
-
-/// Whether it may have less power than the cell's site at a place, which is off by up to `radius` along each axis.
-#[inline(always)]
-pub(crate) fn may_have_less(other: Other, place: V3, radius: Real) -> bool {
-    let off: Real = radius + (FEW_ROUNDINGS_OF_SUM * norm_max(place));
-    return (other.more - (2.0 * dot(other.way, place))) <= ((other.length * off) + other.room);
 }

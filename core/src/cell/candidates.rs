@@ -4,6 +4,11 @@ use super::search_store::{NO_SITE, SearchStore};
 use super::status::{CUT, UNTOUCHED};
 use super::vector::{Rough, V3};
 
+/// Cuts since the last look after which, where one does not cut, it is looked which of the others may: by each lane those that it holds.
+const CUTS_BEFORE_LOOK: u32 = 6;
+/// Lanes that hold a candidate within reach, at least, for that to be worth while.
+const WORTH_A_LOOK: u32 = 4;
+
 /// One of the candidates that a lane holds.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -52,6 +57,7 @@ pub(super) fn visit_candidates<S: SearchStore>(
     visited: &mut u32,
 ) -> u32 {
     let mut limit: u32 = key_limit(s, *reach, below);
+    let mut cuts: u32 = *visited;
     loop {
         let held: Held = nearest_held(s, count);
         let least: u32 = s.least_of_lanes(held.key);
@@ -64,8 +70,14 @@ pub(super) fn visit_candidates<S: SearchStore>(
         if status == CUT {
             *reach = s.square_of_reach(center);
             limit = key_limit(s, *reach, below);
+            cuts += 1;
         } else if status != UNTOUCHED {
             return status;
+        } else if (s.lanes() > 1) && (cuts >= CUTS_BEFORE_LOOK) {
+            if s.count_of(s.lanes_with(held.key < limit)) >= WORTH_A_LOOK {
+                s.drop_held(count);
+            }
+            cuts = 0;
         }
     }
 }

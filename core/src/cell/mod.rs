@@ -45,7 +45,7 @@ pub mod parity;
 mod part;
 mod plain;
 mod plane;
-mod quadratic;
+pub(crate) mod quadratic;
 mod quadrature;
 mod restrict;
 pub mod search;
@@ -55,7 +55,7 @@ mod status;
 mod store;
 pub mod table;
 pub(crate) mod tree;
-mod vector;
+pub(crate) mod vector;
 mod vertex;
 mod wide;
 

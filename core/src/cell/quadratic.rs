@@ -3,7 +3,7 @@
 use super::vector::{Real, UNIT_ROUNDOFF, larger, smaller};
 
 /// Roundings of a sum of some twenty terms, in units of the sum of their sizes.
-pub(super) const FEW_ROUNDINGS_OF_SUM: Real = 64.0 * UNIT_ROUNDOFF;
+pub(crate) const FEW_ROUNDINGS_OF_SUM: Real = 64.0 * UNIT_ROUNDOFF;
 
 /// Adds the least of `αt² + gt − (G + Q(t − m))(t − m)` for t from `lo` to `hi`, and the size of its terms. It is where the slope
 /// is 0, if that is a minimum, and else at an end.

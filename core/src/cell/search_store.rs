@@ -233,6 +233,8 @@ pub trait SearchStore: Lanes {
     fn let_go(&mut self, c: u32) {
         self.set_candidate(c, self.candidate(c), NO_SITE);
     }
+    /// Takes out those of this lane's that certainly leave the cell untouched, as far as it is looked.
+    fn drop_held(&mut self, _count: u32) {}
     /// Room for candidates that tie, at least [`MOST_CANDIDATES`].
     fn most_ties(&self) -> u32;
 

@@ -148,7 +148,7 @@ HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint
             is_looked_at = is_home && (*visited == 0);
         } else {
             if (!is_looked_at) {
-                drop_candidates(s, count);
+                store_drop_held(s, count);
                 is_looked_at = 1;
                 cuts = 0;
             }
@@ -173,36 +173,4 @@ HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint
         }
     }
     return UNTOUCHED;
-}
-
-// Drops those candidates that cannot cut the cell.
-INLINE void drop_candidates(Store *s, uint count) {
-    for (uint c = 0; c < store_held(s, count); c++) {
-        if ((store_held_key(s, c) != NO_SITE) && !may_cut(s, store_held_site(s, c))) {
-            store_let_go(s, c);
-        }
-    }
-}
-
-// Whether site `j`, this lane's own, may have less power than the cell's at one of its vertices: not alike.
-INLINE bool may_cut(Store *s, uint j) {
-    const Other other = other_at(store_way_to(s, j), store_excess_of(s, j));
-    for (uint v = 0; v < store_vertices(s); v++) {
-        if (may_have_less(other, store_position(s, v), store_radius(s, v))) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-// A site at the way `d` that weighs `excess` more.
-INLINE Other other_at(V3 d, real excess) {
-    const real square = v3_dot(d, d);
-    return (Other){ .way = d, .more = square - excess, .room = FEW_ROUNDINGS_OF_SUM * (square + fabs(excess)), .length = REAL(2.0) * norm_1(d) };
-}
-
-// Whether it may have less power than the cell's site at a place, which is off by up to `radius` along each axis.
-INLINE bool may_have_less(Other other, V3 place, real radius) {
-    const real off = radius + (FEW_ROUNDINGS_OF_SUM * norm_max(place));
-    return (other.more - (REAL(2.0) * v3_dot(other.way, place))) <= ((other.length * off) + other.room);
 }

@@ -27,6 +27,7 @@ INLINE uint take_held(Store *s, Held held, uint least) {
 // after.
 HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *reach, uint *visited) {
     uint limit = key_limit(s, *reach, below);
+    uint cuts = *visited;
     for (;;) {
         const Held held = nearest_held(s, count);
         const uint least = store_least_of_lanes(s, held.key);
@@ -39,8 +40,14 @@ HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *re
         if (status == CUT) {
             *reach = store_square_of_reach(s, center);
             limit = key_limit(s, *reach, below);
+            cuts += 1;
         } else if (status != UNTOUCHED) {
             return status;
+        } else if ((store_lanes(s) > 1) && (cuts >= CUTS_BEFORE_LOOK)) {
+            if (store_count_of(s, store_lanes_with(s, held.key < limit)) >= WORTH_A_LOOK) {
+                store_drop_held(s, count);
+            }
+            cuts = 0;
         }
     }
 }

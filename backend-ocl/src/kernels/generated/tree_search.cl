@@ -52,10 +52,6 @@ INLINE OctreePlace open_ended(Store *s, OctreePlace at);
 INLINE bool is_in_box(Store *s, OctreePlace at, V3 place, real radius);
 INLINE uint take_fresh(Store *s, OctreeNode node, uint *looked);
 HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint *visited);
-INLINE void drop_candidates(Store *s, uint count);
-INLINE bool may_cut(Store *s, uint j);
-INLINE Other other_at(V3 d, real excess);
-INLINE bool may_have_less(Other other, V3 place, real radius);
 
 #import "generated/quadratic.cl"
 #import "generated/bound.cl"

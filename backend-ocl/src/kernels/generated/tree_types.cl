@@ -271,19 +271,13 @@ typedef struct {
 // Cuts after which it is looked anew which candidates may cut the cell. (With 3 or 12 a device takes as long.)
 #define CUTS_BETWEEN_LOOKS ((uint)(6))
 
-// Another site, as the cell's sees it.
-typedef struct {
-    // The way to it.
-    V3 way;
-    // How much more power it has at the cell's site.
-    real more;
-    // Room for roundings of that.
-    real room;
-    // Twice the length of the way, at least.
-    real length;
-} Other;
-
 // core/src/cell/candidates.rs
+
+// Cuts since the last look after which, where one does not cut, it is looked which of the others may: by each lane those that it holds.
+#define CUTS_BEFORE_LOOK ((uint)(6))
+
+// Lanes that hold a candidate within reach, at least, for that to be worth while.
+#define WORTH_A_LOOK ((uint)(4))
 
 // One of the candidates that a lane holds.
 typedef struct {

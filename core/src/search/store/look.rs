@@ -2,8 +2,9 @@
 
 use super::{Entry, Searched};
 use crate::cell::bound::{Seer, least_power_of_node};
-use crate::cell::boxes::{Other, may_have_less, other_at};
+use crate::cell::quadratic::FEW_ROUNDINGS_OF_SUM;
 use crate::cell::search_store::{Asked, NodeWeights, SearchStore as _};
+use crate::cell::vector::{dot, norm_1, norm_max};
 use crate::cell::{CellStore, Real, V3, v3};
 use crate::search::{Reaches, in_order, smaller};
 use crate::site_tree::{Leaf, WIDTH};
@@ -162,6 +163,38 @@ impl<S: CellStore> Searched<'_, '_, S> {
             (((x * x) + (y * y)) + (z * z)) - (leaf.weight[k] - self.cell.weight)
         })
     }
+}
+
+/// Another site, as the cell's sees it.
+#[derive(Clone, Copy)]
+struct Other {
+    /// The way to it.
+    way: V3,
+    /// How much more power it has at the cell's site.
+    more: Real,
+    /// Room for roundings of that.
+    room: Real,
+    /// Twice the length of the way, at least.
+    length: Real,
+}
+
+/// A site at the way `d` that weighs `excess` more.
+#[inline(always)]
+fn other_at(d: V3, excess: Real) -> Other {
+    let square: Real = dot(d, d);
+    return Other {
+        way: d,
+        more: square - excess,
+        room: FEW_ROUNDINGS_OF_SUM * (square + excess.abs()),
+        length: 2.0 * norm_1(d),
+    };
+}
+
+/// Whether it may have less power than the cell's site at a place, which is off by up to `radius` along each axis.
+#[inline(always)]
+fn may_have_less(other: Other, place: V3, radius: Real) -> bool {
+    let off: Real = radius + (FEW_ROUNDINGS_OF_SUM * norm_max(place));
+    return (other.more - (2.0 * dot(other.way, place))) <= ((other.length * off) + other.room);
 }
 
 /// The numbers of the bits that are set.

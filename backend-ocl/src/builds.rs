@@ -113,8 +113,10 @@ pub(crate) enum Stage {
     Single,
     /// All of them; those are given up that need exact signs, or may meet the surface.
     First,
-    /// Those that may meet the surface; those are given up that need exact signs.
+    /// Those that may meet the surface, finished; those are given up that need exact signs.
     Surface,
+    /// Where facets are asked for all that the stages before have finished; those that the surface cuts are `Exact`'s.
+    Facets,
     /// Those that are completed by their vertices, where the tree is searched; those are given up that double-double does not decide, or that reach far outside the
     /// domain.
     Far,
@@ -143,6 +145,8 @@ struct Shape {
     far: bool,
     exact: bool,
     surface: bool,
+    /// `TAKES_CELLS`.
+    takes: bool,
     /// `WITH_ROOM`.
     room: u32,
     /// Teams of lanes that a cell has: each asks for another vertex of it at the same time (`kernels/README.md`).
@@ -158,6 +162,7 @@ impl Stage {
             far: false,
             exact: false,
             surface: false,
+            takes: false,
             room: 0,
             teams: 1,
         };
@@ -168,13 +173,15 @@ impl Stage {
             far: true,
             exact: true,
             surface: true,
+            takes: false,
             room: 0,
             teams: 1,
         };
         match self {
             Self::Single | Self::First => FIRST,
             Self::Far => Shape { cells: 1, short: false, far: true, ..FIRST },
-            Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, ..FIRST },
+            Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, takes: true, ..FIRST },
+            Self::Facets => Shape { cells: 4, registers: Some(128), takes: true, ..FIRST },
             Self::Exact => EXACT,
             Self::Large => Shape { exact: false, ..Self::Wide.shape() },
             Self::Wide => Shape { cells: 1, registers: Some(128), room: 1, teams: 4, ..EXACT },
@@ -182,32 +189,22 @@ impl Stage {
         }
     }
 
-    /// Whether it is the first stage, and both sums facets and searches the tree.
-    const fn has_both(self, asked: Asked) -> bool {
-        matches!(self, Self::First) && asked.flags & FACETS != 0 && !asked.table
-    }
-
-    /// Cells of a group: one less where both have room in each, 10.6 kB with it.
-    const fn cells(self, asked: Asked) -> u32 {
-        if self.has_both(asked) { 4 } else { self.shape().cells }
-    }
-
-    /// Registers: more where both need some (96 are too few by 770 bytes: 0.088 s of a million white sites with weights of transport, 0.080 with 128; one NVIDIA H200).
-    const fn registers(self, asked: Asked) -> Option<u32> {
-        if self.has_both(asked) { Some(128) } else { self.shape().registers }
+    /// Whether what it finishes with facets is given to `Facets`.
+    pub(crate) const fn gives(self) -> bool {
+        matches!(self, Self::Single | Self::First | Self::Far)
     }
 }
 
 impl Way {
     /// Work-items of a group, at most, and those that compute one cell.
-    pub(crate) const fn group(self, asked: Asked) -> (usize, usize) {
+    pub(crate) const fn group(self) -> (usize, usize) {
         match self {
             // They share nothing; a multiple of what any GPU runs in step.
             Self::Alone(_) => (64, 1),
             Self::Together(lanes, stage) => {
                 let shape = stage.shape();
                 let per_cell = lanes.count() * lanes.teams(shape.teams) as usize;
-                (per_cell * stage.cells(asked) as usize, per_cell)
+                (per_cell * shape.cells as usize, per_cell)
             }
         }
     }
@@ -229,14 +226,23 @@ pub(crate) struct Asked {
 
 impl Asked {
     pub(crate) fn of(params: &Params, way: Way) -> Self {
-        let is_shared = matches!(way, Way::Together(..));
-        let is_of_many = matches!(way, Way::Together(_, stage) if stage.shape().short);
-        Self {
-            flags: params.flags & !FACET_AREAS & if is_of_many { !0 } else { !SECOND_MOMENTS },
-            domain: is_shared && params.has_domain != 0,
-            weights: is_shared && params.equal_weights == 0,
-            table: params.has_table != 0 && !matches!(way, Way::Together(_, Stage::Far | Stage::Large)),
-        }
+        let stage = match way {
+            Way::Alone(_) => None,
+            Way::Together(_, stage) => Some(stage),
+        };
+        let has = |is_so: fn(Stage) -> bool| stage.is_some_and(is_so);
+        let (is_shared, equal_weights) = (stage.is_some(), params.equal_weights != 0);
+        let flags = match params.flags {
+            flags if has(Stage::gives) && flags & FACETS != 0 => 0,
+            flags if has(|stage| stage.shape().short) => flags & !FACET_AREAS,
+            flags => flags & !(FACET_AREAS | SECOND_MOMENTS),
+        };
+        let table = match has(|stage| stage.shape().takes) {
+            // (They search nothing.)
+            true => equal_weights,
+            false => params.has_table != 0 && !has(|stage| matches!(stage, Stage::Far | Stage::Large)),
+        };
+        Self { flags, domain: is_shared && params.has_domain != 0, weights: is_shared && !equal_weights, table }
     }
 }
 
@@ -261,6 +267,7 @@ enum Flag {
     Far(bool),
     Exact(bool),
     Surface(bool),
+    Takes(bool),
     Room(u32),
     #[cfg(any(test, feature = "test-util"))]
     Neighbors(u32),
@@ -287,6 +294,7 @@ impl Flag {
             Self::Far(is_set) => set("WITH_FAR", is_set),
             Self::Exact(is_set) => set("WITH_EXACT", is_set),
             Self::Surface(is_set) => set("WITH_SURFACE", is_set),
+            Self::Takes(is_set) => set("TAKES_CELLS", is_set),
             Self::Room(room) => ("WITH_ROOM", room.to_string()),
             #[cfg(any(test, feature = "test-util"))]
             Self::Neighbors(count) => ("NEIGHBORS", count.to_string()),
@@ -315,22 +323,23 @@ impl Build {
         let room_of = |room: &Capacities| vec![Flag::Planes(room.planes), Flag::Vertices(room.vertices)];
         match self {
             Self::Grid => Vec::new(),
-            Self::Cells(way, all @ Asked { flags: asked, domain, weights, table }) => {
+            Self::Cells(way, Asked { flags: asked, domain, weights, table }) => {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { short, far, exact, surface, room, teams, .. } = stage.shape();
+                        let Shape { cells, short, far, exact, surface, takes, room, teams, .. } = stage.shape();
                         vec![
                             Flag::Single(stage == Stage::Single),
                             Flag::Short(short && *asked & !FACETS == 0),
                             Flag::Lanes(lanes.count() as u32),
-                            Flag::CellsOfGroup(stage.cells(*all)),
+                            Flag::CellsOfGroup(cells),
                             Flag::Teams(lanes.teams(teams)),
                             Flag::Domain(*domain),
                             Flag::Weights(*weights),
                             Flag::Far(far),
                             Flag::Exact(exact),
                             Flag::Surface(surface && *domain),
+                            Flag::Takes(takes),
                             Flag::Room(room),
                         ]
                     }
@@ -351,7 +360,7 @@ impl Build {
     /// The compiler's options.
     pub(crate) fn options(&self) -> String {
         let (lanes, registers) = match self {
-            Self::Cells(Way::Together(lanes, stage), asked) => (Some(lanes), stage.registers(*asked)),
+            Self::Cells(Way::Together(lanes, stage), _) => (Some(lanes), stage.shape().registers),
             Self::Trial(lanes) => (Some(lanes), None),
             _ => (None, None),
         };
@@ -371,6 +380,7 @@ impl Build {
             Stage::Single,
             Stage::First,
             Stage::Surface,
+            Stage::Facets,
             Stage::Far,
             Stage::Exact,
             Stage::Large,

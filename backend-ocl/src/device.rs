@@ -97,8 +97,9 @@ rooms! {
         later: u32 = "a list of cells",
         full: u32 = "a list of cells",
         left: u32 = "a list of cells",
-        /// Records of finished cells near the surface (`lanes_near.cl`).
-        near: [u32; 4] = "cells near the surface",
+        cut: u32 = "a list of cells",
+        /// Records of finished cells (`lanes_near.cl`).
+        near: [u32; 4] = "finished cells",
         vast: u64 = "cells that need much room",
         pub(crate) outcome: u32 = "how cells ended",
         pub(crate) sums: f64 = "cells' sums",

@@ -160,7 +160,7 @@ impl Programs {
 fn build(context: &Context, device: cl_device_id, way: Way, asked: Asked) -> Result<Kernels> {
     let program = compile(context, device, Build::Cells(way, asked))?;
     let cells = Kernel::new(&program)?;
-    let (group, per_cell) = way.group(asked);
+    let (group, per_cell) = way.group();
     let group = match way {
         Way::Alone(_) => group.min(cells.largest_group(device)?),
         Way::Together(..) => group,

@@ -1,7 +1,7 @@
 //! What is tried with a sample of the cells before all are computed: how much room they need, and by which way they are found.
 
 use super::Device;
-use super::schedule::{FIRST, Todo};
+use super::schedule::{FIRST, RECORD_LENGTH, Todo};
 use crate::builds::{Lanes, Stage, Way};
 use crate::interface::data::Counters;
 use crate::octree::OfSites;
@@ -88,9 +88,7 @@ impl Device {
             return Ok(false);
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
-        // (With facets those that the surface cuts are left, to another stage than that.)
-        let cuts_facets = self.domain.is_some() && self.shared.params.flags & FACETS != 0;
-        let failed = first.later + if cuts_facets { 0 } else { first.left };
+        let failed = first.later + first.left;
         let has_weights = self.shared.params.equal_weights == 0;
         Ok(failed > if has_weights { WORTH_AN_OCTREE } else { MOST_OF_SAMPLE })
     }
@@ -120,9 +118,14 @@ impl Device {
 
     /// Tries a way with so many of the cells, or all if they are fewer; how they ended.
     fn sample_of(&mut self, way: Way, cells: &Todo, most: usize) -> Result<Counters> {
-        // Without facets: they have no room yet.
+        // Without facets, which have no room yet, but with the records of cells that would be given them.
         self.shared.params.facet_room = 0;
         let some = cells.count().min(most);
+        if self.shared.params.flags & FACETS != 0 {
+            let records = some * RECORD_LENGTH;
+            self.memory.near.grow(&self.context, records)?;
+            self.shared.params.near_room = records as u32;
+        }
         if let Some(late) = self.run(way, cells, cells.count() / some, 0..some, false)? {
             return Err(late);
         }

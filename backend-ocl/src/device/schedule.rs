@@ -55,8 +55,10 @@ impl Cells for Todo {
     }
 }
 
-/// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes.
+/// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes; and on average for those of all cells, of which white
+/// sites take 42.
 const NEAR_LENGTH: usize = 40;
+pub(super) const RECORD_LENGTH: usize = 56;
 
 /// Cells of a batch near the surface that there is room for; others are begun anew. Of few cells all may be.
 fn near_cells(share: usize) -> usize {
@@ -148,13 +150,17 @@ impl Device {
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * shared.params.sums_width as usize)?;
         memory.rows.grow(context, if request.needs_facets() { sites } else { 1 })?;
+        let cut = if domain.is_some() && request.needs_facets() { &mut memory.cut } else { &mut memory.later };
+        cut.grow(context, share)?;
         for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
             list.grow(context, share)?;
         }
-        let gives_near = domain.is_some() && together.is_some() && !request.needs_facets();
-        let near = if gives_near { near_cells(share) * NEAR_LENGTH } else { 1 };
-        memory.near.grow(context, near)?;
-        shared.params.near_room = near as u32;
+        if !request.needs_facets() {
+            let gives_near = domain.is_some() && together.is_some();
+            let near = if gives_near { near_cells(share) * NEAR_LENGTH } else { 1 };
+            memory.near.grow(context, near)?;
+            shared.params.near_room = near as u32;
+        }
         results.rows.clear();
         results.facet_count = 0;
         results.are_kept = false;
@@ -294,12 +300,14 @@ impl Device {
             let unended = |c: &Counters| c.surface + c.later + c.full + if is_shared { c.left } else { 0 };
             let before = unended(&self.counters);
             // (With facets, what is left of these stages is for the next at once, and what that leaves not for it again.)
-            let leaves_cut = request.needs_facets()
-                && self.domain.is_some()
-                && matches!(way, Way::Together(_, Stage::First | Stage::Far));
+            let finishing = match way {
+                Way::Together(lanes, stage) if stage.gives() => Some(lanes),
+                _ => None,
+            };
+            let leaves_cut = request.needs_facets() && self.domain.is_some() && finishing.is_some();
             let kept = if leaves_cut { std::mem::take(&mut self.counters.left) } else { 0 };
             if leaves_cut {
-                std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
+                std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
             }
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
@@ -309,22 +317,26 @@ impl Device {
                 self.read_facets(request)?;
                 self.memory.facets.free();
                 self.memory.facet_seconds.free();
+                self.memory.near.free();
                 if leaves_cut {
-                    std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
+                    std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
                     self.counters.left = kept;
                 }
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
-            if let (Way::Together(lanes, Stage::Single | Stage::First | Stage::Far), near @ 1..) =
-                (way, self.counters.surface)
-            {
-                second.cells += near as usize;
-                second.seconds += self.at_once(lanes, Stage::Surface, near as usize)?;
+            if let (Some(lanes), given @ 1..) = (finishing, self.counters.surface as usize) {
+                if request.needs_facets() {
+                    self.at_once(lanes, Stage::Facets, given)?;
+                } else {
+                    second.cells += given;
+                    second.seconds += self.at_once(lanes, Stage::Surface, given)?;
+                }
             }
-            if let (Way::Together(lanes, _), true) = (way, leaves_cut) {
+            if let (Some(lanes), true) = (finishing, leaves_cut) {
                 let cut = std::mem::replace(&mut self.counters.left, kept) as usize;
-                std::mem::swap(&mut self.memory.left, &mut self.memory.surface);
+                std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
+                std::mem::swap(&mut self.memory.cut, &mut self.memory.surface);
                 if cut > 0 {
                     second.cells += cut;
                     second.seconds += self.at_once(lanes, Stage::Exact, cut)?;
@@ -378,7 +390,8 @@ impl Device {
             return Ok(most);
         }
         let second = if request.facet_second_moments() { size_of::<FacetSecond>() } else { 0 };
-        let bytes = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
+        let length = if self.shares_cells() { RECORD_LENGTH } else { 0 };
+        let bytes = FACETS_PER_CELL * (size_of::<FacetRecord>() + second) + length * size_of::<[u32; 4]>();
         let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
         let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
         if self.results.are_kept && self.counters.facets > 0 {
@@ -389,18 +402,21 @@ impl Device {
         let mut all = if self.results.are_kept { share.min(self.most_cells) } else { 0 };
         loop {
             let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
-            let Memory { facets, facet_seconds, .. } = &mut self.memory;
+            let Memory { facets, facet_seconds, near, .. } = &mut self.memory;
             let seconds = if request.facet_second_moments() { room } else { 1 };
+            let records = (batch * length).max(1);
             let is_there = batch <= FEWEST_CELLS
                 || (facets.grow_if_possible(&self.context, room)?
-                    && facet_seconds.grow_if_possible(&self.context, seconds)?);
+                    && facet_seconds.grow_if_possible(&self.context, seconds)?
+                    && near.grow_if_possible(&self.context, records)?);
             if !is_there {
                 (batch, all) = if all > batch { (batch, 0) } else { (batch / 2, 0) };
                 continue;
             }
             facets.grow(&self.context, room)?;
             facet_seconds.grow(&self.context, seconds)?;
-            self.shared.params.facet_room = room as u32;
+            near.grow(&self.context, records)?;
+            (self.shared.params.facet_room, self.shared.params.near_room) = (room as u32, records as u32);
             return Ok(batch);
         }
     }
@@ -419,6 +435,7 @@ impl Device {
         let kernels = programs.get(context, self.id, way, &shared.params)?;
         memory.facets.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
+        memory.near.grow(context, 1)?;
         memory.vast.grow(context, 1)?;
         octree.be_there(context)?;
         shared.send(context, queue)?;

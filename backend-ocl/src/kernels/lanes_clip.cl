@@ -34,10 +34,10 @@ INLINE void set_word(uint *bits, uint lane, uint word, uint value) {
 }
 
 // How a cell ends that is left to a stage with more room, or where facets are asked for and the surface cuts it to that WITH_EXACT, and in the end to the
-// host; to this kernel built WITH_EXACT; to this kernel built WITH_SURFACE.
+// host; to this kernel built WITH_EXACT; to the stage that TAKES_CELLS.
 #define LEFT 32u
 #define OPEN 33u
-#define NEAR 34u
+#define FINISHED 34u
 // What exact arithmetic is asked of.
 #define UNSETTLED ((WITH_EXACT != 0) ? LEFT : OPEN)
 // As `OPEN`, for reaching beyond what is searched here.

@@ -9,7 +9,8 @@
 //
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that nothing in the
 // inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the inner loop in the cache
-// of instructions. WITH_SURFACE is for those (where facets are asked for, with WITH_EXACT), WITH_FAR for cells that are completed by their vertices
+// of instructions. WITH_SURFACE is for those (where facets are asked for, with WITH_EXACT), WITH_FACETS by itself for the others where facets are asked for, whose
+// sums take registers and text as well: both take finished cells (TAKES_CELLS). WITH_FAR for cells that are completed by their vertices
 // (`lanes_tree.cl`), WITH_EXACT for what is open in either, WITH_ROOM for what needs more room: such a cell has TEAMS of LANES work-items, which ask
 // for its vertices and wait for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
 // WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
@@ -31,7 +32,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         return;
     }
     const uint turn = first + (own_turn * stride);
-#if TAKES_NEAR
+#if TAKES_CELLS
     __global const uint4 *record = near + list[turn];
     const uint site = record->x;
 #else
@@ -56,7 +57,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if TEAMS > 1
     s->team = lanes_alike((uint)get_local_id(0) / LANES);
 #endif
-#if WITH_DOMAIN && !TAKES_NEAR
+#if WITH_DOMAIN && !TAKES_CELLS
     const int2 about = abouts[site];
     const float clear = (as_float(about.x) > 0.0f) ? extent_of(as_float(about.x)) : -1.0f;
     cell->clear = clear;
@@ -92,7 +93,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->vertices = 8;
     uint visited = 0;
     float extent = 0.0f;
-#if TAKES_NEAR
+#if TAKES_CELLS
     take_cell(s, record);
     uint status = COMPLETE;
 #elif WITH_TABLE
@@ -173,9 +174,9 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
 #endif
     const uint exact = lanes_with(s->exact);
-#if GIVES_NEAR
+#if GIVES_CELLS
     uint place = 0;
-    if (status == NEAR) {
+    if (status == FINISHED) {
         status = give_cell(s, near, counters, site, exact, &place);
     }
 #endif
@@ -201,8 +202,8 @@ __kernel void cells(CELLS_ARGUMENTS) {
         later[atomic_inc(&counters->later)] = site;
         return;
     }
-#if GIVES_NEAR
-    if (status == NEAR) {
+#if GIVES_CELLS
+    if (status == FINISHED) {
         surface[atomic_inc(&counters->surface)] = place;
         return;
     }

@@ -36,8 +36,13 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
 }
 #endif
 
+#if GIVES_CELLS
+// Whether cells that the surface is not near are finished by another stage.
+INLINE uint gives_all(Store *s) { return s->world.params->flags & FACETS; }
+#endif
+
 // The integrals of a complete cell that reaches as far as `extent` says (`extent_of`), and where they are asked for those of its facets: `COMPLETE`, `EMPTY`,
-// `LEFT`, `OPEN` or `NEAR`.
+// `LEFT`, `OPEN` or, of one that another stage takes, `FINISHED`.
 INLINE uint integrate_together(Store *s, uint flags, float extent, CellSums *sums, FacetSum *facet) {
     CELL_SPACE Cell *cell = s->cell;
     // Whether the site is outside its cell, or only not strictly inside.
@@ -53,19 +58,23 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, CellSums *sum
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
 #if WITH_DOMAIN
     Voxel lo = (Voxel){ .i = 0, .j = 0, .k = 0 };
-    uint near = 1;
-#if !TAKES_NEAR
+#if TAKES_CELLS
+    uint near = cell->is_near;
+    winding = (real)cell->winding;
+#else
+    uint near = 0;
     if (extent <= cell->clear) {
-        near = 0;
         winding = (real)cell->winding;
     } else {
         near = surface_near_box(s, &lo);
         winding = (real)store_winding(s, lo);
     }
 #endif
-#if GIVES_NEAR
+#if GIVES_CELLS
+    cell->is_near = (near != 0u) ? 1u : 0u;
+    cell->winding = (int)winding;
     if (near != 0u) {
-        return NEAR;
+        return FINISHED;
     }
 #else
     if (near != 0u) {
@@ -86,6 +95,11 @@ INLINE uint integrate_together(Store *s, uint flags, float extent, CellSums *sum
 #endif
     if (winding == REAL(0.0)) {
         return EMPTY;
+    }
+#endif
+#if GIVES_CELLS
+    if (gives_all(s) != 0u) {
+        return FINISHED;
     }
 #endif
 #if !SINGLE

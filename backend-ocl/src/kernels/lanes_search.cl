@@ -59,6 +59,8 @@ INLINE uint store_held_key(Store *s, uint c) { return s->cell->candidate_key[(c 
 INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) + s->lane] = NO_SITE; }
 #endif
 
+// (Of cells that are completed by their vertices few sites are visited before: those of sites in a plane took 12 % longer with it.)
+INLINE bool store_drops_candidates(Store *s) { return (LANES > 1u) && (WITH_FAR == 0); }
 // (As `clip_together` would find them. In loops that stay loops: the text is in the inner one.)
 INLINE void store_drop_held(Store *s, uint count) {
     ROLLED

@@ -10,9 +10,9 @@
 #import "ties.cl"
 #import "lanes_talk.cl"
 
-// Whether finished cells near the surface are given to the stage WITH_SURFACE, as records; and whether this is that stage.
-#define GIVES_NEAR (WITH_DOMAIN && !WITH_FACETS && !WITH_SURFACE && !WITH_EXACT)
-#define TAKES_NEAR (WITH_SURFACE && !WITH_FAR)
+// Whether finished cells are given to another stage, as records: those near the surface to the one WITH_SURFACE that TAKES_CELLS; and where facets are asked for
+// all others to the one WITH_FACETS (those near the surface are then left to the stage WITH_EXACT).
+#define GIVES_CELLS (!TAKES_CELLS && !WITH_EXACT && !WITH_ROOM)
 
 // Whether what of a cell is far outside the domain is cut off.
 #define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || (WITH_FAR && WITH_SURFACE)))
@@ -138,6 +138,8 @@ typedef struct {
     float clear;
     int winding;
     float outside;
+    // Whether the surface is near the finished cell.
+    uint is_near;
 #endif
 } Cell;
 #if WITH_ROOM == 2

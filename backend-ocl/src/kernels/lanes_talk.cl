@@ -8,12 +8,10 @@
 // inlined none is (8 and 32 lanes).
 
 #if LANES > 1u
-// Before a loop over words or places that have to stay in registers; and before one that stays a loop.
+// Before a loop over words or places that have to stay in registers.
 #define UNROLLED _Pragma("unroll")
-#define ROLLED _Pragma("unroll 1")
 #else
 #define UNROLLED
-#define ROLLED
 #endif
 
 #if WITH_SUBGROUPS

@@ -36,8 +36,9 @@ const SHARE_OF_KEY: Real = 0.99999;
 const LEAST_TO_SHARE: Real = 1e-30;
 
 /// A cell that then reaches this many times as far, as a square, is completed by its vertices; and one for which so many leaves were looked at,
-/// or so many sites visited.
-const FAR_SQUARE: Real = 9.0;
+/// or so many sites visited. (With 9 instead of 100 a million white sites with weights of transport take 0.070 s instead of 0.062, weights that are a
+/// sinusoid 0.080 instead of 0.071, other uneven inputs within 3 % as long; one NVIDIA H200.)
+const FAR_SQUARE: Real = 100.0;
 const MOST_NEAR_LEAVES: u32 = 400;
 const MOST_NEAR_SITES: u32 = 400;
 

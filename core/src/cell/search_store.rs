@@ -233,6 +233,10 @@ pub trait SearchStore: Lanes {
     fn let_go(&mut self, c: u32) {
         self.set_candidate(c, self.candidate(c), NO_SITE);
     }
+    /// Whether [`drop_held`](Self::drop_held) is worth its time while a cell is cut by the sites around its own: where many lanes look at the same time.
+    fn drops_candidates(&self) -> bool {
+        false
+    }
     /// Takes out those of this lane's that certainly leave the cell untouched, as far as it is looked.
     fn drop_held(&mut self, _count: u32) {}
     /// Room for candidates that tie, at least [`MOST_CANDIDATES`].

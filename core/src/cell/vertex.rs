@@ -80,6 +80,25 @@ pub(crate) fn find_vertex<S: SignStore>(s: &mut S, t: Triplet, position: &mut V3
         *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(exact);
         return COMPLETE;
     }
+    refine_by(s, t, by, position, radius);
+    return COMPLETE;
+}
+
+/// The same without the rare ways out: `UNCERTAIN` where the normals are nearly dependent.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub fn find_vertex_refined<S: Polytope>(s: &S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
+    let by: Cramer = cramer(s, t);
+    if !(by.det > (NEARLY_DEPENDENT * by.size)) {
+        return UNCERTAIN;
+    }
+    refine_by(s, t, by, position, radius);
+    return COMPLETE;
+}
+
+/// By Cramer's rule, refined where that is worth it.
+#[inline(always)]
+fn refine_by<S: Polytope>(s: &S, t: Triplet, by: Cramer, position: &mut V3, radius: &mut Real) {
     let inverse: Real = 1.0 / by.det;
     let amplified: Real = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
     *position = solve(by, inverse);
@@ -93,7 +112,6 @@ pub(crate) fn find_vertex<S: SignStore>(s: &mut S, t: Triplet, position: &mut V3
         *position = sub(*position, scale(inverse, combine(rest_a, rest_b, rest_c, by.bc, by.ca, by.ab)));
         *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * by.size));
     }
-    return COMPLETE;
 }
 
 /// The position of the vertex with triplet `t` without refinement, and its error radius: enough where both are rounded to single precision

@@ -43,7 +43,7 @@ HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *re
             cuts += 1;
         } else if (status != UNTOUCHED) {
             return status;
-        } else if ((store_lanes(s) > 1) && (cuts >= CUTS_BEFORE_LOOK)) {
+        } else if (store_drops_candidates(s) && (cuts >= CUTS_BEFORE_LOOK)) {
             if (store_count_of(s, store_lanes_with(s, held.key < limit)) >= WORTH_A_LOOK) {
                 store_drop_held(s, count);
             }

@@ -20,6 +20,8 @@ OUTLINE Plane triangle_plane(V3 a, V3 b, V3 c, real sign);
 OUTLINE Plane wall_over_edge(V3 n, V3 a, V3 b);
 HOT uint place_vertex(Store *s, uint v);
 HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius);
+HOT uint find_vertex_refined(Store *s, Triplet t, V3 *position, real *radius);
+INLINE void refine_by(Store *s, Triplet t, Cramer by, V3 *position, real *radius);
 HOT uint find_vertex_once(Store *s, Triplet t, V3 *position, real *radius);
 INLINE Cramer cramer(Store *s, Triplet t);
 INLINE V3 solve(Cramer by, real inverse);

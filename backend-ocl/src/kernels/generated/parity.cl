@@ -328,6 +328,19 @@ __kernel void parity_find_vertex(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_find_vertex_refined(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Triplet t = take_Triplet(&in);
+    V3 position = take_V3(&in);
+    real radius = take_real(&in);
+    const uint result = find_vertex_refined(s, t, &position, &radius);
+    give_uint(&out, result);
+    give_V3(&out, position);
+    give_real(&out, radius);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_find_vertex_once(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

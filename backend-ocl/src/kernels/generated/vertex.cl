@@ -35,6 +35,22 @@ HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
         *radius = (ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(exact);
         return COMPLETE;
     }
+    refine_by(s, t, by, position, radius);
+    return COMPLETE;
+}
+
+// The same without the rare ways out: `UNCERTAIN` where the normals are nearly dependent.
+HOT uint find_vertex_refined(Store *s, Triplet t, V3 *position, real *radius) {
+    const Cramer by = cramer(s, t);
+    if (!(by.det > (NEARLY_DEPENDENT * by.size))) {
+        return UNCERTAIN;
+    }
+    refine_by(s, t, by, position, radius);
+    return COMPLETE;
+}
+
+// By Cramer's rule, refined where that is worth it.
+INLINE void refine_by(Store *s, Triplet t, Cramer by, V3 *position, real *radius) {
     const real inverse = REAL(1.0) / by.det;
     const real amplified = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
     *position = solve(by, inverse);
@@ -48,7 +64,6 @@ HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius) {
         *position = sub(*position, scale(inverse, combine(rest_a, rest_b, rest_c, by.bc, by.ca, by.ab)));
         *radius = ((ROUNDINGS_OF_EXACT * UNIT_ROUNDOFF) * norm_max(*position)) + (*radius * (amplified * by.size));
     }
-    return COMPLETE;
 }
 
 // The position of the vertex with triplet `t` without refinement, and its error radius: enough where both are rounded to single precision

@@ -34,6 +34,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!((n: V3, a: V3, b: V3) plane::wall_over_edge(n, a, b), []),
     host!(s, (v: u32) vertex::place_vertex(&mut s, v), []),
     host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex(&mut s, t, &mut position, &mut radius), [position, radius]),
+    host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex_refined(&s, t, &mut position, &mut radius), [position, radius]),
     host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex_once(&s, t, &mut position, &mut radius), [position, radius]),
     host!(s, (t: Triplet) vertex::cramer(&s, t), []),
     host!((by: Cramer, inverse: f64) vertex::solve(by, inverse), []),

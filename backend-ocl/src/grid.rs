@@ -41,18 +41,29 @@ pub(crate) struct Given {
     pub(crate) positions: Room<[f64; 3]>,
     weights: Room<f64>,
     has_weights: bool,
+    /// Which positions they are ([`PowerDiagram::places`]); 0 where they are nobody's.
+    places: u64,
 }
 
 impl Given {
     pub(crate) const fn new() -> Self {
-        Self { count: 0, positions: Room::new("sites"), weights: Room::new("weights"), has_weights: false }
+        Self { count: 0, positions: Room::new("sites"), weights: Room::new("weights"), has_weights: false, places: 0 }
     }
 
-    /// Brings the sites of a diagram to the device.
+    /// The positions are others now.
+    pub(crate) const fn move_away(&mut self) {
+        self.places = 0;
+    }
+
+    /// Brings the sites of a diagram to the device, as far as they are not there.
     pub(crate) fn bring(&mut self, context: &Context, queue: &CommandQueue, diagram: &PowerDiagram) -> Result<()> {
         self.count = diagram.positions().len();
         self.has_weights = !diagram.weights().is_empty();
-        self.positions.fill(context, queue, diagram.positions())?;
+        if !(self.places == diagram.places() && self.positions.is_made()) {
+            self.places = 0;
+            self.positions.fill(context, queue, diagram.positions())?;
+            self.places = diagram.places();
+        }
         self.weights.fill(context, queue, diagram.weights())
     }
 }

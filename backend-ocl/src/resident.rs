@@ -107,6 +107,7 @@ impl Resident for Stay<'_> {
             }
             device.move_sites(count, &self.given.positions, &self.before)?;
             mem::swap(&mut self.given.positions, &mut self.before);
+            self.given.move_away();
             self.found_before = self.found.take();
             Ok(true)
         })
@@ -114,6 +115,7 @@ impl Resident for Stay<'_> {
 
     fn step_back(&mut self) {
         mem::swap(&mut self.given.positions, &mut self.before);
+        self.given.move_away();
         self.found = self.found_before.take();
     }
 

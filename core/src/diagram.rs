@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::domain_grid::DomainGrid;
 use crate::frame::Frame;
@@ -49,8 +50,17 @@ impl Container {
 #[derive(Clone, Debug)]
 pub struct PowerDiagram {
     positions: Vec<[f64; 3]>,
+    /// No other positions have this number.
+    places: u64,
     weights: Vec<f64>,
     container: Option<Container>,
+}
+
+/// The number of the next positions.
+static PLACES: AtomicU64 = AtomicU64::new(1);
+
+fn next_places() -> u64 {
+    PLACES.fetch_add(1, Ordering::Relaxed)
 }
 
 impl PowerDiagram {
@@ -61,7 +71,7 @@ impl PowerDiagram {
     /// `Input` where there is no site, the lengths differ, there are more than 2³¹ sites, or a number is not finite or
     /// beyond [`LARGEST_COORDINATE`] (its square for weights).
     pub fn new(positions: &[[f64; 3]], weights: &[f64]) -> Result<Self> {
-        let mut diagram = Self { positions: Vec::new(), weights: Vec::new(), container: None };
+        let mut diagram = Self { positions: Vec::new(), places: 0, weights: Vec::new(), container: None };
         diagram.set_sites(positions, weights)?;
         Ok(diagram)
     }
@@ -75,8 +85,21 @@ impl PowerDiagram {
         // Both before either: the diagram is as it was where there is no memory.
         room_for(&mut self.positions, positions, "sites")?;
         room_for(&mut self.weights, weights, "weights")?;
+        self.places = next_places();
         self.positions.clear();
         self.positions.extend_from_slice(positions);
+        self.weights.clear();
+        self.weights.extend_from_slice(weights);
+        Ok(())
+    }
+
+    /// Replaces the weights alone; a device to which the positions were brought last is not brought them again.
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::new`]; the diagram is unchanged then.
+    pub fn set_weights(&mut self, weights: &[f64]) -> Result<()> {
+        check_weights(self.positions.len(), weights)?;
+        room_for(&mut self.weights, weights, "weights")?;
         self.weights.clear();
         self.weights.extend_from_slice(weights);
         Ok(())
@@ -89,6 +112,7 @@ impl PowerDiagram {
     pub fn exchange_sites(&mut self, positions: &mut Vec<[f64; 3]>, weights: Option<&mut Vec<f64>>) -> Result<()> {
         check_sites(positions, weights.as_deref().unwrap_or(&self.weights))?;
         std::mem::swap(&mut self.positions, positions);
+        self.places = next_places();
         if let Some(weights) = weights {
             std::mem::swap(&mut self.weights, weights);
         }
@@ -127,6 +151,12 @@ impl PowerDiagram {
     /// The sites, in the caller's order and unit.
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
+    }
+
+    /// A number that no other positions have, for who has a copy of them.
+    #[doc(hidden)]
+    pub fn places(&self) -> u64 {
+        self.places
     }
 
     /// The weights, in the caller's order and unit; empty where all are equal.
@@ -279,13 +309,6 @@ fn check_sites(positions: &[[f64; 3]], weights: &[f64]) -> Result<()> {
     if positions.len() > 1 << 31 {
         return Err(Error::input(format!("{} sites: at most 2147483648 are possible", positions.len())));
     }
-    if !weights.is_empty() && weights.len() != positions.len() {
-        return Err(Error::input(format!(
-            "{} weights for {} sites: give one for each, or none",
-            weights.len(),
-            positions.len()
-        )));
-    }
     let is_wrong = |x: &f64| x.is_nan() || x.abs() > LARGEST_COORDINATE;
     let found = first(positions, |p| p.iter().any(is_wrong));
     if let Some((i, x)) = found.and_then(|i| Some((i, positions[i].iter().find(|x| is_wrong(x))?))) {
@@ -293,6 +316,13 @@ fn check_sites(positions: &[[f64; 3]], weights: &[f64]) -> Result<()> {
             "site {i}: coordinate {x:e} is not a number within ±1e60; choose another unit"
         ))
         .of_site(i));
+    }
+    check_weights(positions.len(), weights)
+}
+
+fn check_weights(sites: usize, weights: &[f64]) -> Result<()> {
+    if !weights.is_empty() && weights.len() != sites {
+        return Err(Error::input(format!("{} weights for {sites} sites: give one for each, or none", weights.len())));
     }
     let is_wrong = |w: &f64| w.is_nan() || w.abs() > LARGEST_COORDINATE * LARGEST_COORDINATE;
     if let Some(i) = first(weights, is_wrong) {

@@ -217,8 +217,8 @@ pub fn solve(
     if !options.laplacian || end == End::Interrupted {
         state.output.take_laplacian();
     }
-    let (density, positions) = (&options.density, std::mem::take(&mut problem.positions));
-    diagram.set_sites(&positions, &state.weights)?;
+    let density = &options.density;
+    diagram.set_weights(&state.weights)?;
     let found = density.masses(&state.output);
     let found = found.unwrap_or_else(|| state.masses.iter().map(|mass| mass / state.scale).collect());
     let cost = match end {

@@ -189,7 +189,7 @@ impl<'a> Problem<'a> {
     /// The diagram of some weights.
     pub(super) fn evaluate(&mut self, weights: Vec<f64>) -> Result<State> {
         let begin = Instant::now();
-        self.diagram.set_sites(&self.positions, &weights)?;
+        self.diagram.set_weights(&weights)?;
         let request = self.request.clone();
         let request = if self.adds_moments { request.with_second_moments() } else { request };
         let output = self.density.evaluate(self.backend, self.diagram, &request)?;
@@ -242,7 +242,7 @@ impl<'a> Problem<'a> {
             let request = if wants_facets { request.with_facets() } else { request };
             let request = if needs_laplacian { request.with_laplacian() } else { request };
             let request = if options.second_moments { request.with_second_moments() } else { request };
-            self.diagram.set_sites(&self.positions, &state.weights)?;
+            self.diagram.set_weights(&state.weights)?;
             state.output = match needs_moments && is_function {
                 true => self.density.evaluate_moments(self.backend, self.diagram, &request)?,
                 false => self.density.evaluate(self.backend, self.diagram, &request)?,

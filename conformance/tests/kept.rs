@@ -7,8 +7,9 @@ use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use laguerre::algebra::{CELL, Coarsening, Coarser, rise};
+use laguerre::solvers::density::Density;
 use laguerre::solvers::lloyd::{self, Method, energy_request, equalize, relax};
-use laguerre::solvers::transport::{End, Options, Solution, solve};
+use laguerre::solvers::transport::{Cotangent, End, Options, Solution, pull_back_kept_from, solve};
 use laguerre::{
     Backend, BackendInfo, CellStatus, DeviceChoice, Domain, Observer, Output, PowerDiagram, Precision, Request,
     Resident, Result, Selection, Session, Totals,
@@ -269,6 +270,26 @@ fn transport_on_a_device_is_that_of_the_host() {
     assert!(here.weights.iter().zip(&there.weights).all(|(a, b)| (a - b).abs() <= 1e-7 * largest));
     assert_eq!(there.weights, run(&*backend, 0).weights);
     assert!(there.iterations.len() <= here.iterations.len() + 1);
+}
+
+#[test]
+fn derivatives_through_the_solve_are_those_of_the_host() {
+    let Some(backend) = device() else { return };
+    let host = laguerre::open(Selection::Cpu { threads: None }).unwrap();
+    let mut diagram = white(1_000, &torus(1.0, 0.4, 24, 12).domain());
+    solve(&*host, &mut diagram, &[], &Options::default(), &mut |_| Continue(())).unwrap();
+    let n = diagram.positions().len();
+    let weights = (0..n).map(|i| (i as f64 * 0.618).fract() - 0.5).collect();
+    let cotangent = Cotangent { weights, ..Cotangent::default() };
+    let run = |backend: &dyn Backend| pull_back_kept_from(0, backend, &diagram, &Density::Uniform, &cotangent).unwrap();
+    let (here, there) = (run(&*host), run(&*backend));
+    let largest = here.masses.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    assert!(here.masses.iter().zip(&there.masses).all(|(a, b)| (a - b).abs() <= 1e-8 * largest));
+    let numbers = |all: &[[f64; 3]]| all.iter().flatten().copied().collect::<Vec<f64>>();
+    let (ours, theirs) = (numbers(&here.positions), numbers(&there.positions));
+    let largest = ours.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    assert!(ours.iter().zip(&theirs).all(|(a, b)| (a - b).abs() <= 1e-8 * largest));
+    assert_eq!(there, run(&*backend));
 }
 
 /// A backend that keeps no sites, whatever the one that it asks does: the plain loop.

@@ -33,6 +33,8 @@ use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Re
 use crate::density::Density;
 use newton::Problem;
 
+#[doc(hidden)]
+pub use implicit::pull_back_kept_from;
 pub use implicit::{Cotangent, Gradient, pull_back};
 pub use worst::{Cause, Worst};
 
@@ -61,7 +63,7 @@ pub struct Options {
 
 /// Fewer sites the host solves sooner than some 70 kernels an iteration are begun. (Estimated: of 10 µs each, against half a million entries gone through five
 /// times.)
-const KEPT_FROM: usize = 30_000;
+pub(crate) const KEPT_FROM: usize = 30_000;
 
 impl Default for Options {
     fn default() -> Self {

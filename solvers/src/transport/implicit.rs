@@ -6,8 +6,9 @@
 
 use laguerre_core::algebra::Algebra;
 use laguerre_core::rows::places;
-use laguerre_core::{Backend, CellStatus, Error, Output, PowerDiagram, Result};
+use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Result};
 
+use super::KEPT_FROM;
 use super::conjugate_gradient;
 use super::host::HOST;
 use super::laplacian::of_masses;
@@ -43,7 +44,7 @@ pub struct Gradient {
 }
 
 /// The vector-Jacobian product of a solved transport: `diagram` has the weights that [`solve`](super::solve) found. It takes one diagram, with the second
-/// moments of its facets, and one linear system.
+/// moments of its facets, and one linear system, which of many sites is solved in the memory of a backend that has one of its own.
 ///
 /// These are derivatives as far as the weights are a solution, and where no facet is about to appear on a triangle of the surface, all over that triangle.
 /// Where cells are in parts that do not touch, the weights of each are told apart from their own mean only.
@@ -52,6 +53,18 @@ pub struct Gradient {
 /// `Input` where there is not one number for each site, a cell is empty, the density is a function, or is not uniform and the function changes with barycenters, or the system is too
 /// ill-conditioned to be solved. What [`Backend::evaluate`] says.
 pub fn pull_back(
+    backend: &dyn Backend,
+    diagram: &PowerDiagram,
+    density: &Density,
+    cotangent: &Cotangent,
+) -> Result<Gradient> {
+    pull_back_kept_from(KEPT_FROM, backend, diagram, density, cotangent)
+}
+
+/// The same, with the number of sites from which on the linear system stays with the backend.
+#[doc(hidden)]
+pub fn pull_back_kept_from(
+    kept_from: usize,
     backend: &dyn Backend,
     diagram: &PowerDiagram,
     density: &Density,
@@ -76,7 +89,15 @@ pub fn pull_back(
             )));
         }
     }
-    let mut masses = solved(diagram, &output, density, &by_weights)?;
+    let system = System::new(diagram, &output, density, &by_weights)?;
+    let mut masses = match backend.algebra().filter(|_| n >= kept_from) {
+        // (What it has no memory for, the host has.)
+        Some(algebra) => match system.solved(algebra) {
+            Err(error) if error.kind() == ErrorKind::Device => system.solved(&HOST)?,
+            found => found?,
+        },
+        None => system.solved(&HOST)?,
+    };
     let less: Vec<f64> = masses.iter().map(|z| -z).collect();
     let (mut positions, _) = derivatives.pull_back(&less, &cotangent.barycenters)?;
     if cotangent.cost != 0.0 {
@@ -92,33 +113,48 @@ pub fn pull_back(
     Ok(Gradient { positions, masses })
 }
 
-/// `A⁺ b`, in the caller's order.
-fn solved(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64]) -> Result<Vec<f64>> {
-    let Some(facets) = output.facets() else { return Err(Error::input("derivatives: the cells are without facets")) };
-    let sorted = diagram.prepare()?.sites;
-    let order = sorted.order();
-    let place = places(order, b.len());
-    let matrix = of_masses(facets, density, None, order, &place, 1.0)?;
-    let mut multigrid = Multigrid::new(&HOST, HOST.matrix(matrix.clone().into_rows())?)?;
-    let mut b: Vec<f64> = order.iter().map(|&i| b[i as usize]).collect();
-    // Of each part that touches no other the mean is its own.
-    let parts = multigrid.parts()?;
-    let center = |x: &mut [f64]| match &parts {
-        Some((parts, count)) => center_parts(x, parts, *count),
-        None => center(x),
-    };
-    center(&mut b);
-    let found = conjugate_gradient::solve(&mut multigrid, &b, RELATIVE, None)?;
-    let left = left_over(&matrix, &found.solution, &b);
-    if left > TOO_MUCH * norm(&b) {
-        return Err(Error::input(format!(
-            "derivatives: {:.1e} of the linear system is left: the cells' masses differ too much",
-            left / norm(&b)
-        )));
+/// `A z = b`, in the order along the curve.
+struct System {
+    matrix: Matrix,
+    b: Vec<f64>,
+    /// Where each site stands there.
+    place: Vec<u32>,
+}
+
+impl System {
+    fn new(diagram: &PowerDiagram, output: &Output, density: &Density, b: &[f64]) -> Result<Self> {
+        let Some(facets) = output.facets() else {
+            return Err(Error::input("derivatives: the cells are without facets"));
+        };
+        let sorted = diagram.prepare()?.sites;
+        let order = sorted.order();
+        let place = places(order, b.len());
+        let matrix = of_masses(facets, density, None, order, &place, 1.0)?;
+        Ok(Self { matrix, b: order.iter().map(|&i| b[i as usize]).collect(), place })
     }
-    let mut solution = found.solution;
-    center(&mut solution);
-    Ok(map(place.len(), |i| solution[place[i] as usize]))
+
+    /// `A⁺ b`, in the caller's order.
+    fn solved(&self, algebra: &dyn Algebra) -> Result<Vec<f64>> {
+        let mut multigrid = Multigrid::new(algebra, algebra.matrix(self.matrix.clone().into_rows())?)?;
+        // Of each part that touches no other the mean is its own.
+        let parts = multigrid.parts()?;
+        let center = |x: &mut [f64]| match &parts {
+            Some((parts, count)) => center_parts(x, parts, *count),
+            None => center(x),
+        };
+        let mut b = self.b.clone();
+        center(&mut b);
+        let mut solution = conjugate_gradient::solve(&mut multigrid, &b, RELATIVE, None)?.solution;
+        let left = left_over(&self.matrix, &solution, &b);
+        if left > TOO_MUCH * norm(&b) {
+            return Err(Error::input(format!(
+                "derivatives: {:.1e} of the linear system is left: the cells' masses differ too much",
+                left / norm(&b)
+            )));
+        }
+        center(&mut solution);
+        Ok(map(self.place.len(), |i| solution[self.place[i] as usize]))
+    }
 }
 
 /// `‖b − A x‖`.

@@ -182,19 +182,19 @@ struct Other {
 #[inline(always)]
 fn other_at(d: V3, excess: Real) -> Other {
     let square: Real = dot(d, d);
-    return Other {
+    Other {
         way: d,
         more: square - excess,
         room: FEW_ROUNDINGS_OF_SUM * (square + excess.abs()),
         length: 2.0 * norm_1(d),
-    };
+    }
 }
 
 /// Whether it may have less power than the cell's site at a place, which is off by up to `radius` along each axis.
 #[inline(always)]
 fn may_have_less(other: Other, place: V3, radius: Real) -> bool {
     let off: Real = radius + (FEW_ROUNDINGS_OF_SUM * norm_max(place));
-    return (other.more - (2.0 * dot(other.way, place))) <= ((other.length * off) + other.room);
+    (other.more - (2.0 * dot(other.way, place))) <= ((other.length * off) + other.room)
 }
 
 /// The numbers of the bits that are set.

@@ -189,7 +189,7 @@ impl Stage {
         }
     }
 
-    /// Whether what it finishes with facets is given to `Facets`.
+    /// Whether what it finishes may be given to another stage: to `Surface`, or where facets are asked for to `Facets`.
     pub(crate) const fn gives(self) -> bool {
         matches!(self, Self::Single | Self::First | Self::Far)
     }
@@ -214,13 +214,13 @@ impl Way {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Asked {
     /// The flags of `integrate_cell` that the text is built for: of second moments no stage but those whose text is short without; that of
-    /// facets no more than areas are asked for none, which leaves their moments out when it runs.
+    /// facets no more than areas are asked for none, which leaves their moments out when it runs. Stages that give cells to `Facets` are built for nothing of it.
     flags: u32,
     /// Whether there is a domain, and whether weights differ, where cells are shared: those kernels are faster if they know that there is
     /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
     domain: bool,
     weights: bool,
-    /// Whether the table of offsets is gone through before the tree over all sites is searched.
+    /// Whether the table of offsets is gone through before the tree over all sites is searched. (Of stages that search nothing, whether weights are equal.)
     table: bool,
 }
 
@@ -238,7 +238,6 @@ impl Asked {
             flags => flags & !(FACET_AREAS | SECOND_MOMENTS),
         };
         let table = match has(|stage| stage.shape().takes) {
-            // (They search nothing.)
             true => equal_weights,
             false => params.has_table != 0 && !has(|stage| matches!(stage, Stage::Far | Stage::Large)),
         };

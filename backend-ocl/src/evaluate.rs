@@ -122,6 +122,8 @@ impl Backend for Ocl {
         let has_failed = matches!(&computed, Err(error) if error.kind() == ErrorKind::Device);
         let mut leaves = false;
         for device in devices.iter_mut().filter(|_| has_failed) {
+            // (Nor is what they have believed to be as it was.)
+            device.sites.given.move_away();
             leaves |= device.leave_sub_groups();
         }
         if !leaves {

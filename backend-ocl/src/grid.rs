@@ -41,28 +41,34 @@ pub(crate) struct Given {
     pub(crate) positions: Room<[f64; 3]>,
     weights: Room<f64>,
     has_weights: bool,
-    /// Which positions they are ([`PowerDiagram::places`]); 0 where they are nobody's.
-    places: u64,
+    /// Which positions they are ([`PowerDiagram::positions_id`]); 0 where they are nobody's.
+    positions_id: u64,
 }
 
 impl Given {
     pub(crate) const fn new() -> Self {
-        Self { count: 0, positions: Room::new("sites"), weights: Room::new("weights"), has_weights: false, places: 0 }
+        Self {
+            count: 0,
+            positions: Room::new("sites"),
+            weights: Room::new("weights"),
+            has_weights: false,
+            positions_id: 0,
+        }
     }
 
     /// The positions are others now.
     pub(crate) const fn move_away(&mut self) {
-        self.places = 0;
+        self.positions_id = 0;
     }
 
     /// Brings the sites of a diagram to the device, as far as they are not there.
     pub(crate) fn bring(&mut self, context: &Context, queue: &CommandQueue, diagram: &PowerDiagram) -> Result<()> {
         self.count = diagram.positions().len();
         self.has_weights = !diagram.weights().is_empty();
-        if !(self.places == diagram.places() && self.positions.is_made()) {
-            self.places = 0;
+        if !(self.positions_id == diagram.positions_id() && self.positions.is_made()) {
+            self.positions_id = 0;
             self.positions.fill(context, queue, diagram.positions())?;
-            self.places = diagram.places();
+            self.positions_id = diagram.positions_id();
         }
         self.weights.fill(context, queue, diagram.weights())
     }

@@ -51,16 +51,16 @@ impl Container {
 pub struct PowerDiagram {
     positions: Vec<[f64; 3]>,
     /// No other positions have this number.
-    places: u64,
+    positions_id: u64,
     weights: Vec<f64>,
     container: Option<Container>,
 }
 
 /// The number of the next positions.
-static PLACES: AtomicU64 = AtomicU64::new(1);
+static POSITIONS: AtomicU64 = AtomicU64::new(1);
 
-fn next_places() -> u64 {
-    PLACES.fetch_add(1, Ordering::Relaxed)
+fn next_id() -> u64 {
+    POSITIONS.fetch_add(1, Ordering::Relaxed)
 }
 
 impl PowerDiagram {
@@ -71,7 +71,7 @@ impl PowerDiagram {
     /// `Input` where there is no site, the lengths differ, there are more than 2³¹ sites, or a number is not finite or
     /// beyond [`LARGEST_COORDINATE`] (its square for weights).
     pub fn new(positions: &[[f64; 3]], weights: &[f64]) -> Result<Self> {
-        let mut diagram = Self { positions: Vec::new(), places: 0, weights: Vec::new(), container: None };
+        let mut diagram = Self { positions: Vec::new(), positions_id: 0, weights: Vec::new(), container: None };
         diagram.set_sites(positions, weights)?;
         Ok(diagram)
     }
@@ -85,7 +85,7 @@ impl PowerDiagram {
         // Both before either: the diagram is as it was where there is no memory.
         room_for(&mut self.positions, positions, "sites")?;
         room_for(&mut self.weights, weights, "weights")?;
-        self.places = next_places();
+        self.positions_id = next_id();
         self.positions.clear();
         self.positions.extend_from_slice(positions);
         self.weights.clear();
@@ -112,7 +112,7 @@ impl PowerDiagram {
     pub fn exchange_sites(&mut self, positions: &mut Vec<[f64; 3]>, weights: Option<&mut Vec<f64>>) -> Result<()> {
         check_sites(positions, weights.as_deref().unwrap_or(&self.weights))?;
         std::mem::swap(&mut self.positions, positions);
-        self.places = next_places();
+        self.positions_id = next_id();
         if let Some(weights) = weights {
             std::mem::swap(&mut self.weights, weights);
         }
@@ -155,8 +155,8 @@ impl PowerDiagram {
 
     /// A number that no other positions have, for who has a copy of them.
     #[doc(hidden)]
-    pub fn places(&self) -> u64 {
-        self.places
+    pub fn positions_id(&self) -> u64 {
+        self.positions_id
     }
 
     /// The weights, in the caller's order and unit; empty where all are equal.

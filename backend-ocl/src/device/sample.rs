@@ -1,12 +1,12 @@
 //! What is tried with a sample of the cells before all are computed: how much room they need, and by which way they are found.
 
 use super::Device;
-use super::schedule::{FIRST, RECORD_LENGTH, Todo};
+use super::schedule::{FIRST, Todo};
 use crate::builds::{Lanes, Stage, Way};
 use crate::interface::data::Counters;
 use crate::octree::OfSites;
 use crate::program::MOST_PLANES;
-use laguerre_core::cell::{FACET_SECOND_MOMENTS, FACETS, INTEGRAL};
+use laguerre_core::cell::{FACET_SECOND_MOMENTS, INTEGRAL};
 use laguerre_core::passes::{Capacities, Cells as _};
 use laguerre_core::{ErrorKind, Request, Result, Watched};
 use std::ops::Range;
@@ -118,14 +118,9 @@ impl Device {
 
     /// Tries a way with so many of the cells, or all if they are fewer; how they ended.
     fn sample_of(&mut self, way: Way, cells: &Todo, most: usize) -> Result<Counters> {
-        // Without facets, which have no room yet, but with the records of cells that would be given them.
+        // Without facets, which have no room yet, nor the records of finished cells.
         self.shared.params.facet_room = 0;
         let some = cells.count().min(most);
-        if self.shared.params.flags & FACETS != 0 {
-            let records = some * RECORD_LENGTH;
-            self.memory.near.grow(&self.context, records)?;
-            self.shared.params.near_room = records as u32;
-        }
         if let Some(late) = self.run(way, cells, cells.count() / some, 0..some, false)? {
             return Err(late);
         }

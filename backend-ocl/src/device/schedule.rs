@@ -56,9 +56,9 @@ impl Cells for Todo {
 }
 
 /// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes; and on average for those of all cells, of which white
-/// sites take 42.
+/// sites take 42. Where facets are asked for, a cell that has no room is tried again with an empty one.
 const NEAR_LENGTH: usize = 40;
-pub(super) const RECORD_LENGTH: usize = 56;
+const RECORD_LENGTH: usize = 56;
 
 /// Cells of a batch near the surface that there is room for; others are begun anew. Of few cells all may be.
 fn near_cells(share: usize) -> usize {
@@ -150,8 +150,8 @@ impl Device {
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * shared.params.sums_width as usize)?;
         memory.rows.grow(context, if request.needs_facets() { sites } else { 1 })?;
-        let cut = if domain.is_some() && request.needs_facets() { &mut memory.cut } else { &mut memory.later };
-        cut.grow(context, share)?;
+        let leaves_cut = domain.is_some() && together.is_some() && request.needs_facets();
+        memory.cut.grow(context, if leaves_cut { share } else { 1 })?;
         for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
             list.grow(context, share)?;
         }
@@ -296,14 +296,13 @@ impl Device {
             self.counters.near = 0;
             // (What one work-item leaves is the host's, at the end.)
             let is_shared = matches!(way, Way::Together(..));
-            let full = self.counters.full;
             let unended = |c: &Counters| c.surface + c.later + c.full + if is_shared { c.left } else { 0 };
             let before = unended(&self.counters);
-            // (With facets, what is left of these stages is for the next at once, and what that leaves not for it again.)
             let finishing = match way {
                 Way::Together(lanes, stage) if stage.gives() => Some(lanes),
                 _ => None,
             };
+            // (With facets, what is left of these stages is for the next at once, and what that leaves not for it again.)
             let leaves_cut = request.needs_facets() && self.domain.is_some() && finishing.is_some();
             let kept = if leaves_cut { std::mem::take(&mut self.counters.left) } else { 0 };
             if leaves_cut {
@@ -343,7 +342,8 @@ impl Device {
                 }
             }
             request.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize))?;
-            if request.needs_facets() && !(self.results.are_kept && self.counters.full == full) {
+            let fit = self.counters.facets <= self.shared.params.facet_room;
+            if request.needs_facets() && !(self.results.are_kept && fit) {
                 self.read_facets(request)?;
             }
             begin = end;
@@ -391,24 +391,32 @@ impl Device {
         }
         let second = if request.facet_second_moments() { size_of::<FacetSecond>() } else { 0 };
         let length = if self.shares_cells() { RECORD_LENGTH } else { 0 };
-        let bytes = FACETS_PER_CELL * (size_of::<FacetRecord>() + second) + length * size_of::<[u32; 4]>();
-        let share = (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
-        let mut batch = share.min(most).max(FEWEST_CELLS).min(count.max(self.most_cells));
+        let of_facets = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
+        let share = |bytes: usize| (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
+        let most_kept = share(of_facets).min(self.most_cells);
+        let mut batch = share(of_facets + length * size_of::<[u32; 4]>())
+            .min(most)
+            .max(FEWEST_CELLS)
+            .min(count.max(self.most_cells));
         if self.results.are_kept && self.counters.facets > 0 {
             // What stays must not go with the memory that it is in; what has no room in that is told by `full`.
-            return Ok(batch);
+            let fit = (self.shared.params.near_room as usize).checked_div(length).unwrap_or(batch);
+            return Ok(batch.min(fit.max(1)));
         }
         // All that are to stay on the device, if it has the memory.
-        let mut all = if self.results.are_kept { share.min(self.most_cells) } else { 0 };
+        let mut all = if self.results.are_kept { most_kept } else { 0 };
         loop {
             let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
             let Memory { facets, facet_seconds, near, .. } = &mut self.memory;
             let seconds = if request.facet_second_moments() { room } else { 1 };
             let records = (batch * length).max(1);
+            if batch > FEWEST_CELLS && !near.grow_if_possible(&self.context, records)? {
+                batch /= 2;
+                continue;
+            }
             let is_there = batch <= FEWEST_CELLS
                 || (facets.grow_if_possible(&self.context, room)?
-                    && facet_seconds.grow_if_possible(&self.context, seconds)?
-                    && near.grow_if_possible(&self.context, records)?);
+                    && facet_seconds.grow_if_possible(&self.context, seconds)?);
             if !is_there {
                 (batch, all) = if all > batch { (batch, 0) } else { (batch / 2, 0) };
                 continue;

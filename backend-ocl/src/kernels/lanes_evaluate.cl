@@ -9,7 +9,7 @@
 //
 // Built first with -D WITH_EXACT=0 and -D WITH_SURFACE=0: a cell is given up as soon as a sign is open in single precision, so that nothing in the
 // inner loop calls a function; and where it is near the surface, so that what few cells need does not take the place of the inner loop in the cache
-// of instructions. WITH_SURFACE is for those (where facets are asked for, with WITH_EXACT), WITH_FACETS by itself for the others where facets are asked for, whose
+// of instructions. WITH_SURFACE is for those (where facets are asked for, with WITH_EXACT), WITH_FACETS by itself for all where facets are asked for, whose
 // sums take registers and text as well: both take finished cells (TAKES_CELLS). WITH_FAR for cells that are completed by their vertices
 // (`lanes_tree.cl`), WITH_EXACT for what is open in either, WITH_ROOM for what needs more room: such a cell has TEAMS of LANES work-items, which ask
 // for its vertices and wait for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8 %.

@@ -1,5 +1,6 @@
 // The integrals of a cell that LANES work-items compute together.
 
+#import "lanes_near.cl"
 #import "lanes_reach.cl"
 #import "lanes_sums.cl"
 #import "lanes_surface.cl"
@@ -34,11 +35,6 @@ INLINE uint surface_near_box(Store *s, Voxel *lo) {
     *lo = (Voxel){ .i = low[0], .j = low[1], .k = low[2] };
     return store_surface_voxels(s, *lo, (Voxel){ .i = high[0], .j = high[1], .k = high[2] });
 }
-#endif
-
-#if GIVES_CELLS
-// Whether cells that the surface is not near are finished by another stage.
-INLINE uint gives_all(Store *s) { return s->world.params->flags & FACETS; }
 #endif
 
 // The integrals of a complete cell that reaches as far as `extent` says (`extent_of`), and where they are asked for those of its facets: `COMPLETE`, `EMPTY`,

@@ -1,13 +1,17 @@
-// Finished cells on their way from the stage that cuts all cells to one that TAKES_CELLS: those near the domain's surface, or where facets are asked for all others. A
+// Finished cells on their way from the stage that cuts all cells to one that TAKES_CELLS: those near the domain's surface, or where facets are asked for all. A
 // record: site, numbers of half-spaces and of vertices, winding number, whether exact arithmetic was needed and whether the surface is near; the vertices in single precision; their
 // triplets, and what is beyond the half-spaces: a site, or a face of the box.
 
 #import "lanes_clip.cl"
+#import "output.cl"
 
 // In a record, instead of a site: the first of the faces of the box.
 #define TAG_FACE 0xFFFFFFE0u
 
 #if GIVES_CELLS
+// Whether all finished cells are another stage's, which sums their facets.
+INLINE uint gives_all(Store *s) { return s->world.params->flags & FACETS; }
+
 // Which face of the box a half-space is: where some were dropped it has another number than at first. (Without that such cells were found anew in the stage
 // WITH_EXACT, or worse.)
 INLINE uint face_of(Plane plane) {
@@ -15,8 +19,8 @@ INLINE uint face_of(Plane plane) {
     return TAG_FACE + ((2u * axis) + ((((plane.n.x + plane.n.y) + plane.n.z) < REAL(0.0)) ? 1u : 0u));
 }
 
-// Writes the record of a cell, whose place is `place`: `FINISHED`; or `OPEN` where there is no room: a stage WITH_EXACT finds the same cell anew, so
-// that no bit depends on which cells came first, but of cells completed by their vertices, which it may cut in another order.
+// Writes the record of a cell, whose place is `place`: `FINISHED`; or where there is no room `FACETS_FULL` or, without facets, `OPEN`: a stage WITH_EXACT finds
+// the same cell anew, so that no bit depends on which cells came first, but of cells completed by their vertices, which it may cut in another order.
 INLINE uint give_cell(
     Store *s, __global uint4 *near, volatile __global Counters *counters, uint site, uint exact, uint *place
 ) {
@@ -37,7 +41,7 @@ INLINE uint give_cell(
     begin = lane_value(begin, 0);
     *place = begin;
     if ((begin + length) > s->world.params->near_room) {
-        return OPEN;
+        return (gives_all(s) != 0u) ? FACETS_FULL : OPEN;
     }
     __global uint4 *record = near + begin;
     if (s->lane == 0u) {

@@ -10,8 +10,8 @@
 #import "ties.cl"
 #import "lanes_talk.cl"
 
-// Whether finished cells are given to another stage, as records: those near the surface to the one WITH_SURFACE that TAKES_CELLS; and where facets are asked for
-// all others to the one WITH_FACETS (those near the surface are then left to the stage WITH_EXACT).
+// Whether finished cells are given to another stage, as records: those near the surface to the one WITH_SURFACE that TAKES_CELLS; or where facets are asked for
+// all to the one WITH_FACETS, which leaves those that the surface cuts to the stage WITH_EXACT.
 #define GIVES_CELLS (!TAKES_CELLS && !WITH_EXACT && !WITH_ROOM)
 
 // Whether what of a cell is far outside the domain is cut off.

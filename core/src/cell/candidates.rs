@@ -59,6 +59,7 @@ pub(super) fn visit_candidates<S: SearchStore>(
     visited: &mut u32,
 ) -> u32 {
     let mut limit: u32 = key_limit(s, *reach, below);
+    // (What remains when some were visited before is looked at soon.)
     let mut cuts: u32 = *visited;
     loop {
         let held: Held = nearest_held(s, count);

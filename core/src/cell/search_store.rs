@@ -237,7 +237,7 @@ pub trait SearchStore: Lanes {
     fn drops_candidates(&self) -> bool {
         false
     }
-    /// Takes out those of this lane's that certainly leave the cell untouched, as far as it is looked.
+    /// Takes out those of this lane's that certainly leave the cell untouched, as far as it is looked: where none is, all within reach are visited.
     fn drop_held(&mut self, _count: u32) {}
     /// Room for candidates that tie, at least [`MOST_CANDIDATES`].
     fn most_ties(&self) -> u32;

@@ -27,6 +27,7 @@ INLINE uint take_held(Store *s, Held held, uint least) {
 // after.
 HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *reach, uint *visited) {
     uint limit = key_limit(s, *reach, below);
+    // (What remains when some were visited before is looked at soon.)
     uint cuts = *visited;
     for (;;) {
         const Held held = nearest_held(s, count);

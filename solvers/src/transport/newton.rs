@@ -262,6 +262,7 @@ impl<'a> Problem<'a> {
     fn stand_as(&mut self, order: Option<&[u32]>) -> Result<()> {
         let is_whole = order.is_some_and(|order| order.len() == self.positions.len());
         let order = match order {
+            Some(order) if is_whole && order == self.order => return Ok(()),
             Some(order) if is_whole => order.to_vec(),
             None if !self.order.is_empty() => return Ok(()),
             _ => {

@@ -141,6 +141,14 @@ impl Algebra for Ocl {
         })
     }
 
+    fn zeros(&self, length: usize) -> Result<Held> {
+        self.on_first(|device| {
+            let mut made = Vector::unset(device, length)?;
+            made.numbers.fill_with(&device.context, &device.queue, 0.0, length)?;
+            Ok(Held::new(OnDevice(made)))
+        })
+    }
+
     fn read(&self, x: &Held) -> Result<Vec<f64>> {
         let x = vector(x)?;
         self.on_first(|device| {

@@ -68,6 +68,7 @@ fn a_device_computes_what_plain_loops_do() {
     assert_eq!(algebra.rows(&matrix).unwrap(), rows);
     let held = |x: &[f64]| algebra.vector(x).unwrap();
     let mut out = held(&y);
+    assert_eq!(algebra.read(&algebra.zeros(n).unwrap()).unwrap(), vec![0.0; n]);
     algebra.multiply(&matrix, &held(&short), &mut out).unwrap();
     assert_near(&algebra.read(&out).unwrap(), &product);
     algebra.write(&y, &mut out).unwrap();

@@ -97,6 +97,11 @@ pub trait Algebra: Send + Sync {
     /// A vector of these numbers.
     fn vector(&self, values: &[f64]) -> Result<Held>;
 
+    /// A vector of so many zeros.
+    fn zeros(&self, length: usize) -> Result<Held> {
+        self.vector(&vec![0.0; length])
+    }
+
     /// The numbers of a vector.
     fn read(&self, x: &Held) -> Result<Vec<f64>>;
 

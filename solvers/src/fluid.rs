@@ -25,10 +25,9 @@ mod viscosity;
 mod warm;
 
 use laguerre_core::diagram::Container;
-use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, PowerDiagram, Result};
 
-use crate::vectors::inner;
+use crate::vectors::{for_each, inner, largest, map, total};
 
 use cells::{Cells, check_places, equal_volumes, within};
 pub use cells::{VOLUME_TOLERANCE, settle};
@@ -207,18 +206,9 @@ impl Fluid {
             )));
         }
         let volume = diagram.container()?.volume() / n as f64;
-        let mut sum = Sum::default();
-        sum.extend(state.densities.iter().copied());
+        let mean_density = total(n, |i| state.densities[i]) / n as f64;
         let lightest = state.densities.iter().copied().fold(f64::INFINITY, f64::min);
-        Ok(Self {
-            diagram,
-            settings,
-            state,
-            cells: Cells::default(),
-            volume,
-            mean_density: sum.total() / n as f64,
-            lightest,
-        })
+        Ok(Self { diagram, settings, state, cells: Cells::default(), volume, mean_density, lightest })
     }
 
     /// One step.
@@ -239,11 +229,9 @@ impl Fluid {
     fn try_step(&mut self, backend: &dyn Backend, h: f64) -> Result<StepReport> {
         self.kick(h / 2.0);
         let State { positions, velocities, weights, weight_rates, .. } = &self.state;
-        let moved = |from: &[[f64; 3]]| -> Vec<[f64; 3]> {
-            from.iter().zip(velocities).map(|(&p, &v)| along(p, h, v)).collect()
-        };
+        let moved = |from: &[[f64; 3]]| map(from.len(), |i| along(from[i], h, velocities[i]));
         let (positions, expected) = (moved(positions), moved(&self.cells.barycenters));
-        let mut start: Vec<f64> = weights.iter().zip(weight_rates).map(|(w, rate)| w + h * rate).collect();
+        let mut start = map(weights.len(), |i| weights[i] + h * weight_rates[i]);
         warm::mend(&mut start, &positions, &expected, &self.cells.laplacian, self.cell_size());
         check_places(&self.diagram.container()?, &positions)?;
         self.diagram.set_sites(&positions, &start)?;
@@ -256,7 +244,7 @@ impl Fluid {
             self.state.brought_in += self.potential(std::array::from_fn(|k| new[k] - old[k]), halfway);
         }
         let weights = self.diagram.weights().to_vec();
-        self.state.weight_rates = weights.iter().zip(&self.state.weights).map(|(new, old)| (new - old) / h).collect();
+        self.state.weight_rates = map(weights.len(), |i| (weights[i] - self.state.weights[i]) / h);
         (self.state.weights, self.state.positions) = (weights, positions);
         let cells_before = std::mem::replace(&mut self.cells, cells);
         self.state.time += h;
@@ -264,7 +252,7 @@ impl Fluid {
         self.kick(h / 2.0);
         if self.settings.viscosity > 0.0 {
             let before = self.energy().kinetic;
-            let masses: Vec<f64> = self.state.densities.iter().map(|d| d * self.volume).collect();
+            let masses = map(self.state.densities.len(), |i| self.state.densities[i] * self.volume);
             let strength = h * self.mean_density * self.settings.viscosity;
             viscosity::slow(&self.cells.laplacian, &masses, strength, &mut self.state.velocities)
                 .inspect_err(|_| self.cells = cells_before)?;
@@ -311,11 +299,10 @@ impl Fluid {
     /// The parts of the Hamiltonian now.
     pub fn energy(&self) -> Energy {
         let state = &self.state;
-        let mut kinetic = Sum::default();
-        kinetic
-            .extend(state.velocities.iter().zip(&state.densities).map(|(v, d)| 0.5 * d * self.volume * inner(*v, *v)));
+        let kinetic =
+            |i: usize| 0.5 * state.densities[i] * self.volume * inner(state.velocities[i], state.velocities[i]);
         Energy {
-            kinetic: kinetic.total(),
+            kinetic: total(state.velocities.len(), kinetic),
             spring: self.cells.cost / (2.0 * self.settings.epsilon * self.settings.epsilon),
             potential: self.potential(self.settings.gravity.at(state.time), |i| state.positions[i]),
         }
@@ -332,7 +319,8 @@ impl Fluid {
         if let Some(given) = self.settings.time_step {
             return given;
         }
-        let fastest = self.state.velocities.iter().map(|&v| inner(v, v)).fold(0.0, f64::max).sqrt();
+        let velocities = &self.state.velocities;
+        let fastest = largest(velocities.len(), |i| inner(velocities[i], velocities[i])).sqrt();
         let mut h = SPRING_STEP * self.settings.epsilon * self.lightest.sqrt();
         while h * fastest > FASTEST_STEP * self.cell_size() && h.is_normal() {
             h /= 2.0;
@@ -345,19 +333,18 @@ impl Fluid {
         let gravity = self.settings.gravity.at(self.state.time);
         let (stiffness, mean) = (self.settings.epsilon.powi(-2), self.mean_density);
         let State { positions, velocities, densities, .. } = &mut self.state;
-        for (i, v) in velocities.iter_mut().enumerate() {
+        for_each(velocities, |i, v| {
             let (p, b, density) = (positions[i], self.cells.barycenters[i], densities[i]);
             let force: [f64; 3] = std::array::from_fn(|k| (b[k] - p[k]) * stiffness + (density - mean) * gravity[k]);
             *v = along(*v, h / density, force);
-        }
+        });
     }
 
     /// `−Σ (ρ_i − ρ̄) V g·p_i`.
-    fn potential(&self, gravity: [f64; 3], position: impl Fn(usize) -> [f64; 3]) -> f64 {
-        let mut sum = Sum::default();
-        let heavier = self.state.densities.iter().map(|density| density - self.mean_density).enumerate();
-        sum.extend(heavier.map(|(i, excess)| -excess * self.volume * inner(gravity, position(i))));
-        sum.total()
+    fn potential(&self, gravity: [f64; 3], position: impl Fn(usize) -> [f64; 3] + Sync) -> f64 {
+        let densities = &self.state.densities;
+        let of = |i: usize| -(densities[i] - self.mean_density) * self.volume * inner(gravity, position(i));
+        total(densities.len(), of)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use laguerre_core::parallel;
 pub(crate) use laguerre_core::summation::CHUNK;
-use laguerre_core::summation::chunks;
+use laguerre_core::summation::{Sum, chunks};
 use std::ops::Range;
 
 /// Calls `f` with each entry and its index.
@@ -29,6 +29,18 @@ pub(crate) fn largest(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
 /// `Σ f(i)` for i below `n`.
 pub(crate) fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
     chunks(n, |part| part.map(&f).sum::<f64>()).iter().sum()
+}
+
+/// `Σ f(i)` for i below `n`, compensated.
+pub(crate) fn total(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let parts = chunks(n, |part| {
+        let mut sum = Sum::default();
+        sum.extend(part.map(&f));
+        sum
+    });
+    let mut all = Sum::default();
+    parts.into_iter().for_each(|part| all.join(part));
+    all.total()
 }
 
 /// `Σ_i a_i · b_i`.

@@ -2,7 +2,7 @@
 
 use laguerre_core::{Error, Laplacian, Result};
 
-use crate::vectors::{add, dot, map};
+use crate::vectors::{add, dot, for_each, map};
 
 /// What the residual of the linear system may be, of its right-hand side: what is left is momentum that is not conserved.
 const RELATIVE: f64 = 1e-12;
@@ -16,8 +16,8 @@ const MOST_ITERATIONS: usize = 1000;
 /// `Input` where the solution is not found, as where the viscosity is so large that squares of momenta overflow.
 pub(super) fn slow(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
     let order = laplacian.order();
-    let mut u: Vec<[f64; 3]> = order.iter().map(|&i| v[i as usize]).collect();
-    let masses: Vec<f64> = order.iter().map(|&i| masses[i as usize]).collect();
+    let mut u = map(order.len(), |row| v[order[row] as usize]);
+    let masses = map(order.len(), |row| masses[order[row] as usize]);
     slow_rows(laplacian, &masses, strength, &mut u)?;
     order.iter().zip(u).for_each(|(&i, u)| v[i as usize] = u);
     Ok(())
@@ -26,7 +26,7 @@ pub(super) fn slow(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut
 /// The same in the order of the rows.
 fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
     let ties = |i: usize| laplacian.values()[laplacian.row(i)].iter().map(|tie| strength * tie);
-    let diagonal: Vec<f64> = (0..masses.len()).map(|i| masses[i] + ties(i).sum::<f64>()).collect();
+    let diagonal = map(masses.len(), |i| masses[i] + ties(i).sum::<f64>());
     let apply = |u: &[[f64; 3]]| -> Vec<[f64; 3]> {
         let product = |i: usize| {
             let mut sum = u[i].map(|x| diagonal[i] * x);
@@ -38,9 +38,9 @@ fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64
         };
         map(masses.len(), product)
     };
-    let scaled = |r: &[[f64; 3]]| -> Vec<[f64; 3]> { r.iter().zip(&diagonal).map(|(r, d)| r.map(|x| x / d)).collect() };
+    let scaled = |r: &[[f64; 3]]| map(r.len(), |i| r[i].map(|x| x / diagonal[i]));
     // The conjugate gradient from `v`, which is `u` but for the residual `−L v`.
-    let right: Vec<[f64; 3]> = v.iter().zip(masses).map(|(v, m)| v.map(|x| m * x)).collect();
+    let right = map(v.len(), |i| v[i].map(|x| masses[i] * x));
     let bound = RELATIVE * dot(&right, &right).sqrt();
     let image = apply(v);
     let mut residual: Vec<[f64; 3]> = right;
@@ -60,7 +60,7 @@ fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64
         let next = dot(&residual, &better);
         let turn = next / slope;
         slope = next;
-        direction.iter_mut().zip(&better).for_each(|(d, b)| *d = std::array::from_fn(|c| b[c] + turn * d[c]));
+        for_each(&mut direction, |i, d| *d = std::array::from_fn(|c| better[i][c] + turn * d[c]));
     }
     Err(Error::input("the velocities after viscosity were not found: take a smaller viscosity or time step"))
 }

@@ -5,7 +5,7 @@
 
 use laguerre_core::Laplacian;
 
-use crate::vectors::distance2;
+use crate::vectors::{distance2, map};
 
 /// How deep the place where a barycenter is expected has to be in its cell, in cell sizes.
 const DEPTH: f64 = 0.1;
@@ -20,26 +20,26 @@ pub(super) fn mend(
     neighbors: &Laplacian,
     size: f64,
 ) {
-    let found = weights.to_vec();
+    let found = &*weights;
     let depth = |i: usize, j: usize, distance: f64| {
         let power = |k: usize| distance2(expected[i], positions[k]) - found[k];
         (power(j) - power(i)) / (2.0 * distance)
     };
-    for (row, i) in neighbors.order().iter().map(|&i| i as usize).enumerate() {
-        for &column in &neighbors.columns()[neighbors.row(row)] {
-            let j = neighbors.order()[column as usize] as usize;
+    let order = neighbors.order();
+    let changes = map(order.len(), |row| {
+        let i = order[row] as usize;
+        let change = |&column: &u32| {
+            let j = order[column as usize] as usize;
             let distance = distance2(positions[i], positions[j]).sqrt();
             let [mine, theirs] = [depth(i, j, distance), depth(j, i, distance)];
             // Both have it where there is room for both, else half of what there is.
             let wanted = (DEPTH * size).min((mine + theirs) / 2.0);
-            if mine < wanted {
-                // Each side gives half; a facet stands once in the rows of both, but only one of them is short of depth.
-                let change = distance * (wanted - mine);
-                weights[i] += change;
-                weights[j] -= change;
-            }
-        }
-    }
+            // Each side gives half; a facet stands once in the rows of both, each of which finds what changes for its own.
+            distance * ((wanted - mine).max(0.0) - (wanted - theirs).max(0.0))
+        };
+        neighbors.columns()[neighbors.row(row)].iter().map(change).sum::<f64>()
+    });
+    order.iter().zip(changes).for_each(|(&i, change)| weights[i as usize] += change);
 }
 
 #[cfg(test)]

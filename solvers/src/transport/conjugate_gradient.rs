@@ -29,7 +29,7 @@ pub(super) fn solve(
     let enough = enough.map(|(factor, bounds)| Ok((factor, algebra.vector(bounds)?))).transpose()?;
     let mut residual = algebra.vector(b)?;
     algebra.center(&mut residual)?;
-    let zeros = || algebra.vector(&vec![0.0; b.len()]);
+    let zeros = || algebra.zeros(b.len());
     let (mut solution, mut direction, mut image, mut better) = (zeros()?, zeros()?, zeros()?, zeros()?);
     let mut norm = algebra.dot(&residual, &residual)?.sqrt();
     let target = relative * norm;

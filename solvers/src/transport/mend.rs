@@ -26,15 +26,21 @@ pub(super) fn mended(problem: &mut Problem<'_>, state: State) -> Result<State> {
 /// The state that a trial step leads to, mended if it is but for a few cells: for their sake the step would be many times shorter.
 pub(super) fn step(problem: &mut Problem<'_>, weights: Vec<f64>) -> Result<State> {
     let state = problem.evaluate(weights)?;
+    if state.least > 0.0 {
+        return Ok(state);
+    }
     let empty = state.masses.iter().filter(|&&m| m <= 0.0).count();
     if empty * ONE_IN > state.masses.len() { Ok(state) } else { rounds(problem, state, ROUNDS_OF_STEP) }
 }
 
 fn rounds(problem: &mut Problem<'_>, mut state: State, most: usize) -> Result<State> {
     for _ in 0..most {
+        if state.least > 0.0 {
+            break;
+        }
         let is_empty = |&i: &u32| state.masses[i as usize] <= 0.0;
         let (empty, full): (Vec<u32>, Vec<u32>) = problem.order.iter().partition(|i| is_empty(i));
-        if empty.is_empty() || full.is_empty() {
+        if full.is_empty() {
             break;
         }
         let tangents = Tangents::new(&problem.positions, &state.weights, &state.output, &full, empty.len());

@@ -15,6 +15,7 @@ use std::borrow::Cow;
 use super::dense::Dense;
 use super::host::HOST;
 use super::sparse::Matrix;
+use crate::vectors::map;
 
 /// `|a_ij| ≥ STRONG·√(a_ii a_jj)` makes j a strong neighbour of i. Cells of white noise have 15 neighbours, whose mean is 1/15.
 const STRONG: f64 = 0.02;
@@ -202,7 +203,7 @@ fn on_host<'a>(algebra: &dyn Algebra, matrix: &'a Held) -> Result<Cow<'a, Matrix
 
 impl Level {
     fn new(algebra: &dyn Algebra, smoother: Smoother, transfers: Option<(Held, Held)>, rows: usize) -> Result<Self> {
-        let zeros = || algebra.vector(&vec![0.0; rows]);
+        let zeros = || algebra.zeros(rows);
         Ok(Self {
             rows,
             smoother,
@@ -267,8 +268,8 @@ impl Smoother {
 /// An upper estimate of the largest eigenvalue of `D⁻¹A`.
 fn largest_eigenvalue(algebra: &dyn Algebra, matrix: &Held, inverse_diagonal: &Held, rows: usize) -> Result<f64> {
     // Any vector that is not smooth: fractions of the golden ratio, with alternating signs.
-    let start: Vec<f64> = (0..rows).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
-    let (mut x, mut image) = (algebra.vector(&start)?, algebra.vector(&start)?);
+    let start: Vec<f64> = map(rows, |i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
+    let (mut x, mut image) = (algebra.vector(&start)?, algebra.zeros(rows)?);
     let mut eigenvalue = 1.0;
     let mut length = algebra.dot(&x, &x)?.sqrt();
     for _ in 0..POWER_ITERATIONS {

@@ -1,15 +1,14 @@
 //! The scheduler of one device (paper, Alg. 1): passes, substeps, batches.
 
+use super::room::{FEWEST_CELLS, MOST_CELLS};
 use super::sample::MAY_FAIL;
-use super::{Computed, Device, Memory};
+use super::{Computed, Device};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;
-use crate::interface::data::{Counters, NOT_COMPUTED, VAST_WORDS};
+use crate::interface::data::{Counters, VAST_WORDS};
 use crate::interface::kernels::{self, LookAbout, World};
 use crate::program::MOST_PLANES;
-use laguerre_core::assemble::FacetRecord;
-use laguerre_core::cell::FacetSecond;
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
 use laguerre_core::{Error, Precision, Request, Result, Watched};
@@ -19,21 +18,6 @@ use std::time::Instant;
 /// Room of the first pass, where a sample does not ask for more: half-spaces and vertices of nearly every cell of random sites, with
 /// its four cone planes.
 pub(super) const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
-
-/// Facets of a cell that a batch has room for, on average: a Voronoi cell of random sites has 15.5.
-const FACETS_PER_CELL: usize = 18;
-
-/// Facets of a cell at most, of those that are computed on a device (`LANES_P` of `lanes_store.cl`).
-const MOST_FACETS: usize = 512;
-
-/// Cells of a batch at most, the share of the device's memory that its facets may take, and the smallest that is tried where even that
-/// is not to be had.
-const MOST_CELLS: usize = 1 << 21;
-const SHARE_OF_MEMORY: u64 = 8;
-const FEWEST_CELLS: usize = 1024;
-
-/// Cells at most that are computed at a time where they are too large for local memory: on a large GPU four for each of its processors.
-const MOST_VAST: u64 = 512;
 
 /// Work-items over which few cells are spread that are computed alone, where work-items run in step: so that none waits for another, which goes
 /// another way (579 cells at the edge of a cloud: 0.143 to 0.038 s, one NVIDIA H200). About as many as a large GPU runs at a time.
@@ -53,16 +37,6 @@ impl Cells for Todo {
             Self::Listed(count) => *count,
         }
     }
-}
-
-/// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes; and on average for those of all cells, of which white
-/// sites take 42. Where facets are asked for, a cell that has no room is tried again with an empty one.
-const NEAR_LENGTH: usize = 40;
-const RECORD_LENGTH: usize = 56;
-
-/// Cells of a batch near the surface that there is room for; others are begun anew. Of few cells all may be.
-fn near_cells(share: usize) -> usize {
-    share.min(MOST_CELLS).min((share.min(MOST_CELLS) / 4).max(1 << 16))
 }
 
 impl Default for Todo {
@@ -142,30 +116,6 @@ impl Device {
     fn begins_in_single(&self) -> bool {
         let params = &self.shared.params;
         self.precision == Precision::F32 && params.has_table != 0 && params.equal_weights != 0 && params.flags == 0
-    }
-
-    /// Makes room for the results of `sites` sites and for lists of `share` cells; nothing is computed yet.
-    pub(super) fn clear(&mut self, request: &Watched<'_>, sites: usize, share: usize) -> Result<()> {
-        let Self { context, queue, memory, shared, results, domain, together, .. } = self;
-        memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
-        memory.sums.grow(context, sites * shared.params.sums_width as usize)?;
-        memory.rows.grow(context, if request.needs_facets() { sites } else { 1 })?;
-        let leaves_cut = domain.is_some() && together.is_some() && request.needs_facets();
-        memory.cut.grow(context, if leaves_cut { share } else { 1 })?;
-        for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
-            list.grow(context, share)?;
-        }
-        if !request.needs_facets() {
-            let gives_near = domain.is_some() && together.is_some();
-            let near = if gives_near { near_cells(share) * NEAR_LENGTH } else { 1 };
-            memory.near.grow(context, near)?;
-            shared.params.near_room = near as u32;
-        }
-        results.rows.clear();
-        results.facet_count = 0;
-        results.are_kept = false;
-        self.counters = Counters::default();
-        memory.counters.fill(context, queue, &[self.counters])
     }
 
     /// Finds how near the surface is to each of a range of the sorted sites, of which there are at most `sites`.
@@ -351,21 +301,6 @@ impl Device {
         Ok(())
     }
 
-    /// Reads the records of facets back, for which the device then has room again.
-    pub(crate) fn read_facets(&mut self, request: &Request) -> Result<()> {
-        let Self { queue, memory, results, counters, .. } = self;
-        // Beyond the room there is nothing; a gap at its end belongs to no row.
-        let written = counters.facets.min(self.shared.params.facet_room) as usize;
-        memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
-        if request.facet_second_moments() {
-            memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
-        }
-        results.facet_count += written;
-        results.are_kept = false;
-        counters.facets = 0;
-        Ok(())
-    }
-
     /// Runs a stage over the cells of a batch, or their records, that stand in the list `surface`; returns the seconds it took.
     fn at_once(&mut self, lanes: Lanes, stage: Stage, count: usize) -> Result<f64> {
         let begin = self.seconds;
@@ -375,58 +310,6 @@ impl Device {
         let ran = self.run(Way::Together(lanes, stage), &Todo::Listed(count), 1, 0..count, false);
         std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
         ran?.map_or(Ok(self.seconds - begin), Err)
-    }
-
-    /// Cells that are computed at a time where they are too large for local memory.
-    const fn vast_cells(&self) -> usize {
-        let share = self.memory_size / SHARE_OF_MEMORY / (8 * VAST_WORDS as u64);
-        if share < MOST_VAST { share as usize + 1 } else { MOST_VAST as usize }
-    }
-
-    /// Cells of a batch, at most `most` or else the fewest, such that the device has room for their facets.
-    fn room_for_batch(&mut self, request: &Watched<'_>, count: usize, most: usize) -> Result<usize> {
-        if !request.needs_facets() {
-            self.memory.facets.grow(&self.context, 1)?;
-            return Ok(most);
-        }
-        let second = if request.facet_second_moments() { size_of::<FacetSecond>() } else { 0 };
-        let length = if self.shares_cells() { RECORD_LENGTH } else { 0 };
-        let of_facets = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
-        let share = |bytes: usize| (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
-        let most_kept = share(of_facets).min(self.most_cells);
-        let mut batch = share(of_facets + length * size_of::<[u32; 4]>())
-            .min(most)
-            .max(FEWEST_CELLS)
-            .min(count.max(self.most_cells));
-        if self.results.are_kept && self.counters.facets > 0 {
-            // What stays must not go with the memory that it is in; what has no room in that is told by `full`.
-            let fit = (self.shared.params.near_room as usize).checked_div(length).unwrap_or(batch);
-            return Ok(batch.min(fit.max(1)));
-        }
-        // All that are to stay on the device, if it has the memory.
-        let mut all = if self.results.are_kept { most_kept } else { 0 };
-        loop {
-            let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
-            let Memory { facets, facet_seconds, near, .. } = &mut self.memory;
-            let seconds = if request.facet_second_moments() { room } else { 1 };
-            let records = (batch * length).max(1);
-            if batch > FEWEST_CELLS && !near.grow_if_possible(&self.context, records)? {
-                batch /= 2;
-                continue;
-            }
-            let is_there = batch <= FEWEST_CELLS
-                || (facets.grow_if_possible(&self.context, room)?
-                    && facet_seconds.grow_if_possible(&self.context, seconds)?);
-            if !is_there {
-                (batch, all) = if all > batch { (batch, 0) } else { (batch / 2, 0) };
-                continue;
-            }
-            facets.grow(&self.context, room)?;
-            facet_seconds.grow(&self.context, seconds)?;
-            near.grow(&self.context, records)?;
-            (self.shared.params.facet_room, self.shared.params.near_room) = (room as u32, records as u32);
-            return Ok(batch);
-        }
     }
 
     /// Runs the kernel over `turns` of the given cells, or of every `stride`th of them, and reads the counters. Where the device

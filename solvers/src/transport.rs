@@ -63,7 +63,7 @@ pub struct Options {
 
 /// Fewer sites the host solves sooner than some 70 kernels an iteration are begun. (Estimated: of 10 µs each, against half a million entries gone through five
 /// times.)
-pub(crate) const KEPT_FROM: usize = 30_000;
+const KEPT_FROM: usize = 30_000;
 
 impl Default for Options {
     fn default() -> Self {

@@ -5,7 +5,7 @@
 //! complete. A cell is in some ten boxes, which list much the same sites. (Asked for vertex by vertex it had some thirty questions: a million sites of a
 //! Plummer cluster with weights of transport took 0.23 s so, now 0.11, the octree not counted; one NVIDIA H100.)
 
-use super::candidates::{Held, key_limit, nearest_held, take_held};
+use super::candidates::{CUTS_BEFORE_LOOK, Held, key_limit, nearest_held, take_held};
 use super::far::next_unsettled;
 use super::search::{Vantage, Wanted, gather, search_near};
 use super::search_store::{
@@ -19,9 +19,6 @@ use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, norm_1};
 /// Beyond all that is in a container.
 #[cfg_attr(opencl, single(1e30))]
 const NO_END: Real = 1e300;
-
-/// Cuts after which it is looked anew which candidates may cut the cell. (With 3 or 12 a device takes as long.)
-const CUTS_BETWEEN_LOOKS: u32 = 6;
 
 /// Completes the cell, whose home is known, by the sites that are listed in the boxes that it is in: `COMPLETE`; `UNTOUCHED` where a box lists none, or
 /// a vertex is too near a box's face to tell in which it is: those that are not settled are left to vertex by vertex; or how it ended.
@@ -208,7 +205,7 @@ pub(super) fn visit_leaves<S: SearchStore>(
                     reach = s.square_of_reach(vantage.center);
                     limit = key_limit(s, reach, NO_SITE);
                     cuts += 1;
-                    is_looked_at = cuts < CUTS_BETWEEN_LOOKS;
+                    is_looked_at = cuts < CUTS_BEFORE_LOOK;
                 } else if status != UNTOUCHED {
                     return status;
                 }

@@ -4,10 +4,10 @@ use super::search_store::{NO_SITE, SearchStore};
 use super::status::{CUT, UNTOUCHED};
 use super::vector::{Rough, V3};
 
-/// Cuts since the last look after which, where one does not cut, it is looked which of the others may: by each lane those that it holds. (Of the sites that a white
+/// Cuts since the last look after which it is looked which of the candidates may still cut the cell: by each lane those that it holds. (Of the sites that a white
 /// cell visits 27 of 43 do not cut it; a million white sites take 0.0194 s so, 0.0206 without, of a Plummer cluster 0.036 and 0.038; with 3 to 14 cuts it is as long;
 /// one NVIDIA H200.)
-const CUTS_BEFORE_LOOK: u32 = 6;
+pub(super) const CUTS_BEFORE_LOOK: u32 = 6;
 /// Lanes that hold a candidate within reach, at least, for that to be worth while.
 const WORTH_A_LOOK: u32 = 4;
 

@@ -55,7 +55,7 @@ mod status;
 mod store;
 pub mod table;
 pub(crate) mod tree;
-pub(crate) mod vector;
+mod vector;
 mod vertex;
 mod wide;
 
@@ -76,7 +76,7 @@ pub use settle::lies_outside;
 pub use status::*;
 pub use store::{CellStore, ClipStore, CutStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle, Voxel};
 pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
-pub(crate) use vector::{add, cross, dot, norm_1, scale, sub};
+pub(crate) use vector::{add, cross, dot, norm_1, norm_max, scale, sub};
 pub use vertex::{Triplet, find_vertex_once, find_vertex_refined};
 pub use wide::Minors;
 

@@ -26,9 +26,6 @@ pub(super) fn mended(problem: &mut Problem<'_>, state: State) -> Result<State> {
 /// The state that a trial step leads to, mended if it is but for a few cells: for their sake the step would be many times shorter.
 pub(super) fn step(problem: &mut Problem<'_>, weights: Vec<f64>) -> Result<State> {
     let state = problem.evaluate(weights)?;
-    if state.least > 0.0 {
-        return Ok(state);
-    }
     let empty = state.masses.iter().filter(|&&m| m <= 0.0).count();
     if empty * ONE_IN > state.masses.len() { Ok(state) } else { rounds(problem, state, ROUNDS_OF_STEP) }
 }

@@ -269,12 +269,9 @@ typedef struct {
 #define NO_END ((real)(REAL(1e300)))
 #endif
 
-// Cuts after which it is looked anew which candidates may cut the cell. (With 3 or 12 a device takes as long.)
-#define CUTS_BETWEEN_LOOKS ((uint)(6))
-
 // core/src/cell/candidates.rs
 
-// Cuts since the last look after which, where one does not cut, it is looked which of the others may: by each lane those that it holds. (Of the sites that a white
+// Cuts since the last look after which it is looked which of the candidates may still cut the cell: by each lane those that it holds. (Of the sites that a white
 // cell visits 27 of 43 do not cut it; a million white sites take 0.0194 s so, 0.0206 without, of a Plummer cluster 0.036 and 0.038; with 3 to 14 cuts it is as long;
 // one NVIDIA H200.)
 #define CUTS_BEFORE_LOOK ((uint)(6))

@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::Args as ClapArgs;
 use laguerre::io::{self, CELLS_ENDINGS, WEIGHTS_ENDINGS};
 use laguerre::solvers::transport::{self, Cause, End, Iteration, Options, Solution};
-use laguerre::{BackendInfo, Error, ErrorKind, Result};
+use laguerre::{Backend, BackendInfo, Error, ErrorKind, Result};
 use serde::Serialize;
 
 use crate::args::{BackendArgs, ContainerArgs, SitesArgs};
@@ -162,7 +162,9 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     };
     let start = Instant::now();
     end_well_when_interrupted();
-    let solution = pool.install(|| transport::solve(&remembering, &mut diagram, &masses, &options, &mut row));
+    // (What is remembered is a copy each time.)
+    let watched: &dyn Backend = if args.html.is_some() { &remembering } else { &with_bar };
+    let solution = pool.install(|| transport::solve(watched, &mut diagram, &masses, &options, &mut row));
     let solution = solution.map_err(|e| given.place(e, sites::name(&args.sites)))?;
     let seconds = start.elapsed().as_secs_f64();
 

@@ -99,11 +99,13 @@ pub(crate) fn transport<'py>(
     let callback = Callback::new(callback);
     let (backend, told) = (backend.get()?, &callback);
     let done = detached_in_pool(py, backend.info().threads, |stop| -> Result<_> {
-        let backend = Stoppable { backend, stop };
-        let backend = Remembering::new(&backend, diagram.positions().len());
-        solution::solve(&backend, &mut diagram, &masses, &options, &mut |done| {
+        let stoppable = Stoppable { backend, stop };
+        let remembering = Remembering::new(&stoppable, diagram.positions().len());
+        // (What is remembered is a copy each time.)
+        let backend: &dyn laguerre::Backend = if told.is_there() { &remembering } else { &stoppable };
+        solution::solve(backend, &mut diagram, &masses, &options, &mut |done| {
             let numbers = [("step", done.number as f64), ("residual", done.residual), ("fraction", done.step)];
-            told.call(&numbers, &backend)
+            told.call(&numbers, &remembering)
         })
     });
     or_raise(called)?;

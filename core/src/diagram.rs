@@ -86,10 +86,8 @@ impl PowerDiagram {
         room_for(&mut self.positions, positions, "sites")?;
         room_for(&mut self.weights, weights, "weights")?;
         self.positions_id = next_id();
-        self.positions.clear();
-        self.positions.extend_from_slice(positions);
-        self.weights.clear();
-        self.weights.extend_from_slice(weights);
+        copy(&mut self.positions, positions);
+        copy(&mut self.weights, weights);
         Ok(())
     }
 
@@ -100,8 +98,7 @@ impl PowerDiagram {
     pub fn set_weights(&mut self, weights: &[f64]) -> Result<()> {
         check_weights(self.positions.len(), weights)?;
         room_for(&mut self.weights, weights, "weights")?;
-        self.weights.clear();
-        self.weights.extend_from_slice(weights);
+        copy(&mut self.weights, weights);
         Ok(())
     }
 
@@ -349,6 +346,16 @@ fn first<T: Sync>(all: &[T], is: impl Fn(&T) -> bool + Sync) -> Option<usize> {
 fn room_for<T>(old: &mut Vec<T>, new: &[T], what: &str) -> Result<()> {
     let more = new.len().saturating_sub(old.len());
     old.try_reserve_exact(more).or_else(|_| memory::probe(new.len() as u64, size_of::<T>() as u64, what))
+}
+
+/// Copies `new` to `old`, which has room for it; on all threads as [`first`].
+fn copy<T: Copy + Send + Sync>(old: &mut Vec<T>, new: &[T]) {
+    if old.len() == new.len() && rayon::current_thread_index().is_some() {
+        parallel::for_each(old, CHUNK, |i, x| *x = new[i]);
+    } else {
+        old.clear();
+        old.extend_from_slice(new);
+    }
 }
 
 /// Sites that count as standing where another does, though they do not ([`PowerDiagram::merged_sites`]).

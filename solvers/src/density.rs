@@ -2,7 +2,7 @@
 
 mod function;
 
-use crate::vectors::map;
+use crate::vectors::{distance2, map, sum_of, total};
 use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, Facets, Integrand, Observer, Output, PowerDiagram, Request, Result};
@@ -138,15 +138,16 @@ impl Density {
     /// The mass of each cell; 0 where it is empty. `None` where the density is a function and `output` has no integrals, as those of [`Density::evaluate`] have.
     pub fn masses(&self, output: &Output) -> Option<Vec<f64>> {
         match self {
-            Self::Uniform => Some(output.volume().to_vec()),
+            Self::Uniform => Some(map(output.sites(), |i| output.volume()[i])),
             Self::Linear { .. } => {
                 // An empty cell has no barycenter.
-                let mass = |(&v, &b)| if v == 0.0 { 0.0 } else { self.at(b) * v };
-                Some(output.volume().iter().zip(output.barycenter()).map(mass).collect())
+                let mass = |v: f64, b| if v == 0.0 { 0.0 } else { self.at(b) * v };
+                Some(map(output.sites(), |i| mass(output.volume()[i], output.barycenter()[i])))
             }
             Self::Function(_) => {
                 let integrals = output.integral()?;
-                Some(integrals.iter().step_by(integrals.len() / output.sites()).copied().collect())
+                let columns = integrals.len() / output.sites();
+                Some(map(output.sites(), |i| integrals[i * columns]))
             }
         }
     }
@@ -203,39 +204,40 @@ impl Density {
 
     /// The same for any density, a linear one's from its [`Density::spread`].
     pub(crate) fn cost_of(&self, spread: f64, diagram: &PowerDiagram, output: &Output) -> Option<f64> {
-        let mut cost = Sum::default();
+        let (n, positions) = (output.sites(), diagram.positions());
         match self {
-            Self::Uniform => {}
+            Self::Uniform => {
+                let (volumes, centers, moments) = (output.volume(), output.barycenter(), output.second_moment()?);
+                let cost = |i: usize| {
+                    let [xx, yy, zz, ..] = moments[i];
+                    xx + yy + zz + volumes[i] * distance2(centers[i], positions[i])
+                };
+                Some(total(n, |i| if volumes[i] == 0.0 { 0.0 } else { cost(i) }))
+            }
             Self::Linear { .. } => {
                 let o = middle(&diagram.container().ok()?);
-                let centers = self.centers(diagram, output)?;
-                cost.add(spread);
-                for (i, mass) in self.masses(output).into_iter().flatten().enumerate() {
-                    if mass != 0.0 {
-                        let (c, p) = (centers[i], diagram.positions()[i]);
-                        (0..3).for_each(|k| cost.add_product(mass * (p[k] - o[k]), (p[k] - c[k]) + (o[k] - c[k])));
+                let (centers, masses) = (self.centers(diagram, output)?, self.masses(output)?);
+                let mut all = sum_of(n, |i, cost| {
+                    if masses[i] != 0.0 {
+                        let (m, c, p) = (masses[i], centers[i], positions[i]);
+                        (0..3).for_each(|k| cost.add_product(m * (p[k] - o[k]), (p[k] - c[k]) + (o[k] - c[k])));
                     }
-                }
-                return Some(cost.total());
+                });
+                all.add(spread);
+                Some(all.total())
             }
             Self::Function(_) => {
                 let o = middle(&diagram.container().ok()?);
-                for (&[m, x, y, z, square], p) in columns(output)?.iter().zip(diagram.positions()) {
-                    let d: [f64; 3] = std::array::from_fn(|k| p[k] - o[k]);
+                let columns = columns(output)?;
+                let cost = |i: usize, cost: &mut Sum| {
+                    let [m, x, y, z, square] = columns[i];
+                    let d: [f64; 3] = std::array::from_fn(|k| positions[i][k] - o[k]);
                     cost.add(square);
                     (0..3).for_each(|k| cost.add_product(d[k], d[k] * m - 2.0 * [x, y, z][k]));
-                }
-                return Some(cost.total());
+                };
+                Some(sum_of(n, cost).total())
             }
         }
-        for (i, m) in output.second_moment()?.iter().enumerate() {
-            let (v, b, p) = (output.volume()[i], output.barycenter()[i], diagram.positions()[i]);
-            if v != 0.0 {
-                let d: [f64; 3] = std::array::from_fn(|k| b[k] - p[k]);
-                cost.add(m[0] + m[1] + m[2] + v * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-            }
-        }
-        Some(cost.total())
     }
 
     /// The transport cost `Σ_i ∫_i ρ(x) ‖x − p_i‖² dx` (mass·length²) of the cells of `diagram` that `output` holds. `None` where that is

@@ -21,6 +21,11 @@ pub(crate) fn any(n: usize, is: impl Fn(usize) -> bool + Sync) -> bool {
     chunks(n, |mut part: Range<usize>| part.any(&is)).contains(&true)
 }
 
+/// The number of those i below `n` that `is(i)`.
+pub(crate) fn count(n: usize, is: impl Fn(usize) -> bool + Sync) -> usize {
+    chunks(n, |part| part.filter(|&i| is(i)).count()).into_iter().sum()
+}
+
 /// The largest of `f(i)` for i below `n`, and of 0.
 pub(crate) fn largest(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
     chunks(n, |part| part.map(&f).fold(0.0, f64::max)).into_iter().fold(0.0, f64::max)
@@ -33,14 +38,19 @@ pub(crate) fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
 
 /// `Σ f(i)` for i below `n`, compensated.
 pub(crate) fn total(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    sum_of(n, |i, sum| sum.add(f(i))).total()
+}
+
+/// What `add` adds for each i below `n`.
+pub(crate) fn sum_of(n: usize, add: impl Fn(usize, &mut Sum) + Sync) -> Sum {
     let parts = chunks(n, |part| {
         let mut sum = Sum::default();
-        sum.extend(part.map(&f));
+        part.for_each(|i| add(i, &mut sum));
         sum
     });
     let mut all = Sum::default();
     parts.into_iter().for_each(|part| all.join(part));
-    all.total()
+    all
 }
 
 /// `Σ_i a_i · b_i`.

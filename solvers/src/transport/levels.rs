@@ -45,9 +45,9 @@ struct Level {
 /// # Errors
 /// `Interrupted` where someone wants this to stop, and what the backend says.
 pub(super) fn state(problem: &mut Problem<'_>) -> Result<State> {
-    let n = problem.positions.len();
+    let n = problem.diagram.positions().len();
     let finest = (0..).find(|depth| n <= 1 << HALVINGS << depth).unwrap_or(0);
-    let order = halved(&problem.positions, finest);
+    let order = halved(problem.diagram.positions(), finest);
     let parts = moments_of_parts(problem, &order, finest);
     let mut coarse: Option<(Level, State)> = None;
     for depth in (finest % HALVINGS..=finest).step_by(HALVINGS as usize) {
@@ -57,7 +57,7 @@ pub(super) fn state(problem: &mut Problem<'_>) -> Result<State> {
             coarse = Some((level, state));
         }
     }
-    let weights = refined(coarse.as_ref(), &problem.positions, &order);
+    let weights = refined(coarse.as_ref(), problem.diagram.positions(), &order);
     let state = problem.evaluate(weights)?;
     mend::mended(problem, state)
 }
@@ -122,7 +122,7 @@ fn moments_of_parts(problem: &Problem<'_>, order: &[u32], depth: u32) -> Vec<[f6
     map(1 << depth, |part| {
         let mut sums = [0.0; 4];
         for &i in &order[bounds(order.len(), depth, part)] {
-            let (mass, [x, y, z]) = (problem.targets[i as usize], problem.positions[i as usize]);
+            let (mass, [x, y, z]) = (problem.targets[i as usize], problem.diagram.positions()[i as usize]);
             [1.0, x, y, z].iter().zip(&mut sums).for_each(|(x, sum)| *sum += mass * x);
         }
         sums

@@ -11,6 +11,7 @@ use laguerre_core::Result;
 use super::newton::{Problem, State};
 use super::sparse::center;
 use super::tangents::Tangents;
+use crate::vectors::count;
 
 /// Rounds at most; for sites far outside of a domain, all in one cell at first, some 20.
 const MOST_ROUNDS: usize = 40;
@@ -26,7 +27,7 @@ pub(super) fn mended(problem: &mut Problem<'_>, state: State) -> Result<State> {
 /// The state that a trial step leads to, mended if it is but for a few cells: for their sake the step would be many times shorter.
 pub(super) fn step(problem: &mut Problem<'_>, weights: Vec<f64>) -> Result<State> {
     let state = problem.evaluate(weights)?;
-    let empty = state.masses.iter().filter(|&&m| m <= 0.0).count();
+    let empty = count(state.masses.len(), |i| state.masses[i] <= 0.0);
     if empty * ONE_IN > state.masses.len() { Ok(state) } else { rounds(problem, state, ROUNDS_OF_STEP) }
 }
 
@@ -40,8 +41,8 @@ fn rounds(problem: &mut Problem<'_>, mut state: State, most: usize) -> Result<St
         if full.is_empty() {
             break;
         }
-        let tangents = Tangents::new(&problem.positions, &state.weights, &state.output, &full, empty.len());
-        let points: Vec<[f64; 3]> = empty.iter().map(|&i| problem.positions[i as usize]).collect();
+        let tangents = Tangents::new(problem.diagram.positions(), &state.weights, &state.output, &full, empty.len());
+        let points: Vec<[f64; 3]> = empty.iter().map(|&i| problem.diagram.positions()[i as usize]).collect();
         let raised = tangents.highest(&points);
         let mut weights = std::mem::take(&mut state.weights);
         let mut is_halved = vec![false; full.len()];

@@ -52,7 +52,6 @@ pub(super) struct Problem<'a> {
     /// Whether second moments are asked for that `request` does not have; and whether the next diagram, likely the last, is to have them.
     lacks_moments: bool,
     adds_moments: bool,
-    pub(super) positions: Vec<[f64; 3]>,
     pub(super) targets: Vec<f64>,
     pub(super) least_target: f64,
     /// Mass per volume where the domain has any.
@@ -98,8 +97,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Self> {
         let unit = (targets.iter().sum::<f64>() / targets.len() as f64).log2().round().exp2();
         targets.iter_mut().for_each(|target| *target /= unit);
-        let positions = diagram.positions().to_vec();
-        let request = request(options, backend, positions.len());
+        let request = request(options, backend, diagram.positions().len());
         let mean_density = match diagram.container()? {
             Container::Domain(domain) => domain.mean_density(),
             Container::Box(..) => 1.0,
@@ -114,7 +112,6 @@ impl<'a> Problem<'a> {
             request,
             mean_density,
             least_target: targets.iter().copied().fold(f64::INFINITY, f64::min),
-            positions,
             targets,
             unit,
             bound: 0.0,
@@ -260,14 +257,14 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// `Input` where sites coincide.
     fn stand_as(&mut self, order: Option<&[u32]>) -> Result<()> {
-        let is_whole = order.is_some_and(|order| order.len() == self.positions.len());
+        let is_whole = order.is_some_and(|order| order.len() == self.diagram.positions().len());
         let order = match order {
             Some(order) if is_whole && order == self.order => return Ok(()),
             Some(order) if is_whole => order.to_vec(),
             None if !self.order.is_empty() => return Ok(()),
             _ => {
                 let sorted = self.diagram.prepare()?.sites;
-                start::check_coincident(&self.positions, &sorted)?;
+                start::check_coincident(self.diagram.positions(), &sorted)?;
                 sorted.order().to_vec()
             }
         };

@@ -6,7 +6,7 @@ use laguerre_core::{Error, Result};
 use super::newton::{Problem, State};
 use super::sparse::center;
 use super::{levels, mend};
-use crate::vectors::distance2;
+use crate::vectors::{count, distance2};
 
 /// Checks that no two sites coincide: of those, all cells but one are empty whatever the weights.
 pub(super) fn check_coincident(positions: &[[f64; 3]], sorted: &SiteTree) -> Result<()> {
@@ -35,7 +35,7 @@ const LARGEST: f64 = 10.0;
 /// from few sites to all (`levels.rs`). Both then take 5 steps for 6,000 sites in the bunny, and the Voronoi diagram half the time; for sites that
 /// are not spread as the domain is, it takes tens, or does not end.
 pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
-    let n = problem.positions.len();
+    let n = problem.diagram.positions().len();
     let mut given = problem.diagram.weights().to_vec();
     let are_equal = given.iter().all(|w| *w == given[0]);
     given.resize(n, 0.0);
@@ -58,8 +58,8 @@ pub(super) fn first(problem: &mut Problem<'_>) -> Result<State> {
     let is_empty = |mass: &f64| *mass <= 0.0;
     let (empty, count) =
         (state.masses.iter().position(is_empty).unwrap_or(0), state.masses.iter().filter(|m| is_empty(m)).count());
-    let place = problem.positions[empty];
-    let (other, away) = nearest(&problem.positions, empty);
+    let place = problem.diagram.positions()[empty];
+    let (other, away) = nearest(problem.diagram.positions(), empty);
     Err(Error::input(format!(
         "no first weights were found that leave no cell empty: {count} of {n} are, first that of site {empty} at {place:?}, to which the nearest \
          is site {other}, at a distance of {away:.1e}; give weights that leave none empty, or move or remove such sites"
@@ -76,6 +76,6 @@ fn nearest(positions: &[[f64; 3]], site: usize) -> (usize, f64) {
 }
 
 fn is_good(problem: &Problem<'_>, state: &State, one_in: usize) -> bool {
-    let tiny = state.masses.iter().zip(&problem.targets).filter(|&(mass, target)| *mass < TINY * target).count();
+    let tiny = count(state.masses.len(), |i| state.masses[i] < TINY * problem.targets[i]);
     tiny.saturating_sub(1) * one_in <= state.masses.len() && state.residual <= LARGEST
 }

@@ -68,7 +68,7 @@ impl Worst {
             None => None,
         };
         let (mass, target) = (state.masses[site] / state.scale, problem.targets[site] / state.scale);
-        Self { site, position: problem.positions[site], mass, target, cause }
+        Self { site, position: problem.diagram.positions()[site], mass, target, cause }
     }
 }
 

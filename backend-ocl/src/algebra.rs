@@ -21,6 +21,10 @@ use std::sync::PoisonError;
 /// Numbers that one group adds up.
 const SUMMED: usize = GROUP * SUM_EACH as usize;
 
+/// Entries of a row that a work-item multiplies, about, and the work-items that share out a row at most.
+const ENTRIES_EACH: usize = 4;
+const MOST_PER_ROW: usize = 32;
+
 struct Vector {
     numbers: Room<f64>,
     length: usize,
@@ -95,9 +99,10 @@ impl Ocl {
         check(x.length >= a.width && y.length == a.rows)?;
         self.on_first(|device| {
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
-            let (x, y) = (&x.numbers, &y.numbers);
-            let arguments = Multiply { count, offsets, columns, values, x, y, subtracts };
-            device.grid_kernels.multiply.run(&device.queue, a.rows, GROUP, arguments)
+            let (x, y, per_row) = (&x.numbers, &y.numbers, a.items_per_row());
+            let arguments = Multiply { count, per_row, offsets, columns, values, x, y, subtracts };
+            let groups = a.rows.div_ceil(GROUP / per_row as usize);
+            device.grid_kernels.multiply.run(&device.queue, groups * GROUP, GROUP, arguments)
         })
     }
 
@@ -344,6 +349,12 @@ impl Algebra for Ocl {
 }
 
 impl Matrix {
+    /// Work-items that share out the entries of a row where a vector is multiplied: one for each four that it has on average.
+    fn items_per_row(&self) -> u32 {
+        let entries = self.entries / self.rows.max(1);
+        (entries / ENTRIES_EACH).clamp(1, MOST_PER_ROW).next_power_of_two() as u32
+    }
+
     /// Of so many rows, entries and columns, which are not set.
     fn unset(device: &Device, rows: usize, entries: usize, width: usize) -> Result<Self> {
         let (offsets, columns, values) = (Room::new("a matrix"), Room::new("a matrix"), Room::new("a matrix"));

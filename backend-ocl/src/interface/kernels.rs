@@ -322,6 +322,7 @@ kernels! {
 
     kernel Multiply = multiply {
         value count: u32,
+        value per_row: u32,
         input offsets: u32,
         input columns: u32,
         input values: f64,

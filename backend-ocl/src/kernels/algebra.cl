@@ -2,17 +2,30 @@
 
 #import "generated/interface.cl"
 
-// y = A x, or y − A x.
-__kernel void multiply(MULTIPLY_ARGUMENTS) {
-    const uint row = get_global_id(0);
-    if (row >= count) {
-        return;
+// y = A x, or y − A x. `per_row` work-items, side by side and a power of two, share out the entries of a row.
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void multiply(MULTIPLY_ARGUMENTS) {
+    __local real sum[GRID_GROUP];
+    const uint own = get_local_id(0);
+    const uint row = (get_group_id(0) * (GRID_GROUP / per_row)) + (own / per_row);
+    const uint first = own % per_row;
+    sum[own] = REAL(0.0);
+    if (row < count) {
+        real part = REAL(0.0);
+        const uint end = offsets[row + 1u];
+        for (uint k = offsets[row] + first; k < end; k += per_row) {
+            part += values[k] * x[columns[k]];
+        }
+        sum[own] = part;
     }
-    real sum = REAL(0.0);
-    for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
-        sum += values[k] * x[columns[k]];
+    for (uint distance = per_row / 2u; distance > 0u; distance >>= 1) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (first < distance) {
+            sum[own] += sum[own + distance];
+        }
     }
-    y[row] = (subtracts != 0u) ? (y[row] - sum) : sum;
+    if ((first == 0u) && (row < count)) {
+        y[row] = (subtracts != 0u) ? (y[row] - sum[own]) : sum[own];
+    }
 }
 
 // α x + β y, each number of x times that of `scales` where there are any.

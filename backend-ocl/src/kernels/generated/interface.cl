@@ -563,6 +563,7 @@ typedef struct {
 
 #define MULTIPLY_ARGUMENTS \
     uint count, \
+    uint per_row, \
     __global const uint *offsets, \
     __global const uint *columns, \
     __global const double *values, \

@@ -1,17 +1,24 @@
 //! The conjugate gradient for the singular systems of transport, preconditioned.
 
 use laguerre_core::Result;
+use laguerre_core::algebra::Held;
 
 use super::multigrid::Multigrid;
+use crate::vectors::sum;
 
 /// Iterations after which the solution is taken as it is; some 10 to 30 are usual.
 const MOST_ITERATIONS: usize = 300;
 /// The same of a multigrid that was made for another matrix: to make one costs as much as some 15.
 const MOST_WHILE_IT_SERVES: usize = 25;
 
+/// Room for the roundings of a norm.
+const ROOM: f64 = 1.0 + 1e-6;
+
 /// What was found.
 pub(super) struct Found {
     pub(super) solution: Vec<f64>,
+    /// The same where the matrix is.
+    pub(super) held: Held,
     pub(super) iterations: usize,
     /// Whether there is nothing left to do; else the iterations did not suffice.
     pub(super) is_solved: bool,
@@ -26,7 +33,12 @@ pub(super) fn solve(
     enough: Option<(f64, &[f64])>,
 ) -> Result<Found> {
     let algebra = multigrid.algebra();
-    let enough = enough.map(|(factor, bounds)| Ok((factor, algebra.vector(bounds)?))).transpose()?;
+    // (Each number is within its bound only where the norm is within that of all bounds, which costs no question.)
+    let enough = enough.map(|(factor, bounds)| {
+        let most = sum(bounds.len(), |i| bounds[i] * bounds[i]).sqrt() * factor * ROOM;
+        Ok((factor, algebra.vector(bounds)?, most))
+    });
+    let enough = enough.transpose()?;
     let mut residual = algebra.vector(b)?;
     algebra.center(&mut residual)?;
     let zeros = || algebra.zeros(b.len());
@@ -37,8 +49,10 @@ pub(super) fn solve(
     let most = if multigrid.is_of_another() { MOST_WHILE_IT_SERVES } else { MOST_ITERATIONS };
     let mut iterations = 0;
     let is_solved = loop {
-        let is_enough =
-            || enough.as_ref().map_or(Ok(false), |(factor, bounds)| algebra.is_within(&residual, *factor, bounds));
+        let is_enough = || match &enough {
+            Some((factor, bounds, most)) if norm <= *most => algebra.is_within(&residual, *factor, bounds),
+            _ => Ok(false),
+        };
         if norm <= target || is_enough()? {
             break true;
         }
@@ -65,5 +79,5 @@ pub(super) fn solve(
         iterations += 1;
     };
     algebra.center(&mut solution)?;
-    Ok(Found { solution: algebra.read(&solution)?, iterations, is_solved })
+    Ok(Found { solution: algebra.read(&solution)?, held: solution, iterations, is_solved })
 }

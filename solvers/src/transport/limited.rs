@@ -47,7 +47,7 @@ impl Limits {
         let mut cells = vec![[0.0; CELL]; problem.order.len()];
         for_each(&mut cells, |row, cell| {
             let i = problem.order[row] as usize;
-            let ([x, y, z], [a, b, c]) = (problem.positions[i], state.output.barycenter()[i]);
+            let ([x, y, z], [a, b, c]) = (problem.diagram.positions()[i], state.output.barycenter()[i]);
             let size = (state.output.volume()[i] / problem.mean_density).cbrt();
             *cell = [x, y, z, state.weights[i], a, b, c, size];
         });
@@ -64,10 +64,9 @@ pub(super) struct Limited {
 /// Whether a limited step is to be tried: Newton's goes too far somewhere, and there were not enough of them yet.
 pub(super) fn is_to_be(problem: &Problem<'_>, system: &System<'_>) -> Result<bool> {
     let algebra = system.multigrid.algebra();
-    Ok(problem.limited_steps < MOST_STEPS && {
-        let x = algebra.vector(&system.newton.solution)?;
-        algebra.rises_too_far(system.multigrid.finest(), &x, &system.limits.0, REACH, FLATTEST)?
-    })
+    let rises =
+        || algebra.rises_too_far(system.multigrid.finest(), &system.newton.held, &system.limits.0, REACH, FLATTEST);
+    Ok(problem.limited_steps < MOST_STEPS && rises()?)
 }
 
 /// A limited step in place of Newton's; and the system, solved for that.

@@ -21,8 +21,9 @@ use crate::vectors::map;
 const STRONG: f64 = 0.02;
 /// Levels end where a dense factorisation is cheaper than another level.
 pub(super) const COARSEST: usize = 300;
-/// Power iterations for the largest eigenvalue of `D⁻¹A`, and what is added to their estimate, which is from below.
+/// Power iterations for the largest eigenvalue of `D⁻¹A`, those that go on from the last matrix's, and what is added to their estimate, which is from below.
 const POWER_ITERATIONS: usize = 8;
+const MORE_POWER_ITERATIONS: usize = 3;
 const POWER_MARGIN: f64 = 1.1;
 /// A smoother damps the eigenvalues from the largest down to this share of it; the coarse levels see to the rest.
 const SMOOTHED_SHARE: f64 = 0.25;
@@ -53,8 +54,9 @@ struct Smoother {
     matrix: Held,
     /// 0 where the diagonal is.
     inverse_diagonal: Held,
-    /// Bounds of the eigenvalues of `D⁻¹A` that are smoothed.
+    /// Bounds of the eigenvalues of `D⁻¹A` that are smoothed, and nearly the eigenvector of the largest.
     smoothed: (f64, f64),
+    eigenvector: Held,
 }
 
 /// Vectors of a cycle.
@@ -89,8 +91,7 @@ impl<'a> Multigrid<'a> {
         if self.levels.len() == 1 || !self.is_connected() {
             return Self::new(self.algebra, matrix);
         }
-        let rows = self.levels[0].rows;
-        self.levels[0].smoother = Smoother::new(self.algebra, matrix, rows)?;
+        self.levels[0].smoother.renew(self.algebra, matrix)?;
         self.is_of_another = true;
         Ok(self)
     }
@@ -216,9 +217,47 @@ impl Level {
 impl Smoother {
     /// For a matrix of so many rows.
     fn new(algebra: &dyn Algebra, matrix: Held, rows: usize) -> Result<Self> {
-        let inverse_diagonal = algebra.inverse_diagonal(&matrix)?;
-        let largest = largest_eigenvalue(algebra, &matrix, &inverse_diagonal, rows)?;
-        Ok(Self { matrix, inverse_diagonal, smoothed: (SMOOTHED_SHARE * largest, largest) })
+        let (inverse_diagonal, eigenvector) = (algebra.inverse_diagonal(&matrix)?, algebra.zeros(rows)?);
+        let mut made = Self { matrix, inverse_diagonal, smoothed: (0.0, 0.0), eigenvector };
+        made.bound_eigenvalues(algebra)?;
+        Ok(made)
+    }
+
+    /// The same for another matrix of as many rows, much like this one.
+    fn renew(&mut self, algebra: &dyn Algebra, matrix: Held) -> Result<()> {
+        self.inverse_diagonal = algebra.inverse_diagonal(&matrix)?;
+        self.matrix = matrix;
+        self.bound_eigenvalues(algebra)
+    }
+
+    /// Finds the bounds of the smoothed eigenvalues: the upper is an estimate of the largest of all, by power iterations.
+    fn bound_eigenvalues(&mut self, algebra: &dyn Algebra) -> Result<()> {
+        let Self { matrix, inverse_diagonal, eigenvector: x, .. } = self;
+        let rows = algebra.row_count(matrix)?;
+        let mut image = algebra.zeros(rows)?;
+        let (mut eigenvalue, mut iterations) = (1.0, MORE_POWER_ITERATIONS);
+        let mut length = algebra.dot(x, x)?.sqrt();
+        if length == 0.0 {
+            // Any vector that is not smooth: fractions of the golden ratio, with alternating signs.
+            let start: Vec<f64> = map(rows, |i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
+            algebra.write(&start, x)?;
+            length = algebra.dot(x, x)?.sqrt();
+            iterations = POWER_ITERATIONS;
+        }
+        for _ in 0..iterations {
+            if length == 0.0 {
+                break;
+            }
+            algebra.multiply(matrix, x, &mut image)?;
+            // (Of length one.)
+            algebra.combine_scaled(1.0 / length, inverse_diagonal, &image, 0.0, x)?;
+            length = algebra.dot(x, x)?.sqrt();
+            eigenvalue = length;
+        }
+        // A Laplacian's are at most 2 (Gershgorin), and so little is gained below 1 that no margin is taken off.
+        let largest = POWER_MARGIN * f64::max(eigenvalue, 1.0);
+        self.smoothed = (SMOOTHED_SHARE * largest, largest);
+        Ok(())
     }
 
     /// The next level; `None` where there is none.
@@ -263,27 +302,6 @@ impl Smoother {
     fn update_residual(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
         algebra.subtract(&self.matrix, &scratch.step, &mut scratch.residual)
     }
-}
-
-/// An upper estimate of the largest eigenvalue of `D⁻¹A`.
-fn largest_eigenvalue(algebra: &dyn Algebra, matrix: &Held, inverse_diagonal: &Held, rows: usize) -> Result<f64> {
-    // Any vector that is not smooth: fractions of the golden ratio, with alternating signs.
-    let start: Vec<f64> = map(rows, |i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
-    let (mut x, mut image) = (algebra.vector(&start)?, algebra.zeros(rows)?);
-    let mut eigenvalue = 1.0;
-    let mut length = algebra.dot(&x, &x)?.sqrt();
-    for _ in 0..POWER_ITERATIONS {
-        if length == 0.0 {
-            break;
-        }
-        algebra.multiply(matrix, &x, &mut image)?;
-        // (Of length one.)
-        algebra.combine_scaled(1.0 / length, inverse_diagonal, &image, 0.0, &mut x)?;
-        length = algebra.dot(&x, &x)?.sqrt();
-        eigenvalue = length;
-    }
-    // A Laplacian's are at most 2 (Gershgorin), and so little is gained below 1 that no margin is taken off.
-    Ok(POWER_MARGIN * eigenvalue.max(1.0))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! From sums in the frame of each site to the output in the caller's order and unit. Written once for all backends.
 
+mod units;
+
 use crate::PowerDiagram;
 use crate::algebra::Kept;
 use crate::cell::{CellStore, CellSums, FACET_SECOND_MOMENTS, FacetSecond, TAG_BOX, V3, facet_is_above_bound};
@@ -10,8 +12,8 @@ use crate::parallel;
 use crate::request::Request;
 use crate::summation::CHUNK;
 use crate::{Boundary, CellStatus, Error, FacetArrays, Facets, Laplacian, Output, OutputArrays, Report, Result};
-use rayon::iter::{ParallelIterator, repeat_n};
 use std::ops::Range;
+use units::Units;
 
 /// One facet of a finished cell, in the frame of its site. Devices write the same.
 #[repr(C)]
@@ -100,9 +102,8 @@ const ROWS_AT_ONCE: usize = 4096;
 #[derive(Debug)]
 pub struct Assembler<'a> {
     positions: &'a [[f64; 3]],
-    frame: Frame,
-    /// Mass per volume where the winding number is one.
-    density: f64,
+    units: Units,
+    /// Barycenters of empty cells are not numbers yet.
     output: OutputArrays,
     boundary: Option<Vec<Boundary>>,
     /// For each site where its facets begin in `facets`, and how many they are; empty where none are asked for.
@@ -112,34 +113,24 @@ pub struct Assembler<'a> {
     has_laplacian: bool,
 }
 
-/// The integrals of one finished cell in the caller's frame and unit.
-struct Finished {
-    volume: f64,
-    barycenter: [f64; 3],
-    second_moment: [f64; 6],
-    integral: f64,
-    boundary: Boundary,
-}
-
 impl<'a> Assembler<'a> {
     /// For all cells of a diagram; cells that are never added, as those of coincident sites, stay empty.
     pub fn new(diagram: &'a PowerDiagram, container: &FramedContainer, request: &Request) -> Self {
         let n = diagram.positions().len();
         let output = OutputArrays {
+            // (Zeros are not written here: memory is new to the threads that fill it in.)
             status: vec![CellStatus::Empty; n],
             volume: vec![0.0; n],
-            // (Written on all threads: no memory that comes as zeros.)
-            barycenter: repeat_n([f64::NAN; 3], n).collect(),
+            barycenter: vec![[0.0; 3]; n],
             second_moment: request.second_moments().then(|| vec![[0.0; 6]; n]),
             integral: request.integral().map(|f| vec![0.0; n * f.columns()]),
             ..OutputArrays::default()
         };
-        let boundary = request.facets().then(|| vec![Boundary::default(); n]);
+        let boundary = request.facets().then(|| parallel::map(n, CHUNK, |_| Boundary::default()));
         let rows = if request.needs_facets() { vec![(0, 0); n] } else { Vec::new() };
         Self {
             positions: diagram.positions(),
-            frame: container.frame,
-            density: container.density,
+            units: Units { frame: container.frame, density: container.density },
             output,
             boundary,
             rows,
@@ -180,18 +171,18 @@ impl<'a> Assembler<'a> {
         if cell.status == CellStatus::Empty {
             return;
         }
-        let finished = finish(&self.frame, self.density, self.positions[i], &cell.sums);
-        self.output.volume[i] = finished.volume;
-        self.output.barycenter[i] = finished.barycenter;
+        let (units, sums, position) = (self.units, &cell.sums, self.positions[i]);
+        self.output.volume[i] = units.volume(sums.volume);
+        self.output.barycenter[i] = units.barycenter(position, sums);
         if let Some(second) = &mut self.output.second_moment {
-            second[i] = finished.second_moment;
+            second[i] = units.second_moment(sums);
         }
         if let Some(integral) = &mut self.output.integral {
             let columns = integral.len() / self.positions.len();
-            integral[i * columns] = finished.integral;
+            integral[i * columns] = units.volume(sums.integral);
         }
         if let Some(boundary) = &mut self.boundary {
-            boundary[i] = finished.boundary;
+            boundary[i] = units.boundary(position, sums);
         }
         if let Some(row) = self.rows.get_mut(i) {
             *row = (self.facets.records.len() as u64, facets.records.len() as u32);
@@ -205,41 +196,41 @@ impl<'a> Assembler<'a> {
         let Some(all) = &mut self.output.integral else { return };
         let columns = all.len() / self.positions.len();
         for (cell, integral) in cells.iter().zip(integrals).filter(|(cell, _)| cell.status != CellStatus::Empty) {
-            all[cell.site as usize * columns + column] = integral * (self.density * self.frame.unit().powi(3));
+            all[cell.site as usize * columns + column] = self.units.volume(*integral);
         }
     }
 
     /// Adds, for every site `i` where `cell(i)` is something that is not empty, that cell without its facets.
     pub fn add_all(&mut self, cell: impl Fn(usize) -> Option<(CellStatus, CellSums)> + Sync) {
-        let Self { positions, frame, density, output, boundary, .. } = self;
-        let finished = |i: usize| {
-            let (status, sums) = cell(i).filter(|(status, _)| *status != CellStatus::Empty)?;
-            Some((status, finish(frame, *density, positions[i], &sums)))
-        };
+        let Self { positions, units, output, boundary, .. } = self;
+        let (positions, units) = (*positions, *units);
+        let finished = |i: usize| cell(i).filter(|(status, _)| *status != CellStatus::Empty);
         let columns = output.status.chunks_mut(CHUNK).zip(output.volume.chunks_mut(CHUNK));
         let columns = columns.zip(output.barycenter.chunks_mut(CHUNK));
         parallel::each(columns, |chunk, ((status, volume), barycenter)| {
             for k in 0..status.len() {
-                if let Some((how, cell)) = finished(chunk * CHUNK + k) {
-                    (status[k], volume[k], barycenter[k]) = (how, cell.volume, cell.barycenter);
+                let i = chunk * CHUNK + k;
+                if let Some((how, sums)) = finished(i) {
+                    status[k] = how;
+                    (volume[k], barycenter[k]) = (units.volume(sums.volume), units.barycenter(positions[i], &sums));
                 }
             }
         });
         if let Some(second) = &mut output.second_moment {
             let set = |i: usize, second: &mut [f64; 6]| {
-                finished(i).into_iter().for_each(|(_, cell)| *second = cell.second_moment);
+                finished(i).into_iter().for_each(|(_, sums)| *second = units.second_moment(&sums));
             };
             parallel::for_each(second, CHUNK, set);
         }
         if let Some(integral) = &mut output.integral {
             let set = |i: usize, integral: &mut f64| {
-                finished(i).into_iter().for_each(|(_, cell)| *integral = cell.integral);
+                finished(i).into_iter().for_each(|(_, sums)| *integral = units.volume(sums.integral));
             };
             parallel::for_each(integral, CHUNK, set);
         }
         if let Some(boundary) = boundary {
             let set = |i: usize, boundary: &mut Boundary| {
-                finished(i).into_iter().for_each(|(_, cell)| *boundary = cell.boundary);
+                finished(i).into_iter().for_each(|(_, sums)| *boundary = units.boundary(positions[i], &sums));
             };
             parallel::for_each(boundary, CHUNK, set);
         }
@@ -265,6 +256,12 @@ impl<'a> Assembler<'a> {
         geometry: Option<Geometry>,
     ) -> Result<Output> {
         check_integrals(self.output.integral.as_deref().unwrap_or_default(), self.positions.len())?;
+        let (status, Units { frame, density }) = (&self.output.status, self.units);
+        parallel::for_each(&mut self.output.barycenter, CHUNK, |i, barycenter| {
+            if status[i] == CellStatus::Empty {
+                *barycenter = [f64::NAN; 3];
+            }
+        });
         let row_of = |i: usize| match self.rows[i] {
             (_, 0) => row(i),
             (begin, count) => self.facets.row(begin as usize, begin as usize + count as usize),
@@ -272,15 +269,14 @@ impl<'a> Assembler<'a> {
         if self.has_laplacian {
             let areas = |i: usize| row_of(i).records.iter().map(|facet| (facet.neighbor, facet.area));
             let value = |i: usize, j: usize, area: f64| {
-                let (p, q) = (self.frame.enter(self.positions[i]), self.frame.enter(self.positions[j]));
-                area / distance(p, q) * laplacian_unit(&self.frame, self.density)
+                area / self.units.framed_distance(self.positions[i], self.positions[j])
+                    * laplacian_unit(&frame, density)
             };
             self.output.laplacian = Some(Laplacian::of_areas(order, self.positions.len(), areas, value));
         }
         if let Some(boundary) = self.boundary.take() {
-            let mut arrays = facet_arrays(&self.frame, self.density, self.positions, &|i| row_of(i).records);
-            arrays.second_moment =
-                self.has_seconds.then(|| facet_seconds(&self.frame, self.density, self.positions.len(), &row_of));
+            let mut arrays = facet_arrays(self.units, self.positions, &|i| row_of(i).records);
+            arrays.second_moment = self.has_seconds.then(|| facet_seconds(self.units, self.positions.len(), &row_of));
             self.output.facets = Some(Facets::of_fitting(FacetArrays { boundary, ..arrays }));
         }
         Output::new(OutputArrays { report, geometry, ..self.output })
@@ -298,53 +294,14 @@ fn check_integrals(integrals: &[f64], sites: usize) -> Result<()> {
     }
 }
 
-/// The integrals of the cell of the site at `position` (the caller's) from its sums.
-fn finish(frame: &Frame, density: f64, position: [f64; 3], sums: &CellSums) -> Finished {
-    let unit = frame.unit();
-    let [x, y, z] = frame.enter(position);
-    let place = |m: V3, mass: f64| frame.leave([x + m.x / mass, y + m.y / mass, z + m.z / mass]);
-    let (s, m, v) = (sums, sums.first, sums.volume);
-    let second_moment = [
-        s.second_diagonal.x - m.x * m.x / v,
-        s.second_diagonal.y - m.y * m.y / v,
-        s.second_diagonal.z - m.z * m.z / v,
-        s.second_mixed.x - m.x * m.y / v,
-        s.second_mixed.y - m.x * m.z / v,
-        s.second_mixed.z - m.y * m.z / v,
-    ];
-    let mut boundary = Boundary::default();
-    if sums.boundary_area != 0.0 {
-        let n = sums.boundary_vector;
-        boundary = Boundary {
-            area: sums.boundary_area * (density * unit.powi(2)),
-            barycenter: place(sums.boundary_moment, sums.boundary_area),
-            vector_area: [n.x, n.y, n.z].map(|a| a * (density * unit.powi(2))),
-            flux: sums.boundary_flux * (density * unit.powi(3)),
-        };
-    }
-    Finished {
-        volume: sums.volume * (density * unit.powi(3)),
-        barycenter: place(sums.first, sums.volume),
-        second_moment: second_moment.map(|x| x * (density * unit.powi(5))),
-        integral: sums.integral * (density * unit.powi(3)),
-        boundary,
-    }
-}
-
 /// What the Laplacian is in units of, where areas and distances are in the frame's.
 pub fn laplacian_unit(frame: &Frame, density: f64) -> f64 {
     density * frame.unit()
 }
 
-/// Of two sites, in the frame.
-fn distance([x, y, z]: [f64; 3], [a, b, c]: [f64; 3]) -> f64 {
-    ((a - x).powi(2) + (b - y).powi(2) + (c - z).powi(2)).sqrt()
-}
-
 /// The facets of all sites in one list.
 fn facet_arrays<'b>(
-    frame: &Frame,
-    density: f64,
+    units: Units,
     positions: &[[f64; 3]],
     row_of: &(impl Fn(usize) -> &'b [FacetRecord] + Sync),
 ) -> FacetArrays {
@@ -386,14 +343,11 @@ fn facet_arrays<'b>(
             row.clear();
             row.extend_from_slice(row_of(i));
             row.sort_unstable_by_key(|facet| facet.neighbor);
-            let [x, y, z] = frame.enter(positions[i]);
             for facet in &row {
-                let there = frame.enter(positions[facet.neighbor as usize]);
-                let (a, m) = (facet.area, facet.moment);
                 neighbor[next] = facet.neighbor;
-                area[next] = a * (density * frame.unit().powi(2));
-                barycenter[next] = frame.leave([x + m.x / a, y + m.y / a, z + m.z / a]);
-                distance[next] = self::distance([x, y, z], there) * frame.unit();
+                area[next] = units.area(facet.area);
+                barycenter[next] = units.place(positions[i], facet.moment, facet.area);
+                distance[next] = units.distance(positions[i], positions[facet.neighbor as usize]);
                 next += 1;
             }
         }
@@ -402,13 +356,8 @@ fn facet_arrays<'b>(
 }
 
 /// The second moments of the facets of all sites, in the order of [`facet_arrays`].
-fn facet_seconds<'b>(
-    frame: &Frame,
-    density: f64,
-    sites: usize,
-    row_of: &(impl Fn(usize) -> Row<'b> + Sync),
-) -> Vec<[f64; 6]> {
-    let unit = density * frame.unit().powi(4);
+fn facet_seconds<'b>(units: Units, sites: usize, row_of: &(impl Fn(usize) -> Row<'b> + Sync)) -> Vec<[f64; 6]> {
+    let unit = units.density * units.frame.unit().powi(4);
     let rows_in_order = |range: Range<usize>| {
         let mut all: Vec<[f64; 6]> = Vec::new();
         for i in range {

@@ -103,11 +103,11 @@ const ROWS_AT_ONCE: usize = 4096;
 pub struct Assembler<'a> {
     positions: &'a [[f64; 3]],
     units: Units,
-    /// Barycenters of empty cells are not numbers yet.
     output: OutputArrays,
     boundary: Option<Vec<Boundary>>,
-    /// For each site where its facets begin in `facets`, and how many they are; empty where none are asked for.
+    /// For each site where its facets begin in `facets`, and how many they are; empty while no cell was added with some.
     rows: Vec<(u64, u32)>,
+    has_rows: bool,
     facets: FacetRecords,
     has_seconds: bool,
     has_laplacian: bool,
@@ -118,22 +118,21 @@ impl<'a> Assembler<'a> {
     pub fn new(diagram: &'a PowerDiagram, container: &FramedContainer, request: &Request) -> Self {
         let n = diagram.positions().len();
         let output = OutputArrays {
-            // (Zeros are not written here: memory is new to the threads that fill it in.)
-            status: vec![CellStatus::Empty; n],
-            volume: vec![0.0; n],
-            barycenter: vec![[0.0; 3]; n],
-            second_moment: request.second_moments().then(|| vec![[0.0; 6]; n]),
-            integral: request.integral().map(|f| vec![0.0; n * f.columns()]),
+            status: parallel::map(n, CHUNK, |_| CellStatus::Empty),
+            volume: parallel::map(n, CHUNK, |_| 0.0),
+            barycenter: parallel::map(n, CHUNK, |_| [f64::NAN; 3]),
+            second_moment: request.second_moments().then(|| parallel::map(n, CHUNK, |_| [0.0; 6])),
+            integral: request.integral().map(|f| parallel::map(n * f.columns(), CHUNK, |_| 0.0)),
             ..OutputArrays::default()
         };
         let boundary = request.facets().then(|| parallel::map(n, CHUNK, |_| Boundary::default()));
-        let rows = if request.needs_facets() { vec![(0, 0); n] } else { Vec::new() };
         Self {
             positions: diagram.positions(),
             units: Units { frame: container.frame, density: container.density },
             output,
             boundary,
-            rows,
+            has_rows: request.needs_facets(),
+            rows: Vec::new(),
             facets: FacetRecords::default(),
             has_seconds: request.facet_second_moments(),
             has_laplacian: request.laplacian(),
@@ -184,8 +183,11 @@ impl<'a> Assembler<'a> {
         if let Some(boundary) = &mut self.boundary {
             boundary[i] = units.boundary(position, sums);
         }
-        if let Some(row) = self.rows.get_mut(i) {
-            *row = (self.facets.records.len() as u64, facets.records.len() as u32);
+        if self.has_rows {
+            if self.rows.is_empty() {
+                self.rows = parallel::map(self.positions.len(), CHUNK, |_| (0, 0));
+            }
+            self.rows[i] = (self.facets.records.len() as u64, facets.records.len() as u32);
             self.facets.records.extend_from_slice(facets.records);
             self.facets.seconds.extend_from_slice(facets.seconds);
         }
@@ -256,15 +258,10 @@ impl<'a> Assembler<'a> {
         geometry: Option<Geometry>,
     ) -> Result<Output> {
         check_integrals(self.output.integral.as_deref().unwrap_or_default(), self.positions.len())?;
-        let (status, Units { frame, density }) = (&self.output.status, self.units);
-        parallel::for_each(&mut self.output.barycenter, CHUNK, |i, barycenter| {
-            if status[i] == CellStatus::Empty {
-                *barycenter = [f64::NAN; 3];
-            }
-        });
-        let row_of = |i: usize| match self.rows[i] {
-            (_, 0) => row(i),
-            (begin, count) => self.facets.row(begin as usize, begin as usize + count as usize),
+        let Units { frame, density } = self.units;
+        let row_of = |i: usize| match self.rows.get(i) {
+            None | Some((_, 0)) => row(i),
+            Some(&(begin, count)) => self.facets.row(begin as usize, begin as usize + count as usize),
         };
         if self.has_laplacian {
             let areas = |i: usize| row_of(i).records.iter().map(|facet| (facet.neighbor, facet.area));

@@ -1,5 +1,5 @@
-//! Loops on all threads. All of them are one instance of rayon's iterators, over numbered tasks: an instance of its own for each loop, of which there
-//! were 178, was 60 % of what the compiler made of `laguerre-solvers` and a fifth of this crate.
+//! Loops on all threads. All of them are one instance of rayon's iterators, over numbered tasks, or one for each type of what is collected: an instance
+//! of its own for each loop, of which there were 178, was 60 % of what the compiler made of `laguerre-solvers` and a fifth of this crate.
 
 use rayon::prelude::*;
 use std::ops::Range;
@@ -43,11 +43,14 @@ pub fn for_each<T: Send>(x: &mut [T], length: usize, f: impl Fn(usize, &mut T) +
     });
 }
 
-/// `f(i)` for each i below `n`, `length` of them in a task.
-pub fn map<T: Send + Clone + Default>(n: usize, length: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let mut all = vec![T::default(); n];
-    for_each(&mut all, length, |i, x| *x = f(i));
-    all
+/// `f(i)` for each i below `n`, `length` of them or more in a task.
+pub fn map<T: Send>(n: usize, length: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    collected(n, length, &f)
+}
+
+/// (Into new memory, which no one thread goes through before: a million triples of zeros, set afterwards, took 2.3 ms where this takes 0.7; 16 cores.)
+fn collected<T: Send>(n: usize, length: usize, f: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
+    (0..n).into_par_iter().with_min_len(length).map(f).collect()
 }
 
 #[cfg(test)]

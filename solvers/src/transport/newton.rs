@@ -381,10 +381,9 @@ impl<'a> Problem<'a> {
     fn missing(&self, state: &State, targets: &[f64]) -> (Vec<f64>, f64) {
         let n = targets.len();
         let mass = |row: usize| state.masses[self.order[row] as usize];
-        let mut missing = vec![0.0; n];
-        for_each(&mut missing, |row, missing| {
+        let mut missing: Vec<f64> = map(n, |row| {
             let (t, m) = (targets[row], mass(row));
-            *missing = if m < t { 3.0 * m * ((t / m).cbrt() - 1.0) } else { t - m };
+            if m < t { 3.0 * m * ((t / m).cbrt() - 1.0) } else { t - m }
         });
         let share = sum(n, |row| missing[row].max(0.0)) / sum(n, |row| (-missing[row]).max(0.0));
         if !share.is_finite() {

@@ -113,15 +113,13 @@ pub(crate) enum Stage {
     Single,
     /// All of them; those are given up that need exact signs, or may meet the surface.
     First,
-    /// Those that may meet the surface, finished; those are given up that need exact signs.
+    /// Those that may meet the surface, finished; those are given up that need exact signs. With facets those that do, with exact signs.
     Surface,
-    /// Where facets are asked for all that the stages before have finished; those that the surface cuts are `Exact`'s.
+    /// Where facets are asked for all that the stages before have finished; those that the surface cuts are `Surface`'s.
     Facets,
-    /// Those that are completed by their vertices, where the tree is searched; those are given up that double-double does not decide, or that reach far outside the
-    /// domain.
+    /// Those that are completed by their vertices, where the tree is searched, or reach far outside the domain; those are given up that double-double does not decide.
     Far,
-    /// Those that need exact signs, or sites beyond the table of offsets, or reach far outside the domain; and where facets are asked for those that the surface
-    /// cuts.
+    /// Those that need exact signs, or where the table of offsets is searched sites beyond it, or that then reach far outside the domain.
     Exact,
     /// Those that need more room, where the tree is searched; those are given up that double-double does not decide.
     Large,
@@ -327,9 +325,11 @@ impl Build {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
                         let Shape { cells, short, far, exact, surface, takes, room, teams, .. } = stage.shape();
+                        // (What of facets is asked for may leave signs open: a cell is to end in the same stage whatever that is, and have the same bits.)
+                        let exact = exact || (surface && takes && *asked & FACETS != 0);
                         vec![
                             Flag::Single(stage == Stage::Single),
-                            Flag::Short(short && *asked & !FACETS == 0),
+                            Flag::Short(short && !exact && *asked & !FACETS == 0),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Teams(lanes.teams(teams)),

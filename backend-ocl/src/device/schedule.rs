@@ -252,12 +252,6 @@ impl Device {
                 Way::Together(lanes, stage) if stage.gives() => Some(lanes),
                 _ => None,
             };
-            // (With facets, what is left of these stages is for the next at once, and what that leaves not for it again.)
-            let leaves_cut = request.needs_facets() && self.domain.is_some() && finishing.is_some();
-            let kept = if leaves_cut { std::mem::take(&mut self.counters.left) } else { 0 };
-            if leaves_cut {
-                std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
-            }
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
                 if !request.needs_facets() || batch <= FEWEST_CELLS {
@@ -267,29 +261,16 @@ impl Device {
                 self.memory.facets.free();
                 self.memory.facet_seconds.free();
                 self.memory.near.free();
-                if leaves_cut {
-                    std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
-                    self.counters.left = kept;
-                }
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
             if let (Some(lanes), given @ 1..) = (finishing, self.counters.surface as usize) {
-                if request.needs_facets() {
-                    self.at_once(lanes, Stage::Facets, given)?;
-                } else {
-                    second.cells += given;
-                    second.seconds += self.at_once(lanes, Stage::Surface, given)?;
-                }
-            }
-            if let (Some(lanes), true) = (finishing, leaves_cut) {
-                let cut = std::mem::replace(&mut self.counters.left, kept) as usize;
-                std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
-                std::mem::swap(&mut self.memory.cut, &mut self.memory.surface);
-                if cut > 0 {
-                    second.cells += cut;
-                    second.seconds += self.at_once(lanes, Stage::Exact, cut)?;
-                }
+                let (cut, seconds) = match request.needs_facets() {
+                    true => self.sum_facets(lanes, given)?,
+                    false => (given, self.at_once(lanes, Stage::Surface, given)?),
+                };
+                second.cells += cut;
+                second.seconds += seconds;
             }
             request.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize))?;
             let fit = self.counters.facets <= self.shared.params.facet_room;
@@ -299,6 +280,26 @@ impl Device {
             begin = end;
         }
         Ok(())
+    }
+
+    /// Sums up the cells of a batch whose records stand in the list `surface`, and their facets; those that the surface cuts in the stage for them, while
+    /// their records are there. How many these are, and the seconds that they took.
+    fn sum_facets(&mut self, lanes: Lanes, given: usize) -> Result<(usize, f64)> {
+        if self.domain.is_none() {
+            return self.at_once(lanes, Stage::Facets, given).map(|_| (0, 0.0));
+        }
+        // (What is left there are records, and no sites.)
+        let kept = std::mem::take(&mut self.counters.left);
+        std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
+        let summed = self.at_once(lanes, Stage::Facets, given);
+        std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
+        let cut = std::mem::replace(&mut self.counters.left, kept) as usize;
+        summed?;
+        if cut == 0 {
+            return Ok((0, 0.0));
+        }
+        std::mem::swap(&mut self.memory.cut, &mut self.memory.surface);
+        Ok((cut, self.at_once(lanes, Stage::Surface, cut)?))
     }
 
     /// Runs a stage over the cells of a batch, or their records, that stand in the list `surface`; returns the seconds it took.

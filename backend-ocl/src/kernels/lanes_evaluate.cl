@@ -209,7 +209,12 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
 #endif
     if ((status != COMPLETE) && (status != EMPTY)) {
+#if TAKES_CELLS && (WITH_DOMAIN && !WITH_SURFACE)
+        // (Its record, which the stage WITH_SURFACE takes.)
+        left[atomic_inc(&counters->left)] = list[turn];
+#else
         left[atomic_inc(&counters->left)] = site;
+#endif
         return;
     }
     outcome[i] = status | ((exact != 0u) ? OUTCOME_EXACT : 0u);

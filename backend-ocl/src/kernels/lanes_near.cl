@@ -1,12 +1,18 @@
 // Finished cells on their way from the stage that cuts all cells to one that TAKES_CELLS: those near the domain's surface, or where facets are asked for all. A
 // record: site, numbers of half-spaces and of vertices, winding number, whether exact arithmetic was needed and whether the surface is near; the vertices in single precision; their
-// triplets, and what is beyond the half-spaces: a site, or a face of the box.
+// triplets, and what is beyond the half-spaces: a site, a face of the box, or what a cap cut off; and the half-spaces of caps.
 
 #import "lanes_clip.cl"
 #import "output.cl"
 
-// In a record, instead of a site: the first of the faces of the box.
+// In a record, instead of a site: the first of the faces of the box, and of the caps.
 #define TAG_FACE 0xFFFFFFE0u
+#define TAG_FIRST_CAP 0xFFFFFFF0u
+// Units of 16 bytes that the half-space of one takes.
+#define CAP_LENGTH 2u
+
+// Where the half-spaces of caps begin in a record.
+INLINE uint caps_begin(uint vertices, uint planes) { return (1u + vertices) + (((vertices + planes) + 3u) / 4u); }
 
 #if GIVES_CELLS
 // Whether all finished cells are another stage's, which sums their facets.
@@ -32,8 +38,14 @@ INLINE uint give_cell(
     const uint is_near = 0;
 #endif
     const uint kind = ((exact != 0u) ? 1u : 0u) | (is_near << 1);
-    const uint words = s->vertices + s->planes;
-    const uint length = (1u + s->vertices) + ((words + 3u) / 4u);
+    const uint caps_at = caps_begin(s->vertices, s->planes);
+    uint length = caps_at;
+#if CUTS_OUTSIDE
+    for (uint first = 0; first < s->planes; first += LANES) {
+        const uint f = first + s->lane;
+        length += CAP_LENGTH * popcount(lanes_with((f < s->planes) && (s->cell->source[f] == TAG_CAP)));
+    }
+#endif
     uint begin = 0;
     if (s->lane == 0u) {
         begin = atomic_add(&counters->near, length);
@@ -56,6 +68,20 @@ INLINE uint give_cell(
         const uint beyond = s->cell->source[f];
         word[s->vertices + f] = (beyond == TAG_BOX) ? face_of(s->cell->plane[f]) : beyond;
     }
+#if CUTS_OUTSIDE
+    uint caps = 0;
+    for (uint first = 0; first < s->planes; first += LANES) {
+        const uint f = first + s->lane;
+        const uint are_caps = lanes_with((f < s->planes) && (s->cell->source[f] == TAG_CAP));
+        if (((are_caps >> s->lane) & 1u) != 0u) {
+            const uint cap = caps + popcount(are_caps & ((1u << s->lane) - 1u));
+            const Plane plane = s->cell->plane[f];
+            word[s->vertices + f] = TAG_FIRST_CAP + cap;
+            vstore4((double4)(plane.n.x, plane.n.y, plane.n.z, plane.d), 0, (__global double *)((record + caps_at) + (CAP_LENGTH * cap)));
+        }
+        caps += popcount(are_caps);
+    }
+#endif
     return FINISHED;
 }
 #endif
@@ -79,15 +105,23 @@ INLINE void take_cell(Store *s, __global const uint4 *record) {
         enter_edges(cell, unpacked(word[v]), v);
 #endif
     }
+    const uint caps_at = caps_begin(s->vertices, s->planes);
     // (Faces of the box come first, each in its place or further to the front.)
     for (uint first = 0; first < s->planes; first += LANES) {
         const uint f = first + s->lane;
         const uint beyond = (f < s->planes) ? word[s->vertices + f] : TAG_FACE;
-        const Plane plane = (beyond >= TAG_FACE) ? cell->plane[beyond - TAG_FACE] : bisector_with(s, beyond);
+        const uint is_cap = beyond >= TAG_FIRST_CAP;
+        Plane plane;
+        if (is_cap != 0u) {
+            const double4 cap = vload4(0, (__global const double *)((record + caps_at) + (CAP_LENGTH * (beyond - TAG_FIRST_CAP))));
+            plane = (Plane){ .n = { cap.x, cap.y, cap.z }, .d = cap.w };
+        } else {
+            plane = (beyond >= TAG_FACE) ? cell->plane[beyond - TAG_FACE] : bisector_with(s, beyond);
+        }
         lanes_wait();
         if (f < s->planes) {
             cell->plane[f] = plane;
-            cell->source[f] = (beyond >= TAG_FACE) ? TAG_BOX : beyond;
+            cell->source[f] = (is_cap != 0u) ? TAG_CAP : ((beyond >= TAG_FACE) ? TAG_BOX : beyond);
         }
         lanes_wait();
     }

@@ -11,11 +11,11 @@
 #import "lanes_talk.cl"
 
 // Whether finished cells are given to another stage, as records: those near the surface to the one WITH_SURFACE that TAKES_CELLS; or where facets are asked for
-// all to the one WITH_FACETS, which leaves those that the surface cuts to the stage WITH_EXACT.
+// all to the one WITH_FACETS, which leaves the records of those that the surface cuts to that.
 #define GIVES_CELLS (!TAKES_CELLS && !WITH_EXACT && !WITH_ROOM)
 
 // Whether what of a cell is far outside the domain is cut off.
-#define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || (WITH_FAR && WITH_SURFACE)))
+#define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || WITH_FAR))
 
 // Whether signs that single precision leaves open, and vertices of nearly dependent planes, are settled in double precision and double-double: of
 // cells that reach far they are many. Of a million sites on a bumpy surface 99 % went on to the stage WITH_EXACT, for 2.9 s; now none does, and
@@ -25,7 +25,7 @@
 
 // Whether the tree is searched: where there is no table of offsets, or for what is beyond it; few cells reach so far, and without a domain hardly
 // any (there a lattice, of which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
-#define SEARCHES_BEYOND (WITH_TABLE && (WITH_EXACT && (WITH_DOMAIN || WITH_ROOM)))
+#define SEARCHES_BEYOND (WITH_TABLE && ((WITH_EXACT && WITH_FAR) && (WITH_DOMAIN || WITH_ROOM)))
 #define SEARCHES_TREE (!WITH_TABLE || SEARCHES_BEYOND)
 
 // Whether the rough places of vertices are in the frame of where the weights' slope has the cell, and not in that of its site, which may be many

@@ -8,8 +8,9 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, larger, norm_1, norm_max,
 /// Part of the distance of a cap by which what it cuts off is taken for larger, for all roundings.
 const CAP_MARGIN: Real = 0.015625;
 
-/// Parts of what a cap cuts off, eight along each axis, that are looked at where its bounding box does not tell.
-const ALL_PARTS: u32 = 512;
+/// Parts of what a cap cuts off, four along each axis, that are looked at where its bounding box does not tell; and parts of one that does not tell either.
+const ALL_PARTS: u32 = 64;
+const PARTS_OF_PART: u32 = 8;
 
 /// Widens `[low, high]`, if vertex `v` has `direction·x ≥ height`, by that vertex, and by where the ways to it from all vertices that have not
 /// come to have: what of the cell has lies between such. (All by less than `height`, by a margin.)
@@ -58,7 +59,8 @@ pub(super) fn widen_part<S: Polytope>(
 }
 
 /// Whether all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
-/// the domain, each of `ALL_PARTS` parts of it that the cell has something of, of which only every `step`th from `first` on is looked at.
+/// the domain, each of `ALL_PARTS` parts of it that the cell has something of, or each of that one's own parts. Only every `step`th of all parts
+/// from `first` on is looked at.
 #[cfg_attr(opencl, outline)]
 pub(super) fn boxes_are_outside<S: DomainStore>(
     s: &S,
@@ -75,23 +77,37 @@ pub(super) fn boxes_are_outside<S: DomainStore>(
     if (step == 0) || (step > ALL_PARTS) {
         return false;
     }
-    let size: V3 = scale(0.125, sub(high, low));
-    // Wider than a part by what its corners are rounded by.
-    let halves: V3 = scale(0.5 + CAP_MARGIN, size);
+    let size: V3 = scale(0.25, sub(high, low));
     let mut n: u32 = first;
     while n < ALL_PARTS {
-        let along_x: Real = ((n & 7) as Real) + 0.5;
-        let along_y: Real = (((n >> 3) & 7) as Real) + 0.5;
-        let along_z: Real = ((n >> 6) as Real) + 0.5;
+        let along_x: Real = ((n & 3) as Real) + 0.5;
+        let along_y: Real = (((n >> 2) & 3) as Real) + 0.5;
+        let along_z: Real = ((n >> 4) as Real) + 0.5;
         let middle: V3 = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
-        if !box_is_outside(s, sub(middle, halves), add(middle, halves)) {
-            if !box_misses_part(s, direction, height, middle, halves) {
-                return false;
+        if !box_has_nothing(s, direction, height, middle, size) {
+            for part in 0..PARTS_OF_PART {
+                let aside_x: Real = (0.5 * ((part & 1) as Real)) - 0.25;
+                let aside_y: Real = (0.5 * (((part >> 1) & 1) as Real)) - 0.25;
+                let aside_z: Real = (0.5 * ((part >> 2) as Real)) - 0.25;
+                let its: V3 = add(middle, v3(aside_x * size.x, aside_y * size.y, aside_z * size.z));
+                if !box_has_nothing(s, direction, height, its, scale(0.5, size)) {
+                    return false;
+                }
             }
         }
         n += step;
     }
     return true;
+}
+
+/// Whether a box of some size about `middle` is outside the domain, or has nothing of the cell with `direction·x ≥ height`.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub(super) fn box_has_nothing<S: DomainStore>(s: &S, direction: V3, height: Real, middle: V3, size: V3) -> bool {
+    // Wider by what its corners are rounded by.
+    let halves: V3 = scale(0.5 + CAP_MARGIN, size);
+    return box_is_outside(s, sub(middle, halves), add(middle, halves))
+        || box_misses_part(s, direction, height, middle, halves);
 }
 
 /// Whether the domain's winding number is 0 all over the box `[low, high]`.

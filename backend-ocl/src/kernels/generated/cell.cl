@@ -113,6 +113,7 @@ OUTLINE bool lies_outside(Store *s);
 HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *high);
 OUTLINE bool widen_part(Store *s, V3 direction, real height, real radius, V3 *low, V3 *high);
 OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step);
+HOT bool box_has_nothing(Store *s, V3 direction, real height, V3 middle, V3 size);
 HOT bool box_is_outside(Store *s, V3 low, V3 high);
 HOT bool box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves);
 INLINE real reach_along(V3 n, V3 halves);

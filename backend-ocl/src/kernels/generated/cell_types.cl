@@ -454,8 +454,10 @@ typedef struct {
 // Part of the distance of a cap by which what it cuts off is taken for larger, for all roundings.
 #define CAP_MARGIN ((real)(REAL(0.015625)))
 
-// Parts of what a cap cuts off, eight along each axis, that are looked at where its bounding box does not tell.
-#define ALL_PARTS ((uint)(512))
+// Parts of what a cap cuts off, four along each axis, that are looked at where its bounding box does not tell; and parts of one that does not tell either.
+#define ALL_PARTS ((uint)(64))
+
+#define PARTS_OF_PART ((uint)(8))
 
 // core/src/cell/cap.rs
 

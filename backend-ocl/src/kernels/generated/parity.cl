@@ -1167,6 +1167,18 @@ __kernel void parity_boxes_are_outside(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_box_has_nothing(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 direction = take_V3(&in);
+    const real height = take_real(&in);
+    const V3 middle = take_V3(&in);
+    const V3 size = take_V3(&in);
+    const bool result = box_has_nothing(s, direction, height, middle, size);
+    give_bool(&out, result);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_box_is_outside(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

@@ -37,7 +37,8 @@ OUTLINE bool widen_part(Store *s, V3 direction, real height, real radius, V3 *lo
 }
 
 // Whether all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
-// the domain, each of `ALL_PARTS` parts of it that the cell has something of, of which only every `step`th from `first` on is looked at.
+// the domain, each of `ALL_PARTS` parts of it that the cell has something of, or each of that one's own parts. Only every `step`th of all parts
+// from `first` on is looked at.
 OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step) {
     if (box_is_outside(s, low, high)) {
         return 1;
@@ -45,23 +46,34 @@ OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 h
     if ((step == 0) || (step > ALL_PARTS)) {
         return 0;
     }
-    const V3 size = scale(REAL(0.125), sub(high, low));
-    // Wider than a part by what its corners are rounded by.
-    const V3 halves = scale(REAL(0.5) + CAP_MARGIN, size);
+    const V3 size = scale(REAL(0.25), sub(high, low));
     uint n = first;
     while (n < ALL_PARTS) {
-        const real along_x = ((real)(n & 7)) + REAL(0.5);
-        const real along_y = ((real)((n >> 3) & 7)) + REAL(0.5);
-        const real along_z = ((real)(n >> 6)) + REAL(0.5);
+        const real along_x = ((real)(n & 3)) + REAL(0.5);
+        const real along_y = ((real)((n >> 2) & 3)) + REAL(0.5);
+        const real along_z = ((real)(n >> 4)) + REAL(0.5);
         const V3 middle = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
-        if (!box_is_outside(s, sub(middle, halves), add(middle, halves))) {
-            if (!box_misses_part(s, direction, height, middle, halves)) {
-                return 0;
+        if (!box_has_nothing(s, direction, height, middle, size)) {
+            for (uint part = 0; part < PARTS_OF_PART; part++) {
+                const real aside_x = (REAL(0.5) * ((real)(part & 1))) - REAL(0.25);
+                const real aside_y = (REAL(0.5) * ((real)((part >> 1) & 1))) - REAL(0.25);
+                const real aside_z = (REAL(0.5) * ((real)(part >> 2))) - REAL(0.25);
+                const V3 its = add(middle, v3(aside_x * size.x, aside_y * size.y, aside_z * size.z));
+                if (!box_has_nothing(s, direction, height, its, scale(REAL(0.5), size))) {
+                    return 0;
+                }
             }
         }
         n += step;
     }
     return 1;
+}
+
+// Whether a box of some size about `middle` is outside the domain, or has nothing of the cell with `direction·x ≥ height`.
+HOT bool box_has_nothing(Store *s, V3 direction, real height, V3 middle, V3 size) {
+    // Wider by what its corners are rounded by.
+    const V3 halves = scale(REAL(0.5) + CAP_MARGIN, size);
+    return box_is_outside(s, sub(middle, halves), add(middle, halves)) || box_misses_part(s, direction, height, middle, halves);
 }
 
 // Whether the domain's winding number is 0 all over the box `[low, high]`.

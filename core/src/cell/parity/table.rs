@@ -115,6 +115,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (v: u32, direction: V3, height: f64, low: V3, high: V3) part::add_to_part(&s, v, direction, height, &mut low, &mut high), [low, high]),
     host!(s, (direction: V3, height: f64, radius: f64, low: V3, high: V3) part::widen_part(&s, direction, height, radius, &mut low, &mut high), [low, high]),
     host!(s, (direction: V3, height: f64, low: V3, high: V3, first: u32, step: u32) part::boxes_are_outside(&s, direction, height, low, high, first, step), []),
+    host!(s, (direction: V3, height: f64, middle: V3, size: V3) part::box_has_nothing(&s, direction, height, middle, size), []),
     host!(s, (low: V3, high: V3) part::box_is_outside(&s, low, high), []),
     host!(s, (direction: V3, height: f64, middle: V3, halves: V3) part::box_misses_part(&s, direction, height, middle, halves), []),
     host!((n: V3, halves: V3) part::reach_along(n, halves), []),

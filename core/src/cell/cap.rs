@@ -3,11 +3,14 @@
 //! and for many, which share out the vertices and the parts that are looked at.
 
 use super::lanes::Lanes;
-use super::part::{add_to_part, boxes_are_outside, next_distance, widen_part};
+use super::part::{
+    ALL_PARTS, PARTS_OF_PART, add_to_part, box_has_nothing, box_is_outside, middle_of_part, middle_within_part,
+    next_distance, widen_part,
+};
 use super::plane::Plane;
 use super::status::{CUT, TAG_CAP, UNTOUCHED};
 use super::store::{CutStore, DomainStore, Polytope};
-use super::vector::{Real, V3, dot, larger, scale, v3};
+use super::vector::{Real, V3, dot, larger, scale, sub, v3};
 
 /// Caps of a cell at most.
 pub const MOST_CAPS: u32 = 16;
@@ -88,5 +91,47 @@ pub(super) fn part_is_outside<S: DomainStore + Lanes>(s: &S, direction: V3, heig
     if !widen_part(s, direction, height, s.most_of_lanes(radius), &mut low, &mut high) {
         return false;
     }
-    return s.lanes_with(!boxes_are_outside(s, direction, height, low, high, s.lane(), s.lanes())) == 0;
+    return box_is_outside(s, low, high) || parts_are_outside(s, direction, height, low, sub(high, low));
+}
+
+/// Whether each of the parts of a box of some extent from `low` on is outside, or has nothing of the cell with `direction·x ≥ height`; or each of that
+/// one's own parts.
+#[cfg_attr(opencl, hot)]
+fn parts_are_outside<S: DomainStore + Lanes>(s: &S, direction: V3, height: Real, low: V3, extent: V3) -> bool {
+    let size: V3 = scale(0.25, extent);
+    let mut first: u32 = 0;
+    while first < ALL_PARTS {
+        let n: u32 = first + s.lane();
+        let mut is_open: bool = false;
+        if n < ALL_PARTS {
+            is_open = !box_has_nothing(s, direction, height, middle_of_part(low, size, n), size);
+        }
+        let mut open: u32 = s.lanes_with(is_open);
+        while open != 0 {
+            // One for each eight lanes, one of its parts a lane.
+            let mut own: u32 = ALL_PARTS;
+            let mut before: u32 = 0;
+            while (open != 0) && (before < s.lanes()) {
+                if (s.lane() >= before) && (s.lane() < (before + PARTS_OF_PART)) {
+                    own = first + s.first_of(open);
+                }
+                open = open & (open - 1);
+                before += PARTS_OF_PART;
+            }
+            let mut is_there: bool = false;
+            let mut part: u32 = s.lane() & (PARTS_OF_PART - 1);
+            while (own < ALL_PARTS) && (part < PARTS_OF_PART) {
+                let middle: V3 = middle_within_part(middle_of_part(low, size, own), size, part);
+                if !box_has_nothing(s, direction, height, middle, scale(0.5, size)) {
+                    is_there = true;
+                }
+                part += s.lanes();
+            }
+            if s.lanes_with(is_there) != 0 {
+                return false;
+            }
+        }
+        first += s.lanes();
+    }
+    return true;
 }

@@ -9,8 +9,8 @@ use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, larger, norm_1, norm_max,
 const CAP_MARGIN: Real = 0.015625;
 
 /// Parts of what a cap cuts off, four along each axis, that are looked at where its bounding box does not tell; and parts of one that does not tell either.
-const ALL_PARTS: u32 = 64;
-const PARTS_OF_PART: u32 = 8;
+pub(super) const ALL_PARTS: u32 = 64;
+pub(super) const PARTS_OF_PART: u32 = 8;
 
 /// Widens `[low, high]`, if vertex `v` has `direction·x ≥ height`, by that vertex, and by where the ways to it from all vertices that have not
 /// come to have: what of the cell has lies between such. (All by less than `height`, by a margin.)
@@ -58,46 +58,20 @@ pub(super) fn widen_part<S: Polytope>(
     return true;
 }
 
-/// Whether all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
-/// the domain, each of `ALL_PARTS` parts of it that the cell has something of, or each of that one's own parts. Only every `step`th of all parts
-/// from `first` on is looked at.
-#[cfg_attr(opencl, outline)]
-pub(super) fn boxes_are_outside<S: DomainStore>(
-    s: &S,
-    direction: V3,
-    height: Real,
-    low: V3,
-    high: V3,
-    first: u32,
-    step: u32,
-) -> bool {
-    if box_is_outside(s, low, high) {
-        return true;
-    }
-    if (step == 0) || (step > ALL_PARTS) {
-        return false;
-    }
-    let size: V3 = scale(0.25, sub(high, low));
-    let mut n: u32 = first;
-    while n < ALL_PARTS {
-        let along_x: Real = ((n & 3) as Real) + 0.5;
-        let along_y: Real = (((n >> 2) & 3) as Real) + 0.5;
-        let along_z: Real = ((n >> 4) as Real) + 0.5;
-        let middle: V3 = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
-        if !box_has_nothing(s, direction, height, middle, size) {
-            for part in 0..PARTS_OF_PART {
-                let aside_x: Real = (0.5 * ((part & 1) as Real)) - 0.25;
-                let aside_y: Real = (0.5 * (((part >> 1) & 1) as Real)) - 0.25;
-                let aside_z: Real = (0.5 * ((part >> 2) as Real)) - 0.25;
-                let its: V3 = add(middle, v3(aside_x * size.x, aside_y * size.y, aside_z * size.z));
-                if !box_has_nothing(s, direction, height, its, scale(0.5, size)) {
-                    return false;
-                }
-            }
-        }
-        n += step;
-    }
-    return true;
+/// The middle of number `n` of [`ALL_PARTS`] parts of some size, of which the first begins at `low`.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub(super) fn middle_of_part(low: V3, size: V3, n: u32) -> V3 {
+    let along: V3 = v3(((n & 3) as Real) + 0.5, (((n >> 2) & 3) as Real) + 0.5, ((n >> 4) as Real) + 0.5);
+    return add(low, v3(along.x * size.x, along.y * size.y, along.z * size.z));
+}
+
+/// The same of a part's own parts.
+#[inline]
+#[cfg_attr(opencl, hot)]
+pub(super) fn middle_within_part(middle: V3, size: V3, n: u32) -> V3 {
+    let along: V3 = v3(((n & 1) as Real) - 0.5, (((n >> 1) & 1) as Real) - 0.5, ((n >> 2) as Real) - 0.5);
+    return add(middle, scale(0.5, v3(along.x * size.x, along.y * size.y, along.z * size.z)));
 }
 
 /// Whether a box of some size about `middle` is outside the domain, or has nothing of the cell with `direction·x ≥ height`.

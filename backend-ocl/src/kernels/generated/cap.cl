@@ -66,5 +66,46 @@ HOT bool part_is_outside(Store *s, V3 direction, real height) {
     if (!widen_part(s, direction, height, store_most_of_lanes(s, radius), &low, &high)) {
         return 0;
     }
-    return store_lanes_with(s, !boxes_are_outside(s, direction, height, low, high, store_lane(s), store_lanes(s))) == 0;
+    return box_is_outside(s, low, high) || parts_are_outside(s, direction, height, low, sub(high, low));
+}
+
+// Whether each of the parts of a box of some extent from `low` on is outside, or has nothing of the cell with `direction·x ≥ height`; or each of that
+// one's own parts.
+HOT bool parts_are_outside(Store *s, V3 direction, real height, V3 low, V3 extent) {
+    const V3 size = scale(REAL(0.25), extent);
+    uint first = 0;
+    while (first < ALL_PARTS) {
+        const uint n = first + store_lane(s);
+        bool is_open = 0;
+        if (n < ALL_PARTS) {
+            is_open = !box_has_nothing(s, direction, height, middle_of_part(low, size, n), size);
+        }
+        uint open = store_lanes_with(s, is_open);
+        while (open != 0) {
+            // One for each eight lanes, one of its parts a lane.
+            uint own = ALL_PARTS;
+            uint before = 0;
+            while ((open != 0) && (before < store_lanes(s))) {
+                if ((store_lane(s) >= before) && (store_lane(s) < (before + PARTS_OF_PART))) {
+                    own = first + store_first_of(s, open);
+                }
+                open = open & (open - 1);
+                before += PARTS_OF_PART;
+            }
+            bool is_there = 0;
+            uint part = store_lane(s) & (PARTS_OF_PART - 1);
+            while ((own < ALL_PARTS) && (part < PARTS_OF_PART)) {
+                const V3 middle = middle_within_part(middle_of_part(low, size, own), size, part);
+                if (!box_has_nothing(s, direction, height, middle, scale(REAL(0.5), size))) {
+                    is_there = 1;
+                }
+                part += store_lanes(s);
+            }
+            if (store_lanes_with(s, is_there) != 0) {
+                return 0;
+            }
+        }
+        first += store_lanes(s);
+    }
+    return 1;
 }

@@ -112,7 +112,8 @@ HOT bool is_undivided(CellSums sums, CellSums whole, int *winding);
 OUTLINE bool lies_outside(Store *s);
 HOT void add_to_part(Store *s, uint v, V3 direction, real height, V3 *low, V3 *high);
 OUTLINE bool widen_part(Store *s, V3 direction, real height, real radius, V3 *low, V3 *high);
-OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step);
+HOT V3 middle_of_part(V3 low, V3 size, uint n);
+HOT V3 middle_within_part(V3 middle, V3 size, uint n);
 HOT bool box_has_nothing(Store *s, V3 direction, real height, V3 middle, V3 size);
 HOT bool box_is_outside(Store *s, V3 low, V3 high);
 HOT bool box_misses_part(Store *s, V3 direction, real height, V3 middle, V3 halves);
@@ -121,6 +122,7 @@ HOT real next_distance(real distance, real radius);
 HOT uint cap_outside(Store *s, real radius);
 HOT V3 farthest_position(Store *s);
 HOT bool part_is_outside(Store *s, V3 direction, real height);
+HOT bool parts_are_outside(Store *s, V3 direction, real height, V3 low, V3 extent);
 
 #import "generated/vector.cl"
 #import "generated/plane.cl"

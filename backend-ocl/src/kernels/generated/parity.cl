@@ -1153,18 +1153,22 @@ __kernel void parity_widen_part(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
-__kernel void parity_boxes_are_outside(PARITY_ARGUMENTS) {
+__kernel void parity_middle_of_part(PARITY_ARGUMENTS) {
     PARITY_CALL;
-    PARITY_STORE;
-    const V3 direction = take_V3(&in);
-    const real height = take_real(&in);
     const V3 low = take_V3(&in);
-    const V3 high = take_V3(&in);
-    const uint first = take_uint(&in);
-    const uint step = take_uint(&in);
-    const bool result = boxes_are_outside(s, direction, height, low, high, first, step);
-    give_bool(&out, result);
-    parity_dump(&out, s);
+    const V3 size = take_V3(&in);
+    const uint n = take_uint(&in);
+    const V3 result = middle_of_part(low, size, n);
+    give_V3(&out, result);
+}
+
+__kernel void parity_middle_within_part(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 middle = take_V3(&in);
+    const V3 size = take_V3(&in);
+    const uint n = take_uint(&in);
+    const V3 result = middle_within_part(middle, size, n);
+    give_V3(&out, result);
 }
 
 __kernel void parity_box_has_nothing(PARITY_ARGUMENTS) {

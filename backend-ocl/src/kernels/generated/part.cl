@@ -36,37 +36,16 @@ OUTLINE bool widen_part(Store *s, V3 direction, real height, real radius, V3 *lo
     return 1;
 }
 
-// Whether all of the cell in the box `[low, high]` with `direction·x ≥ height` is outside: its whole box, or where that has something of
-// the domain, each of `ALL_PARTS` parts of it that the cell has something of, or each of that one's own parts. Only every `step`th of all parts
-// from `first` on is looked at.
-OUTLINE bool boxes_are_outside(Store *s, V3 direction, real height, V3 low, V3 high, uint first, uint step) {
-    if (box_is_outside(s, low, high)) {
-        return 1;
-    }
-    if ((step == 0) || (step > ALL_PARTS)) {
-        return 0;
-    }
-    const V3 size = scale(REAL(0.25), sub(high, low));
-    uint n = first;
-    while (n < ALL_PARTS) {
-        const real along_x = ((real)(n & 3)) + REAL(0.5);
-        const real along_y = ((real)((n >> 2) & 3)) + REAL(0.5);
-        const real along_z = ((real)(n >> 4)) + REAL(0.5);
-        const V3 middle = add(low, v3(along_x * size.x, along_y * size.y, along_z * size.z));
-        if (!box_has_nothing(s, direction, height, middle, size)) {
-            for (uint part = 0; part < PARTS_OF_PART; part++) {
-                const real aside_x = (REAL(0.5) * ((real)(part & 1))) - REAL(0.25);
-                const real aside_y = (REAL(0.5) * ((real)((part >> 1) & 1))) - REAL(0.25);
-                const real aside_z = (REAL(0.5) * ((real)(part >> 2))) - REAL(0.25);
-                const V3 its = add(middle, v3(aside_x * size.x, aside_y * size.y, aside_z * size.z));
-                if (!box_has_nothing(s, direction, height, its, scale(REAL(0.5), size))) {
-                    return 0;
-                }
-            }
-        }
-        n += step;
-    }
-    return 1;
+// The middle of number `n` of [`ALL_PARTS`] parts of some size, of which the first begins at `low`.
+HOT V3 middle_of_part(V3 low, V3 size, uint n) {
+    const V3 along = v3(((real)(n & 3)) + REAL(0.5), ((real)((n >> 2) & 3)) + REAL(0.5), ((real)(n >> 4)) + REAL(0.5));
+    return add(low, v3(along.x * size.x, along.y * size.y, along.z * size.z));
+}
+
+// The same of a part's own parts.
+HOT V3 middle_within_part(V3 middle, V3 size, uint n) {
+    const V3 along = v3(((real)(n & 1)) - REAL(0.5), ((real)((n >> 1) & 1)) - REAL(0.5), ((real)(n >> 2)) - REAL(0.5));
+    return add(middle, scale(REAL(0.5), v3(along.x * size.x, along.y * size.y, along.z * size.z)));
 }
 
 // Whether a box of some size about `middle` is outside the domain, or has nothing of the cell with `direction·x ≥ height`.

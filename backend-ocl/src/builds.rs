@@ -138,7 +138,7 @@ struct Shape {
     cells: u32,
     /// More registers for each work-item, and fewer cells are computed at a time (measured; an option of NVIDIA's alone).
     registers: Option<u32>,
-    /// `SHORT`, where nothing but volumes, barycenters and facets is asked for (`prelude.cl`).
+    /// `SHORT`, where nothing but volumes, barycenters and facets is asked for (`prelude.cl`; [`Stage::is_short`]).
     short: bool,
     far: bool,
     exact: bool,
@@ -187,6 +187,11 @@ impl Stage {
         }
     }
 
+    /// Whether its text may be short where so much is asked for: where signs are exact it has calls.
+    const fn is_short(self, flags: u32) -> bool {
+        self.shape().short && !(matches!(self, Self::Surface) && flags & FACETS != 0)
+    }
+
     /// Whether what it finishes may be given to another stage: to `Surface`, or where facets are asked for to `Facets`.
     pub(crate) const fn gives(self) -> bool {
         matches!(self, Self::Single | Self::First | Self::Far)
@@ -232,7 +237,7 @@ impl Asked {
         let (is_shared, equal_weights) = (stage.is_some(), params.equal_weights != 0);
         let flags = match params.flags {
             flags if has(Stage::gives) && flags & FACETS != 0 => 0,
-            flags if has(|stage| stage.shape().short) => flags & !FACET_AREAS,
+            flags if stage.is_some_and(|stage| stage.is_short(flags)) => flags & !FACET_AREAS,
             flags => flags & !(FACET_AREAS | SECOND_MOMENTS),
         };
         let table = match has(|stage| stage.shape().takes) {
@@ -324,12 +329,12 @@ impl Build {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { cells, short, far, exact, surface, takes, room, teams, .. } = stage.shape();
+                        let Shape { cells, far, exact, surface, takes, room, teams, .. } = stage.shape();
                         // (What of facets is asked for may leave signs open: a cell is to end in the same stage whatever that is, and have the same bits.)
-                        let exact = exact || (surface && takes && *asked & FACETS != 0);
+                        let exact = exact || (stage == Stage::Surface && *asked & FACETS != 0);
                         vec![
                             Flag::Single(stage == Stage::Single),
-                            Flag::Short(short && !exact && *asked & !FACETS == 0),
+                            Flag::Short(stage.is_short(*asked) && *asked & !FACETS == 0),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Teams(lanes.teams(teams)),

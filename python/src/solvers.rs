@@ -53,10 +53,11 @@ pub(crate) fn lloyd<'py>(
                 [("energy", done.energy), ("gradient", done.gradient), ("evaluations", done.evaluations as f64)];
             told.call(&numbers, &remembering)
         })?;
-        Ok((relaxed, diagram))
+        let masses = options.density.masses(&relaxed.output).unwrap_or_default();
+        Ok((relaxed, diagram, masses))
     });
     or_raise(called)?;
-    let (relaxed, diagram) = callback.or_raise(done)?;
+    let (relaxed, diagram, masses) = callback.or_raise(done)?;
     let found = PyDict::new(py);
     found.set_item("points", table(py, diagram.positions().to_vec())?)?;
     found.set_item("energy", PyArray1::from_vec(py, relaxed.iterations.iter().map(|i| i.energy).collect()))?;
@@ -67,7 +68,6 @@ pub(crate) fn lloyd<'py>(
         _ => "iterations",
     };
     found.set_item("end", end)?;
-    let masses = options.density.masses(&relaxed.output).unwrap_or_default();
     found.set_item("masses", PyArray1::from_vec(py, masses))?;
     found.set_item("cells", arrays(py, relaxed.output.into_arrays())?)?;
     Ok(found)

@@ -21,12 +21,13 @@ pub(super) const FEWEST_CELLS: usize = 1024;
 /// Cells at most that are computed at a time where they are too large for local memory: on a large GPU four for each of its processors.
 const MOST_VAST: u64 = 512;
 
-/// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes; and on average for those of all cells, of which white
-/// sites take 42. Where facets are asked for, a cell that has no room is tried again with an empty one.
+/// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes; on average for those of all cells, of which white
+/// sites take 42; and for any: 64 vertices and half-spaces, 16 of them caps (`lanes_near.cl`). A cell that has no room is tried again with an empty one.
 const NEAR_LENGTH: usize = 40;
 const RECORD_LENGTH: usize = 56;
+const LONGEST_RECORD: usize = 1 + 64 + (64 + 64) / 4 + 2 * 16;
 
-/// Cells of a batch near the surface that there is room for; others are begun anew. Of few cells all may be.
+/// Cells of a batch near the surface that there is room for at a time. Of few cells all may be.
 fn near_cells(share: usize) -> usize {
     share.min(MOST_CELLS).min((share.min(MOST_CELLS) / 4).max(1 << 16))
 }
@@ -45,7 +46,7 @@ impl Device {
         }
         if !request.needs_facets() {
             let gives_near = domain.is_some() && together.is_some();
-            let near = if gives_near { near_cells(share) * NEAR_LENGTH } else { 1 };
+            let near = if gives_near { (near_cells(share) * NEAR_LENGTH).max(LONGEST_RECORD) } else { 1 };
             memory.near.grow(context, near)?;
             shared.params.near_room = near as u32;
         }
@@ -103,7 +104,7 @@ impl Device {
             let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
             let Memory { facets, facet_seconds, near, .. } = &mut self.memory;
             let seconds = if request.facet_second_moments() { room } else { 1 };
-            let records = (batch * length).max(1);
+            let records = if length == 0 { 1 } else { (batch * length).max(LONGEST_RECORD) };
             if batch > FEWEST_CELLS && !near.grow_if_possible(&self.context, records)? {
                 batch /= 2;
                 continue;

@@ -28,8 +28,9 @@ const SHARE_OF_SCRATCH: u64 = 32;
 /// where it is, for all cells to begin in the stage of those that reach far.
 const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
-/// The same where weights differ, and an octree tells where cells are. (With weights of transport from crowded sites 1,500 to all of a sample fail; of white sites
-/// 200 to 380, of other weights 2 to 250. Of a million of an NFW profile 1,900 do: 0.53 s without, 0.15 with; one NVIDIA H100.)
+/// How many have to reach beyond what the first stage searches, or to need more room, where weights differ, for an octree to tell where cells are. (With weights of
+/// transport from crowded sites 1,500 to all of a sample do; of white sites 200 to 380, of other weights 2 to 250. Of a million of an NFW profile 1,900 do: 0.53 s
+/// without, 0.15 with; one NVIDIA H100. Signs that are open alone do not tell: a fluid's particles that were a lattice have them, and the octree is half of its time.)
 const WORTH_AN_OCTREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 
 impl Device {
@@ -81,23 +82,19 @@ impl Device {
         Ok(())
     }
 
-    /// Whether most cells of a range, where they are many, are not completed by the first stage; where weights differ, whether so many are not that an octree
-    /// is worth its time.
-    pub(super) fn most_fail(&mut self, lanes: Lanes, share: Range<usize>) -> Result<bool> {
+    /// Of the cells of a range, where they are many, whether most are not completed by the first stage; and whether so many reach far, where weights differ,
+    /// that an octree is worth its time.
+    pub(super) fn failures(&mut self, lanes: Lanes, share: Range<usize>) -> Result<(bool, bool)> {
         if share.len() < WORTH_A_SAMPLE {
-            return Ok(false);
+            return Ok((false, false));
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
-        let failed = first.later + first.left;
         let has_weights = self.shared.params.equal_weights == 0;
-        Ok(failed > if has_weights { WORTH_AN_OCTREE } else { MOST_OF_SAMPLE })
+        Ok((first.later + first.left > MOST_OF_SAMPLE, has_weights && first.beyond + first.left > WORTH_AN_OCTREE))
     }
 
-    /// Makes an octree over the container, for this evaluation, if that is not too large; whether it is there.
-    pub(super) fn make_octree(&mut self, request: &Watched<'_>) -> Result<bool> {
-        if self.shared.params.equal_weights != 0 {
-            return Ok(false);
-        }
+    /// Makes an octree over the container, for this evaluation, if that is not too large.
+    pub(super) fn make_octree(&mut self, request: &Watched<'_>) -> Result<()> {
         let begin = Instant::now();
         let Self { id, context, queue, grid_kernels: kernels, octree, shared, sites, memory_size, .. } = self;
         let of = OfSites { device: *id, context, queue, kernels, shared, sites: &sites.sites };
@@ -113,7 +110,7 @@ impl Device {
         }
         shared.params.octree_off = off;
         self.seconds += begin.elapsed().as_secs_f64();
-        Ok(off > 0.0)
+        Ok(())
     }
 
     /// Tries a way with so many of the cells, or all if they are fewer; how they ended.

@@ -65,11 +65,15 @@ impl Device {
         if let Some(lanes) = together {
             self.choose_table(lanes, share.clone())?;
         }
+        let (most_fail, many_reach_far) = match together {
+            Some(lanes) if self.shared.params.has_table == 0 => self.failures(lanes, share.clone())?,
+            _ => (false, false),
+        };
+        if many_reach_far {
+            self.make_octree(request)?;
+        }
         let begin = match together {
-            Some(lanes) if self.shared.params.has_table == 0 && self.most_fail(lanes, share.clone())? => {
-                self.make_octree(request)?;
-                Some((lanes, Stage::Far))
-            }
+            Some(lanes) if most_fail || many_reach_far => Some((lanes, Stage::Far)),
             Some(lanes) if self.begins_in_single() => Some((lanes, Stage::Single)),
             _ => together.map(|lanes| (lanes, Stage::First)),
         };

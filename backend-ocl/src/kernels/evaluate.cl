@@ -38,7 +38,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         }
         const uint begin = atomic_add(&counters->facets, n);
         if ((begin + n) > params->facet_room) {
-            status = FACETS_FULL;
+            status = BATCH_FULL;
         } else {
             rows[i] = (ulong2)(params->facet_base + begin, n);
             uint next = begin;
@@ -69,7 +69,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
             surface[atomic_inc(&counters->surface)] = site;
         } else if ((status == P_FULL) || (status == V_FULL)) {
             later[atomic_inc(&counters->later)] = site;
-        } else if (status == FACETS_FULL) {
+        } else if (status == BATCH_FULL) {
             full[atomic_inc(&counters->full)] = site;
         } else {
             left[atomic_inc(&counters->left)] = site;

@@ -1,5 +1,5 @@
-// Cuts off what of a cell is far outside the domain, and cuts it by sites from all over, where LANES work-items compute it together: only built
-// in stages for few, since a cell of a site amid others reaches nowhere far.
+// Cuts off what of a cell is far outside the domain, and cuts it by sites from all over, where LANES work-items compute it together: not built
+// in the first stage, since a cell of a site amid others reaches nowhere far.
 
 #import "lanes_clip.cl"
 

@@ -33,8 +33,8 @@ INLINE void set_word(uint *bits, uint lane, uint word, uint value) {
 #endif
 }
 
-// How a cell ends that is left to a stage with more room, or where facets are asked for and the surface cuts it to that WITH_EXACT, and in the end to the
-// host; to this kernel built WITH_EXACT; to the stage that TAKES_CELLS.
+// How a cell ends that is left to a stage with more room, or where facets are asked for and the surface cuts it by its record to that WITH_SURFACE, and in the end
+// to the host; to this kernel built WITH_EXACT; to the stage that TAKES_CELLS.
 #define LEFT 32u
 #define OPEN 33u
 #define FINISHED 34u

@@ -151,7 +151,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         }
         begin = lane_value(begin, 0);
         if ((begin + n) > params->facet_room) {
-            status = FACETS_FULL;
+            status = BATCH_FULL;
         } else {
             uint next = begin;
             UNROLLED_WORDS
@@ -191,7 +191,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         atomic_max(&counters->tried, s->tried);
     }
 #endif
-    if (status == FACETS_FULL) {
+    if (status == BATCH_FULL) {
         full[atomic_inc(&counters->full)] = site;
         return;
     }

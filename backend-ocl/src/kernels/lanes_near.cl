@@ -25,8 +25,8 @@ INLINE uint face_of(Plane plane) {
     return TAG_FACE + ((2u * axis) + ((((plane.n.x + plane.n.y) + plane.n.z) < REAL(0.0)) ? 1u : 0u));
 }
 
-// Writes the record of a cell, whose place is `place`: `FINISHED`; or where there is no room `FACETS_FULL` or, without facets, `OPEN`: a stage WITH_EXACT finds
-// the same cell anew, so that no bit depends on which cells came first, but of cells completed by their vertices, which it may cut in another order.
+// Writes the record of a cell, whose place is `place`: `FINISHED`, or `BATCH_FULL` where there is no room. (A stage WITH_EXACT might cut it in another order, and
+// which cells have no room depends on which came first: no bit is to.)
 INLINE uint give_cell(
     Store *s, __global uint4 *near, volatile __global Counters *counters, uint site, uint exact, uint *place
 ) {
@@ -53,7 +53,7 @@ INLINE uint give_cell(
     begin = lane_value(begin, 0);
     *place = begin;
     if ((begin + length) > s->world.params->near_room) {
-        return (gives_all(s) != 0u) ? FACETS_FULL : OPEN;
+        return BATCH_FULL;
     }
     __global uint4 *record = near + begin;
     if (s->lane == 0u) {

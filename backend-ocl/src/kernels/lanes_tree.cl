@@ -121,8 +121,8 @@ INLINE uint store_cut_outside(Store *s, real radius) {
     take_over(s, &copy);
     return status;
 #else
-    // (What cuts it off is in stages for few, CUTS_OUTSIDE.)
-    return OPEN;
+    // (What cuts it off is in other stages, CUTS_OUTSIDE.)
+    return BEYOND;
 #endif
 #else
     return UNTOUCHED;

@@ -2,8 +2,8 @@
 
 #import "generated/interface.cl"
 
-// No room left for facet records; the cell is tried again with an empty buffer. After the statuses of the cells.
-#define FACETS_FULL 16u
+// No room left for the records of facets, or of finished cells; the cell is tried again with an empty buffer. After the statuses of the cells.
+#define BATCH_FULL 16u
 
 INLINE void write_vector(__global double *out, V3 x) {
     out[0] = x.x;

@@ -237,7 +237,7 @@ impl Smoother {
         let mut image = algebra.zeros(rows)?;
         let (mut eigenvalue, mut iterations) = (1.0, MORE_POWER_ITERATIONS);
         let mut length = algebra.dot(x, x)?.sqrt();
-        if length == 0.0 {
+        if length == 0.0 || !length.is_finite() {
             // Any vector that is not smooth: fractions of the golden ratio, with alternating signs.
             let start: Vec<f64> = map(rows, |i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
             algebra.write(&start, x)?;

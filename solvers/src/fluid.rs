@@ -27,7 +27,7 @@ mod warm;
 use laguerre_core::diagram::Container;
 use laguerre_core::{Backend, Error, PowerDiagram, Result};
 
-use crate::vectors::{for_each, inner, largest, map, total};
+use crate::vectors::{copied, for_each, inner, largest, map, total};
 
 use cells::{Cells, check_places, equal_volumes, within};
 pub use cells::{VOLUME_TOLERANCE, settle};
@@ -99,6 +99,20 @@ pub struct State {
     pub hamiltonian_at_start: f64,
     /// Energy that gravity's change brought in, less what viscosity took out: what the Hamiltonian may differ by from its start.
     pub brought_in: f64,
+}
+
+impl State {
+    /// A copy without the densities, which do not change.
+    fn but_densities(&self) -> Self {
+        Self {
+            positions: copied(&self.positions),
+            velocities: copied(&self.velocities),
+            densities: Vec::new(),
+            weights: copied(&self.weights),
+            weight_rates: copied(&self.weight_rates),
+            ..*self
+        }
+    }
 }
 
 /// The parts of the Hamiltonian (mass·length²/time²).
@@ -217,11 +231,11 @@ impl Fluid {
     /// As [`transport::solve`](crate::transport::solve), and `Input` where no cells of equal volume are found; the state is then that before the step.
     pub fn step(&mut self, backend: &dyn Backend) -> Result<StepReport> {
         let h = self.time_step();
-        let (state, weights) = (self.state.clone(), self.diagram.weights().to_vec());
+        let (state, weights) = (self.state.but_densities(), copied(self.diagram.weights()));
         let result = self.try_step(backend, h);
         if result.is_err() {
             self.diagram.set_sites(&state.positions, &weights)?;
-            self.state = state;
+            self.state = State { densities: std::mem::take(&mut self.state.densities), ..state };
         }
         result
     }
@@ -243,7 +257,7 @@ impl Fluid {
             let halfway = |i: usize| along(self.state.positions[i], h / 2.0, self.state.velocities[i]);
             self.state.brought_in += self.potential(std::array::from_fn(|k| new[k] - old[k]), halfway);
         }
-        let weights = self.diagram.weights().to_vec();
+        let weights = copied(self.diagram.weights());
         self.state.weight_rates = map(weights.len(), |i| (weights[i] - self.state.weights[i]) / h);
         (self.state.weights, self.state.positions) = (weights, positions);
         let cells_before = std::mem::replace(&mut self.cells, cells);

@@ -12,8 +12,13 @@ pub(crate) fn for_each<T: Send>(x: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
 }
 
 /// `f(i)` for i below `n`.
-pub(crate) fn map<T: Send + Clone + Default>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub(crate) fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     parallel::map(n, CHUNK, f)
+}
+
+/// A copy of `x`.
+pub(crate) fn copied<T: Copy + Send + Sync>(x: &[T]) -> Vec<T> {
+    map(x.len(), |i| x[i])
 }
 
 /// Whether `is(i)` for some i below `n`.

@@ -2,7 +2,7 @@
 
 use laguerre_core::{Error, Laplacian, Result};
 
-use crate::vectors::{add, dot, for_each, map};
+use crate::vectors::{add, copied, dot, for_each, map};
 
 /// What the residual of the linear system may be, of its right-hand side: what is left is momentum that is not conserved.
 const RELATIVE: f64 = 1e-12;
@@ -27,36 +27,36 @@ pub(super) fn slow(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut
 fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
     let ties = |i: usize| laplacian.values()[laplacian.row(i)].iter().map(|tie| strength * tie);
     let diagonal = map(masses.len(), |i| masses[i] + ties(i).sum::<f64>());
-    let apply = |u: &[[f64; 3]]| -> Vec<[f64; 3]> {
-        let product = |i: usize| {
-            let mut sum = u[i].map(|x| diagonal[i] * x);
+    let apply = |u: &[[f64; 3]], image: &mut [[f64; 3]]| {
+        for_each(image, |i, sum| {
+            *sum = u[i].map(|x| diagonal[i] * x);
             for (tie, &column) in ties(i).zip(&laplacian.columns()[laplacian.row(i)]) {
                 let other = u[column as usize];
                 (0..3).for_each(|c| sum[c] -= tie * other[c]);
             }
-            sum
-        };
-        map(masses.len(), product)
+        });
     };
-    let scaled = |r: &[[f64; 3]]| map(r.len(), |i| r[i].map(|x| x / diagonal[i]));
+    let scale = |r: &[[f64; 3]], scaled: &mut [[f64; 3]]| for_each(scaled, |i, s| *s = r[i].map(|x| x / diagonal[i]));
     // The conjugate gradient from `v`, which is `u` but for the residual `−L v`.
     let right = map(v.len(), |i| v[i].map(|x| masses[i] * x));
     let bound = RELATIVE * dot(&right, &right).sqrt();
-    let image = apply(v);
+    let mut image = copied(v);
+    apply(v, &mut image);
     let mut residual: Vec<[f64; 3]> = right;
     add(&mut residual, -1.0, &image);
-    let mut better = scaled(&residual);
-    let mut direction = better.clone();
+    let mut better = copied(&residual);
+    scale(&residual, &mut better);
+    let mut direction = copied(&better);
     let mut slope = dot(&residual, &better);
     for _ in 0..MOST_ITERATIONS {
         if dot(&residual, &residual).sqrt() <= bound {
             return Ok(());
         }
-        let image = apply(&direction);
+        apply(&direction, &mut image);
         let step = slope / dot(&direction, &image);
         add(v, step, &direction);
         add(&mut residual, -step, &image);
-        better = scaled(&residual);
+        scale(&residual, &mut better);
         let next = dot(&residual, &better);
         let turn = next / slope;
         slope = next;

@@ -236,3 +236,27 @@ def test_a_process_that_was_forked_opens_its_own_backend():
         finally:
             os._exit(code)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_process_that_was_forked_relaxes_many_sites():
+    # So many that sums over them go to all threads, of which the child has but its backend's.
+    points = white(10_000)
+    masses = lg.lloyd(points, domain=CUBE, iterations=1).masses
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            code = 0 if np.array_equal(lg.lloyd(points, domain=CUBE, iterations=1).masses, masses) else 2
+        finally:
+            os._exit(code)
+    for _ in range(600):
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            break
+        time.sleep(0.1)
+    else:
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        pytest.fail("it waits for threads that it does not have")
+    assert os.waitstatus_to_exitcode(status) == 0

@@ -2,7 +2,7 @@
 
 mod function;
 
-use crate::vectors::{distance2, map, sum_of, total};
+use crate::vectors::{copied, distance2, map, sum_of, total};
 use laguerre_core::diagram::Container;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, Error, Facets, Integrand, Observer, Output, PowerDiagram, Request, Result};
@@ -138,7 +138,7 @@ impl Density {
     /// The mass of each cell; 0 where it is empty. `None` where the density is a function and `output` has no integrals, as those of [`Density::evaluate`] have.
     pub fn masses(&self, output: &Output) -> Option<Vec<f64>> {
         match self {
-            Self::Uniform => Some(map(output.sites(), |i| output.volume()[i])),
+            Self::Uniform => Some(copied(output.volume())),
             Self::Linear { .. } => {
                 // An empty cell has no barycenter.
                 let mass = |v: f64, b| if v == 0.0 { 0.0 } else { self.at(b) * v };

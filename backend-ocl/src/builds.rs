@@ -242,7 +242,9 @@ impl Asked {
         };
         let table = match has(|stage| stage.shape().takes) {
             true => equal_weights,
-            false => params.has_table != 0 && !has(|stage| matches!(stage, Stage::Far | Stage::Large)),
+            // (Where weights differ what it does not complete is found by the tree alone.)
+            false if is_shared && !equal_weights => params.has_table != 0 && has(|stage| matches!(stage, Stage::First)),
+            false => params.has_table != 0 && equal_weights && !has(|stage| matches!(stage, Stage::Far | Stage::Large)),
         };
         Self { flags, domain: is_shared && params.has_domain != 0, weights: is_shared && !equal_weights, table }
     }

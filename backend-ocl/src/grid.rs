@@ -4,12 +4,13 @@
 use crate::buffer::Room;
 use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, Params, Range, SCAN_EACH, SORT_EACH};
 use crate::interface::kernels::{
-    AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, MarkVoxels, PlaceDigits, RankSites,
-    ScanBlocks, SettleRuns, TightenSlabs,
+    AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, LookAtRings, MarkVoxels, PlaceDigits,
+    RankSites, ScanBlocks, SettleRuns, TightenSlabs,
 };
 use crate::params::Shared;
 use crate::program::GridKernels;
 use crate::voxels::Voxels;
+use laguerre_core::cell::ring::RINGS;
 use laguerre_core::diagram::{FARTHEST_SITE, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_tree::{Boxes, MadeTree, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
 use laguerre_core::{PowerDiagram, Result};
@@ -96,6 +97,8 @@ pub(crate) struct Sites {
     pub(crate) boxes: Room<Boxes>,
     pub(crate) slabs: Room<Slabs>,
     pub(crate) weight_bounds: Room<WeightBounds>,
+    /// What sites around each block of leaves weigh at most, ring by ring.
+    pub(crate) around: Room<f64>,
     /// Whether the tree was made by the host.
     pub(crate) is_from_host: bool,
     on_host: OnHost,
@@ -130,6 +133,7 @@ impl Sites {
             boxes: Room::new(tree),
             slabs: Room::new(tree),
             weight_bounds: Room::new(tree),
+            around: Room::new(tree),
             is_from_host: false,
             on_host: OnHost { ranges: Vec::new(), number: Vec::new() },
         }
@@ -212,26 +216,39 @@ impl Sites {
         kernels.gather_sites.run(queue, n, GROUP, GatherSites { placed, slots, places, count, sites, order })?;
         self.kept.read_from(queue, n, 1, &mut self.on_host.number)?;
         let sites = self.on_host.number[0];
-        shared.params.has_table = u32::from(range.smallest_weight == range.largest_weight);
-        if shared.params.has_table != 0 {
-            self.voxels.fill_with(context, queue, [0, 0], voxels.count())?;
-            self.flag.fill_with(context, queue, 0, 1)?;
-            kernels.find_voxels.run(
+        self.voxels.fill_with(context, queue, [0, 0], voxels.count())?;
+        self.flag.fill_with(context, queue, 0, 1)?;
+        kernels.find_voxels.run(
+            queue,
+            sites as usize,
+            GROUP,
+            FindVoxels {
+                params: &shared.room,
+                sites: &self.sites,
+                count: sites,
+                voxels: &self.voxels,
+                crowded: &self.flag,
+            },
+        )?;
+        self.flag.read(queue, 1, &mut self.on_host.number)?;
+        shared.params.has_table = u32::from(self.on_host.number[0] == 0);
+        self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
+        if shared.params.has_table != 0 && shared.params.equal_weights == 0 {
+            let count = blocks_of_leaves(sites as usize);
+            kernels.look_at_rings.run(
                 queue,
-                sites as usize,
+                count * RINGS as usize,
                 GROUP,
-                FindVoxels {
+                LookAtRings {
                     params: &shared.room,
                     sites: &self.sites,
-                    count: sites,
-                    voxels: &self.voxels,
-                    crowded: &self.flag,
+                    boxes: &self.boxes,
+                    weight_bounds: &self.weight_bounds,
+                    count: count as u32,
+                    around: &self.around,
                 },
             )?;
-            self.flag.read(queue, 1, &mut self.on_host.number)?;
-            shared.params.has_table = u32::from(self.on_host.number[0] == 0);
         }
-        self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
         self.is_from_host = false;
         Ok(Some(sites as usize))
     }
@@ -344,7 +361,9 @@ impl Sites {
         let blocks = begins[begins.len() - 1];
         self.boxes.grow(context, blocks)?;
         self.slabs.grow(context, blocks)?;
-        self.weight_bounds.grow(context, if shared.params.equal_weights == 0 { blocks } else { 1 })?;
+        let has_weights = shared.params.equal_weights == 0;
+        self.weight_bounds.grow(context, if has_weights { blocks } else { 1 })?;
+        self.around.grow(context, if has_weights { blocks_of_leaves(n) * RINGS as usize } else { 1 })?;
         Ok(())
     }
 
@@ -387,9 +406,16 @@ impl Sites {
         self.slabs.fill(context, queue, tree.all_slabs())?;
         self.weight_bounds.fill(context, queue, tree.all_weights())?;
         self.voxels.grow(context, 1)?;
+        self.around.grow(context, 1)?;
         self.is_from_host = true;
         Ok(tree.len())
     }
+}
+
+/// Blocks of leaves in the tree over so many sites: leaves, where there is no more than one block.
+const fn blocks_of_leaves(sites: usize) -> usize {
+    let leaves = sites.div_ceil(WIDTH);
+    if leaves <= WIDTH { leaves } else { leaves.div_ceil(WIDTH) }
 }
 
 /// Replaces each of the first `count` numbers by the sum of those before it; `sums` is room for those of blocks, of blocks of blocks,

@@ -6,9 +6,9 @@ use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BalanceRows, BoundNodes, Cells, ChooseRoots, Combine, CountColumns, CountDigits, CountFacets, DotParts,
     EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal,
-    JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, MarkVoxels, MatchFacets, MeasureClearances, MoveSites,
-    Multiply, MultiplyRows, PackFacets, PlaceDigits, PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks, SettleRuns,
-    SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs,
+    JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, LookAtRings, MarkVoxels, MatchFacets, MeasureClearances,
+    MoveSites, Multiply, MultiplyRows, PackFacets, PlaceDigits, PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks,
+    SettleRuns, SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs,
 };
 use crate::launch::Kernel;
 use laguerre_core::{Error, ErrorKind, Result};
@@ -44,6 +44,7 @@ pub(crate) struct GridKernels {
     pub(crate) settle_runs: Kernel<SettleRuns<'static>>,
     pub(crate) gather_sites: Kernel<GatherSites<'static>>,
     pub(crate) find_voxels: Kernel<FindVoxels<'static>>,
+    pub(crate) look_at_rings: Kernel<LookAtRings<'static>>,
     pub(crate) bound_nodes: Kernel<BoundNodes<'static>>,
     pub(crate) tighten_slabs: Kernel<TightenSlabs<'static>>,
     pub(crate) split_boxes: Kernel<SplitBoxes<'static>>,
@@ -95,6 +96,7 @@ impl GridKernels {
             settle_runs: Kernel::new(&program)?,
             gather_sites: Kernel::new(&program)?,
             find_voxels: Kernel::new(&program)?,
+            look_at_rings: Kernel::new(&program)?,
             bound_nodes: Kernel::new(&program)?,
             tighten_slabs: Kernel::new(&program)?,
             split_boxes: Kernel::new(&program)?,

@@ -63,17 +63,19 @@ impl Device {
     }
 
     /// Gives up the table of offsets where enough of the `share` of cells need more than the voxels near their sites, as those of sites on a surface
-    /// do. (Not asked of a domain.)
+    /// do, or cells of steep or rough weights. (Not asked of a domain, unless weights differ.)
     ///
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
     /// not completed with exact signs, either.
     pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<()> {
-        if self.shared.params.has_table == 0 || self.domain.is_some() || share.len() < WORTH_A_SAMPLE {
+        let has_weights = self.shared.params.equal_weights == 0;
+        if self.shared.params.has_table == 0 || (self.domain.is_some() && !has_weights) || share.len() < WORTH_A_SAMPLE
+        {
             return Ok(());
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
-        let mut beyond = first.beyond + first.left;
-        if beyond <= WORTH_A_TREE && first.later > WORTH_A_TREE {
+        let mut beyond = first.left + if has_weights { first.later } else { first.beyond };
+        if !has_weights && beyond <= WORTH_A_TREE && first.later > WORTH_A_TREE {
             std::mem::swap(&mut self.memory.todo, &mut self.memory.later);
             let open = Todo::Listed(first.later as usize);
             beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.left;

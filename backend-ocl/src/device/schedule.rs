@@ -183,7 +183,7 @@ impl Device {
                 now = Todo::Listed(counters.later as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.later);
                 counters.later = 0;
-                let is_tree = self.shared.params.has_table == 0;
+                let is_tree = self.shared.params.has_table == 0 || self.shared.params.equal_weights == 0;
                 let next = match stage {
                     Stage::Single if are_few => Stage::First,
                     Stage::First if is_tree => Stage::Far,
@@ -353,6 +353,7 @@ impl Device {
             boxes: &sites.boxes,
             slabs: &sites.slabs,
             weight_bounds: &sites.weight_bounds,
+            around: &sites.around,
             octree_nodes: &octree.nodes,
             octree_leaves: &octree.listed,
             octree_homes: &octree.homes,

@@ -4,6 +4,7 @@ use super::Device;
 #[cfg(feature = "test-util")]
 use crate::interface::data::{FEW_SUMS, OUTCOME_STATUS};
 use crate::platform::choose;
+use laguerre_core::cell::ring::{RINGS, end_of_ring};
 #[cfg(feature = "test-util")]
 use laguerre_core::cell::search_store::{MOST_LEAVES, OctreeStore as _};
 #[cfg(feature = "test-util")]
@@ -17,10 +18,11 @@ type Weight = fn([f64; 3]) -> f64;
 
 const SITES: u32 = 9000;
 
-/// Sites of each kind, with weights of each: spread evenly, on a surface, of four scales, and with a few at one place.
-const INPUTS: [(&str, Place, Weight); 5] = [
+/// Sites of each kind, with weights of each: spread evenly, with rough weights, on a surface, of four scales, and with a few at one place.
+const INPUTS: [(&str, Place, Weight); 6] = [
     ("even", |p| p, |_| 0.0),
     ("affine", |p| p, |[x, y, z]| 0.7 * x - 0.4 * y + 0.1 * z),
+    ("rough", |p| p, |[x, y, z]| 0.002 * (1e4 * x).fract() + 0.1 * (7.0 * y).sin() + 0.2 * z),
     ("on a surface", |[x, y, _]| [x, y, 0.2 * x * x + 0.1 * y], |[x, y, _]| 0.3 * x * x - 0.25 * y * y),
     ("of four scales", |p| p.map(|x| 0.3 + x * 10_f64.powi(-((1e4 * p[0]) as i32 % 4))), |p| (1e4 * p[1]).fract()),
     ("coincident", |p| p.map(|x| (20.0 * x).floor() / 20.0), |p| if p[0] < 0.01 { 0.01 } else { 0.0 }),
@@ -72,6 +74,54 @@ fn what_bounds_a_node_holds_for_its_sites() {
                     };
                     assert!(more <= bound.c[k] + (term(0) + term(1) + term(2)), "{name}, level {level}");
                 }
+            }
+        }
+    }
+}
+
+/// What the rings about a block of leaves hold is at least what any site in them weighs less the block's slope; and just that in the first, where sites are
+/// looked at one by one.
+#[test]
+fn what_the_rings_hold_is_not_exceeded() {
+    let Some(mut device) = open() else { return };
+    for (name, place, weight) in INPUTS {
+        let positions: Vec<[f64; 3]> = spread(SITES).into_iter().map(place).collect();
+        let weights: Vec<f64> = positions.iter().map(|&p| weight(p)).collect();
+        let diagram = PowerDiagram::new(&positions, &weights).unwrap().in_box([0.0; 3], [2.0; 3]).unwrap();
+        device.bring_sites(&diagram).unwrap();
+        device.load(&diagram.framed_container().unwrap(), &Request::moments(), None).unwrap();
+        device.sort(&|| Ok(false)).unwrap().unwrap();
+        let params = device.shared.params;
+        if params.has_table == 0 || params.equal_weights != 0 {
+            continue;
+        }
+        let MadeTree { sites, boxes, weights: bounds, .. } =
+            device.sites.read_tree(&device.queue, &device.shared.params).unwrap();
+        let mut around = Vec::new();
+        device.sites.around.read(&device.queue, usize::MAX, &mut around).unwrap();
+        let level = usize::from(params.tree_top > 0);
+        for node in 0..sites.len().div_ceil(WIDTH.pow(level as u32 + 1)) {
+            let (block, k) = (params.tree_begin[level] as usize + node / WIDTH, node % WIDTH);
+            let (its_box, middle) = (&boxes[block], boxes[block].middle(k));
+            let slope = [0, 1, 2].map(|axis| bounds[block].g[axis][k]);
+            for ring in 0..RINGS {
+                let end = f64::from(end_of_ring(ring)) * params.grid_width;
+                let found = around[node * RINGS as usize + ring as usize];
+                let (mut largest, mut size) = (f64::NEG_INFINITY, 0.0_f64);
+                for &[x, y, z, w] in &sites {
+                    let at = [x, y, z];
+                    let gap =
+                        |axis: usize| (its_box.lo[axis][k] - at[axis]).max(at[axis] - its_box.hi[axis][k]).max(0.0);
+                    let square: f64 = (0..3).map(|axis| gap(axis) * gap(axis)).sum();
+                    if ring + 1 == RINGS || square < end * end {
+                        let along: f64 = (0..3).map(|axis| slope[axis] * (at[axis] - middle[axis])).sum();
+                        largest = largest.max(w - params.smallest_weight - along);
+                        size = size.max(w.abs() + along.abs());
+                    }
+                }
+                assert!(largest <= found, "{name}, block {node}, ring {ring}: {largest} is more than {found}");
+                let is_near = ring == 0;
+                assert!(!is_near || found <= largest + 1e-12 * size, "{name}, block {node}: {found} is not {largest}");
             }
         }
     }

@@ -19,6 +19,8 @@ kernels! {
         input boxes: Boxes,
         input slabs: Slabs,
         input weight_bounds: WeightBounds,
+        /// What the sites around each block of leaves weigh at most, less its slope, ring by ring, where the table of offsets is gone through and weights differ.
+        input around: f64,
         /// The octree over the container: where the parts of each box begin, or the leaves that it lists, and how many these are; these leaves; the box
         /// that each sorted site's cell is in; and the boxes' middles.
         input octree_nodes: [u32; 2],
@@ -166,6 +168,16 @@ kernels! {
         output boxes: Boxes,
         output slabs: Slabs,
         output weight_bounds: WeightBounds,
+    }
+
+    kernel LookAtRings = look_at_rings {
+        input params: Params,
+        input sites: [f64; 4],
+        input boxes: Boxes,
+        input weight_bounds: WeightBounds,
+        /// Blocks of leaves.
+        value count: u32,
+        output around: f64,
     }
 
     kernel TightenSlabs = tighten_slabs {

@@ -29,7 +29,7 @@ __kernel void bound_nodes(BOUND_NODES_ARGUMENTS) {
         Store source = (Store){
             .sites = sites, .boxes = boxes, .slabs = slabs, .weights = weight_bounds, .base = params->smallest_weight, .begin = (uint)begin,
             .count = count, .parts = (is_large != 0u) ? (((count - 1u) >> (shift - 6u)) + 1u) : 0u,
-            .block = (is_large != 0u) ? (params->tree_begin[level - 2u] + (node * WIDTH)) : 0u
+            .block = (is_large != 0u) ? (params->tree_begin[level - 2u] + (node * WIDTH)) : 0u, .params = params
         };
         bounds = box_of_node(&source);
         slab = slab_of_node(&source, bounds);
@@ -48,6 +48,19 @@ __kernel void bound_nodes(BOUND_NODES_ARGUMENTS) {
         set_vector(weight_bounds[block].g, k, weights.slope);
         set_vector(weight_bounds[block].q, k, weights.curvature);
     }
+}
+
+// What the sites around each block of leaves weigh at most, less its slope, ring by ring.
+__kernel void look_at_rings(LOOK_AT_RINGS_ARGUMENTS) {
+    const uint ring = get_global_id(0) / count;
+    const uint node = get_global_id(0) % count;
+    if (ring >= RINGS) {
+        return;
+    }
+    Store source = (Store){ .sites = sites, .boxes = boxes, .weights = weight_bounds, .base = params->smallest_weight, .params = params };
+    const real begin = (ring == 0u) ? REAL(0.0) : ((real)end_of_ring(ring - 1u) * params->grid_width);
+    const real end = (ring == (RINGS - 1u)) ? INFINITY : ((real)end_of_ring(ring) * params->grid_width);
+    around[(RINGS * node) + ring] = largest_around(&source, node, begin, end);
 }
 
 // The slabs of a level's nodes from all their sites: a group of work-items for each node.

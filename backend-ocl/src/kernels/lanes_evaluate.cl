@@ -73,6 +73,10 @@ __kernel void cells(CELLS_ARGUMENTS) {
     const V3 hi = (V3){ .x = params->box_hi[0] - own.x, .y = params->box_hi[1] - own.y, .z = params->box_hi[2] - own.z };
 #if !WITH_TABLE
     const Vantage vantage = vantage_of(s);
+#elif WITH_WEIGHTS
+    const Vantage vantage = vantage_in_block(s);
+#else
+    const Vantage vantage = (Vantage){ .lambda = REAL(0.5) };
 #endif
 #if HAS_ORIGIN
     // (Within the box, where the cell is.)
@@ -97,7 +101,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     take_cell(s, record);
     uint status = COMPLETE;
 #elif WITH_TABLE
-    uint status = complete_by_table(s, shells, &visited, &extent);
+    uint status = complete_by_table(s, vantage, shells, &visited, &extent);
 #else
     uint status = complete_by_tree(s, vantage, &visited, &extent);
 #endif

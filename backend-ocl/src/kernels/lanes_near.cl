@@ -87,7 +87,8 @@ INLINE uint give_cell(
 #endif
 
 #if TAKES_CELLS
-// The cell of a record; that of the box has been begun.
+// The cell of a record; that of the box has been begun. (Without a domain nobody looks at the rough places, which are from where the stage that gave the cell
+// had its origin.)
 INLINE void take_cell(Store *s, __global const uint4 *record) {
     CELL_SPACE Cell *cell = s->cell;
     s->planes = record->y & 0xFFFFu;

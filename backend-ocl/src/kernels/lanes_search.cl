@@ -14,7 +14,7 @@ INLINE float store_square_of_reach(Store *s, V3 center) {
     const float far = farthest_of(s);
 #endif
     const float reach = (4.0f * far) * (far * ROUGH_SAFE);
-#if WITH_TABLE && WITH_DOMAIN
+#if (WITH_TABLE && WITH_DOMAIN) && !WITH_WEIGHTS
     return (reach <= s->cell->outside) ? 0.0f : reach;
 #else
     return reach;
@@ -28,7 +28,7 @@ INLINE uint store_cut_by(Store *s, uint j) {
     }
 #endif
     const uint status = cut_together(s, bisector_with(s, j), j);
-#if WITH_DOMAIN && SEARCHES_TREE
+#if WITH_DOMAIN && (SEARCHES_TREE || WITH_WEIGHTS)
     if (((status == CUT) && (s->cell->outside > 0.0f)) && (extent_of(farthest_of(s)) <= s->cell->outside)) {
         return EMPTY;
     }

@@ -126,6 +126,10 @@ typedef struct {
     uint said_planes;
     uint said_vertices;
 #endif
+#if WITH_TABLE && WITH_WEIGHTS
+    // What sites around weigh more than the cell's, ring by ring, in squared voxels.
+    float around[RINGS];
+#endif
 #if HAS_ORIGIN
     // Where rough places are from, as the way from the site.
     float origin[3];

@@ -1,5 +1,5 @@
-// The search of the table of offsets (`table_search.cl`), where LANES work-items compute a cell together and weights do not differ. What it does not
-// prove complete the tree does (`lanes_tree.cl`).
+// The search of the table of offsets (`table_search.cl`), where LANES work-items compute a cell together. What it does not prove complete the
+// tree does (`lanes_tree.cl`).
 
 #import "lanes_tree.cl"
 #import "table_store.cl"
@@ -58,6 +58,10 @@ INLINE uint store_look_outside(Store *s, uint offsets, float reach) {
     take_over(s, &copy);
     return (status == UNTOUCHED) ? CUT : status;
 #elif WITH_DOMAIN
+#if WITH_WEIGHTS
+    // (From the site, where `reach` is from where the weights' slope has the cell.)
+    reach = (offsets >= INNER_SHELLS) ? extent_of(farthest_of(s)) : 0.0f;
+#endif
     return ((offsets >= INNER_SHELLS) && (is_beyond(s, reach, FAR_FROM) != 0u)) ? BEYOND : UNTOUCHED;
 #else
     return UNTOUCHED;
@@ -67,7 +71,7 @@ INLINE uint store_look_outside(Store *s, uint offsets, float reach) {
 #import "generated/table_search.cl"
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
-INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint *visited, float *extent) {
+INLINE uint complete_by_table(Store *s, Vantage vantage, __global const uchar4 *shells, uint *visited, float *extent) {
     s->shells = shells;
     find_voxel(s);
 #if WITH_DOMAIN && WITH_EXACT
@@ -76,7 +80,10 @@ INLINE uint complete_by_table(Store *s, __global const uchar4 *shells, uint *vis
 #endif
     uint status = UNTOUCHED;
     if (IS_FIRST_TEAM) {
-        status = search_table(s, extent, visited);
+        status = search_table(s, vantage, extent, visited);
+#if WITH_WEIGHTS
+        *extent = extent_of(farthest_of(s));
+#endif
     }
     status = store_first_says(s, status);
 #if SEARCHES_BEYOND

@@ -15,6 +15,8 @@ typedef struct {
     // The nodes that it is made of: how many, and their first block.
     uint parts;
     uint block;
+    // The tree, as far as it is made.
+    __global const Params *params;
 } Store;
 
 INLINE uint store_sampled(Store *s) { return min(s->count, MOST_SAMPLED); }
@@ -30,13 +32,27 @@ INLINE NodeBox store_part_box(Store *s, uint i) {
     __global const Boxes *block = s->boxes + (s->block + (i / WIDTH));
     return (NodeBox){ .lo = vector_of(block->lo, i % WIDTH), .hi = vector_of(block->hi, i % WIDTH) };
 }
+INLINE NodeWeights weights_in(__global const WeightBounds *block, uint k) {
+    return (NodeWeights){ .offset = block->c[k], .slope = vector_of(block->g, k), .curvature = vector_of(block->q, k) };
+}
 INLINE NodeSlab store_part_slab(Store *s, uint i) {
     __global const Slabs *block = s->slabs + (s->block + (i / WIDTH));
     const uint k = i % WIDTH;
     return (NodeSlab){ .normal = vector_of(block->normal, k), .lo = block->lo[k], .hi = block->hi[k], .largest = block->largest_weight[k] };
 }
 INLINE NodeWeights store_part_weights(Store *s, uint i) {
-    __global const WeightBounds *block = s->weights + (s->block + (i / WIDTH));
-    const uint k = i % WIDTH;
-    return (NodeWeights){ .offset = block->c[k], .slope = vector_of(block->g, k), .curvature = vector_of(block->q, k) };
+    return weights_in(s->weights + (s->block + (i / WIDTH)), i % WIDTH);
 }
+
+// The whole tree (`AroundSource`).
+INLINE uint store_sites(Store *s) { return s->params->tree_sites; }
+INLINE uint store_top_level(Store *s) { return s->params->tree_top; }
+INLINE NodeBox store_node_box(Store *s, uint level, uint node) {
+    __global const Boxes *block = s->boxes + (s->params->tree_begin[level] + (node / WIDTH));
+    return (NodeBox){ .lo = vector_of(block->lo, node % WIDTH), .hi = vector_of(block->hi, node % WIDTH) };
+}
+INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
+    return weights_in(s->weights + (s->params->tree_begin[level] + (node / WIDTH)), node % WIDTH);
+}
+INLINE V3 store_site_place(Store *s, uint j) { return (V3){ .x = s->sites[j].x, .y = s->sites[j].y, .z = s->sites[j].z }; }
+INLINE real store_site_weight(Store *s, uint j) { return s->sites[j].w - s->base; }

@@ -1,4 +1,4 @@
-// The search for the sites that cut a cell, where one work-item computes it: the tree (`tree_alone.cl`), or WITH_TABLE, where weights do not differ,
+// The search for the sites that cut a cell, where one work-item computes it: the tree (`tree_alone.cl`), or WITH_TABLE, where weights are the same,
 // first the voxels around the cell's own (`table_search.cl`).
 
 #import "generated/cell_alone.cl"
@@ -120,7 +120,7 @@ INLINE uint complete_cell(Store *s, __global const uchar4 *shells, uint site, ui
 #if WITH_TABLE
     s->shells = shells;
     float reach = 0.0f;
-    status = search_table(s, &reach, visited);
+    status = search_table(s, vantage, &reach, visited);
 #else
     real proven;
     status = search_near(s, vantage, visited, &proven);

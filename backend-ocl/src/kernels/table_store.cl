@@ -36,5 +36,18 @@ INLINE VoxelPlace store_place_in_voxel(Store *s) {
                          .y = (float)(((s->site.y - params->grid_lo[1]) * per_width) - (double)s->voxel[1]),
                          .z = (float)(((s->site.z - params->grid_lo[2]) * per_width) - (double)s->voxel[2]) };
 }
+#if LANES && WITH_WEIGHTS
+INLINE real store_largest_in_ring(Store *s, uint block, uint ring) { return s->world.around[(RINGS * block) + ring]; }
+INLINE float store_excess_around(Store *s, uint ring) { return s->cell->around[ring]; }
+INLINE void store_set_excess_around(Store *s, uint ring, real excess) {
+    const double per_width = s->world.params->grid_per_width;
+    s->cell->around[ring] = fmax(convert_float_rtp((excess * per_width) * per_width) * ROUGH_SAFE, 0.0f);
+}
+#else
+// (Weights are the same.)
+INLINE real store_largest_in_ring(Store *s, uint block, uint ring) { return REAL(0.0); }
+INLINE float store_excess_around(Store *s, uint ring) { return 0.0f; }
+INLINE void store_set_excess_around(Store *s, uint ring, real excess) {}
+#endif
 INLINE float store_voxels_per_length(Store *s) { return convert_float_rtp(s->world.params->grid_per_width) * ROUGH_SAFE; }
 #endif

@@ -52,7 +52,12 @@ INLINE uint store_asks_of_node(Store *s, uint level, uint node, uint asks, uint 
 #endif
 
 #if WITH_WEIGHTS
+#if WITH_TABLE && !LANES
+// (One work-item alone searches the tree where they do.)
+INLINE bool store_has_weights(Store *s) { return false; }
+#else
 INLINE bool store_has_weights(Store *s) { return s->world.params->equal_weights == 0u; }
+#endif
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) {
 #if !LANES
     // (Where weights are asked for at run time: without them there are no bounds.)

@@ -25,6 +25,7 @@
     clippy::too_many_arguments
 )]
 
+pub mod around;
 pub mod bound;
 pub mod boxes;
 mod candidates;
@@ -48,6 +49,7 @@ mod plane;
 pub(crate) mod quadratic;
 mod quadrature;
 mod restrict;
+pub mod ring;
 pub mod search;
 pub mod search_store;
 mod settle;

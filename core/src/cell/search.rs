@@ -13,8 +13,7 @@
 //! `D² − ω_ij ≥ 2rD`; as `2rD ≤ λD² + r²/λ` for any `λ`, it suffices that `(1 − λ)D² − ω_ij ≥ r²/λ`, which is a sum over axes and so has a
 //! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
 
-use super::bound::reach_of_bisector;
-use super::candidates::{Held, key_limit, nearest_held, take_held, visit_candidates};
+use super::candidates::{Held, key_limit, nearest_held, reach_of_site, take_held, visit_candidates};
 use super::search_store::{
     HOME_KNOWN, HOME_UNKNOWN, LEAVES_AT_ONCE, MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH,
 };
@@ -98,16 +97,6 @@ pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
     vantage.center = scale(-0.5, vantage.slope);
     vantage.lambda = 0.5 * (1.0 - most);
     return vantage;
-}
-
-/// What `reach_of_bisector` says of site `j`.
-#[inline(always)]
-fn reach_of_site<S: SearchStore>(s: &S, vantage: Vantage, j: u32) -> Real {
-    let d: V3 = s.way_to(j);
-    if !s.has_weights() {
-        return dot(d, d);
-    }
-    return reach_of_bisector(vantage.slope, d, s.excess_of(j));
 }
 
 /// The size of what is around the site: some three distances between sites.
@@ -236,7 +225,7 @@ fn near_key<S: SearchStore>(s: &mut S, vantage: Vantage, near: &mut Real) -> u32
     if turn == 0 {
         return 0;
     }
-    let square: Real = NEAR_SQUARE * larger(reach_of_site(s, vantage, last), 0.0);
+    let square: Real = NEAR_SQUARE * larger(reach_of_site(s, vantage.slope, last), 0.0);
     *near = (ROOM_OF_KEY * square) + LEAST_OF_KEY;
     return s.key_below(square) + 1;
 }
@@ -262,7 +251,7 @@ pub(super) fn gather<S: SearchStore>(
         let mut key: u32 = NO_SITE;
         let mut is_wanted: bool = false;
         if (j < s.sites()) && (j != s.own_site()) {
-            key = s.key_below(reach_of_site(s, vantage, j));
+            key = s.key_below(reach_of_site(s, vantage.slope, j));
             is_wanted = (key >= wanted.above) && (key < wanted.below);
         }
         let all: u32 = s.lanes_with(is_wanted);

@@ -1,10 +1,16 @@
-//! The near search of sites that fill space evenly and whose weights do not differ, on devices: the voxels around the cell's own, in the order of a
-//! table of offsets, nearest first. What it does not prove complete is completed by its vertices (`far.rs`).
+//! The near search of sites that fill space evenly, on devices: the voxels around the cell's own, in the order of a table of offsets, nearest first. What it does
+//! not prove complete is completed by its vertices (`far.rs`).
+//!
+//! Where weights differ, sites that are at least `D` away cannot cut what is within `r` of where the slope has the cell if none of them weighs more than `Ω` less
+//! that slope, and `D² − Ω ≥ 2rD` (`search.rs`). Of sites around the cell's block of leaves it is known, ring by ring, what they weigh at most (`around.rs`).
 
-use super::candidates::visit_candidates;
-use super::search_store::{NO_SITE, SearchStore};
+use super::candidates::{reach_of_site, visit_candidates};
+use super::quadratic::FEW_ROUNDINGS_OF_SUM;
+use super::ring::{RINGS, end_of_ring, less_slope, level_of_block};
+use super::search::Vantage;
+use super::search_store::{HOME_UNKNOWN, NO_SITE, NodeBox, SearchStore, WIDTH};
 use super::status::{COMPLETE, CUT, EMPTY, UNTOUCHED};
-use super::vector::{Rough, V3, dot, v3};
+use super::vector::{Real, Rough, V3, add, scale, sub, v3};
 
 /// What is allowed for the roundings of a distance in voxels, in single precision and below 16, and of its square.
 const SLACK_IN_VOXELS: Rough = 1e-5;
@@ -13,6 +19,7 @@ const SAFE_IN_VOXELS: Rough = 1.00001;
 /// (Named, since a literal would be a `Real`, in double precision on devices.)
 const NO_GAP: Rough = 0.0;
 const ONE_VOXEL: Rough = 1.0;
+const HALF: Rough = 0.5;
 
 /// The number of what is no voxel.
 pub const NO_VOXEL: u32 = 0xFFFF_FFFF;
@@ -54,7 +61,7 @@ pub struct SiteRange {
     pub end: u32,
 }
 
-/// What the search of the table needs beside the tree's. Its `square_of_reach` is 0 where the cell is known to be outside the domain.
+/// What the search of the table needs beside the tree's. Its `square_of_reach` is 0 where the cell is known to be outside the domain, and weights do not differ.
 pub trait TableStore: SearchStore {
     /// Number of offsets in the table.
     fn offsets(&self) -> u32;
@@ -68,6 +75,12 @@ pub trait TableStore: SearchStore {
     fn place_in_voxel(&self) -> VoxelPlace;
     /// Voxels along a length of 1, rounded up.
     fn voxels_per_length(&self) -> Rough;
+    /// What sites in and within a ring about a block of leaves weigh at most, less the slope at its middle: see `largest_around`.
+    fn largest_in_ring(&self, block: u32, ring: u32) -> Real;
+    /// What they weigh so more than the cell's site, in squared voxels, rounded up, and 0 at least.
+    fn excess_around(&self, ring: u32) -> Rough;
+    /// Sets it, as what it is in the frame.
+    fn set_excess_around(&mut self, ring: u32, excess: Real);
     /// How many sites become candidates at one time.
     fn window(&self) -> u32;
     /// Number `i` of so many that all lanes see: not alike.
@@ -82,10 +95,57 @@ pub trait TableStore: SearchStore {
     fn look_outside(&mut self, offsets: u32, reach: Rough) -> u32;
 }
 
-/// The squared distance in voxels from which on a voxel's sites cannot cut the cell.
+/// From where a cell is searched where weights differ: by the slope of its block of leaves.
 #[inline(always)]
-fn limit_in_voxels<S: TableStore>(s: &S, reach: Rough) -> Rough {
-    let voxels: Rough = (reach.sqrt() * s.voxels_per_length()) + SLACK_IN_VOXELS;
+pub fn vantage_in_block<S: TableStore>(s: &S) -> Vantage {
+    let level: u32 = level_of_block(s.top_level());
+    let slope: V3 = s.node_weights(level, (s.own_site() / WIDTH) >> (3 * level)).slope;
+    return Vantage { slope: slope, center: scale(-0.5, slope), lambda: 0.5, home: HOME_UNKNOWN };
+}
+
+/// Finds what the sites around weigh more than the cell's.
+#[inline(always)]
+fn look_around<S: TableStore>(s: &mut S, slope: V3) {
+    let level: u32 = level_of_block(s.top_level());
+    let block: u32 = (s.own_site() / WIDTH) >> (3 * level);
+    let bounds: NodeBox = s.node_box(level, block);
+    let way: V3 = sub(s.site(), scale(0.5, add(bounds.lo, bounds.hi)));
+    let mut size: Real = 0.0;
+    let own: Real = less_slope(s.own_excess(), slope, way, &mut size);
+    let mut ring: u32 = s.lane();
+    while ring < RINGS {
+        let largest: Real = s.largest_in_ring(block, ring);
+        s.set_excess_around(ring, (largest - own) + (FEW_ROUNDINGS_OF_SUM * (size + largest.abs())));
+        ring += s.lanes();
+    }
+    s.lanes_wait();
+}
+
+/// The squared distance in voxels from which on a voxel's sites cannot cut the cell. Sites beyond `ring` cannot, whatever it is.
+#[inline(always)]
+fn limit_in_voxels<S: TableStore>(s: &S, reach: Rough, ring: &mut u32) -> Rough {
+    let mut voxels: Rough = reach.sqrt() * s.voxels_per_length();
+    if s.has_weights() {
+        let radius: Rough = HALF * voxels;
+        let mut goes_on: bool = true;
+        while goes_on {
+            voxels = radius + ((radius * radius) + s.excess_around(*ring)).sqrt();
+            goes_on = false;
+            if *ring > 0 {
+                let begin: Rough = end_of_ring(*ring - 1) as Rough;
+                // (With room for roundings.)
+                if ((voxels + SLACK_IN_VOXELS) * SAFE_IN_VOXELS) <= begin {
+                    *ring -= 1;
+                    goes_on = true;
+                }
+            }
+        }
+        let end: Rough = end_of_ring(*ring) as Rough;
+        if (*ring < (RINGS - 1)) && (end < voxels) {
+            voxels = end;
+        }
+    }
+    voxels += SLACK_IN_VOXELS;
     return (voxels * voxels) * SAFE_IN_VOXELS;
 }
 
@@ -96,11 +156,10 @@ fn gap_to_voxel(offset: i32, place: Rough) -> Rough {
     return (begin - place).max(place - (begin + ONE_VOXEL)).max(NO_GAP);
 }
 
-/// The voxels within reach that come next in the table, at most one for each lane, into the window; returns how many. `next` is the offset to be
-/// looked at then: `offsets()` where the table has ended, more where all others are out of reach.
+/// The voxels nearer than the square root of `limit` that come next in the table, at most one for each lane, into the window; returns how many. `next` is the
+/// offset to be looked at then: `offsets()` where the table has ended, more where all others are farther.
 #[inline(always)]
-fn gather_voxels<S: TableStore>(s: &mut S, place: VoxelPlace, reach: Rough, next: &mut u32) -> u32 {
-    let limit: Rough = limit_in_voxels(s, reach);
+fn gather_voxels<S: TableStore>(s: &mut S, place: VoxelPlace, limit: Rough, next: &mut u32) -> u32 {
     let mut found: u32 = 0;
     let mut goes_on: bool = true;
     while goes_on {
@@ -141,11 +200,16 @@ fn gather_voxels<S: TableStore>(s: &mut S, place: VoxelPlace, reach: Rough, next
 }
 
 /// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended. `reach` is the square of
-/// its reach, afterwards.
+/// its reach about the vantage's center, afterwards.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u32) -> u32 {
-    let center: V3 = v3(0.0, 0.0, 0.0);
+pub fn search_table<S: TableStore>(s: &mut S, vantage: Vantage, reach: &mut Rough, visited: &mut u32) -> u32 {
+    let mut center: V3 = v3(0.0, 0.0, 0.0);
+    if s.has_weights() {
+        center = vantage.center;
+        look_around(s, vantage.slope);
+    }
+    let mut ring: u32 = RINGS - 1;
     let place: VoxelPlace = s.place_in_voxel();
     *reach = s.square_of_reach(center);
     let mut next: u32 = 0;
@@ -157,7 +221,8 @@ pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u
             return outside;
         }
         // A voxel for each lane, and where its sites stand among those of all.
-        let found: u32 = gather_voxels(s, place, *reach, &mut next);
+        let voxels: Rough = limit_in_voxels(s, *reach, &mut ring);
+        let found: u32 = gather_voxels(s, place, voxels, &mut next);
         let mut range: SiteRange = SiteRange { begin: 0, end: 0 };
         if s.lane() < found {
             range = s.sites_in(s.in_window(s.lane()));
@@ -187,8 +252,7 @@ pub fn search_table<S: TableStore>(s: &mut S, reach: &mut Rough, visited: &mut u
                 let mut key: u32 = NO_SITE;
                 if (window + at) < all {
                     site = s.in_window(at);
-                    let way: V3 = s.way_to(site);
-                    let its: u32 = s.key_below(dot(way, way));
+                    let its: u32 = s.key_below(reach_of_site(s, vantage.slope, site));
                     if (site != s.own_site()) && (its < limit) {
                         key = its;
                     }

@@ -39,14 +39,14 @@ const ALONE_FILES: [&str; 2] = ["clip", "restrict"];
 /// The files of the search for the sites that cut a cell.
 const SEARCH_FILES: [&str; 8] = ["search_store", "quadratic", "bound", "octree", "tree", "search", "far", "boxes"];
 
-/// The file of what either search does with the sites that it finds.
-const CANDIDATE_FILES: [&str; 1] = ["candidates"];
+/// The files of what either search does with the sites that it finds; the last has types of its own, as below.
+const CANDIDATE_FILES: [&str; 3] = ["quadratic", "bound", "candidates"];
 
-/// The file of the search of even sites before it.
-const TABLE_FILES: [&str; 1] = ["table"];
+/// The files of the search of even sites before it.
+const TABLE_FILES: [&str; 2] = ["ring", "table"];
 
-/// The files of what bounds the nodes of the tree, which know no cell; the last has types of its own.
-const NODE_FILES: [&str; 4] = ["vector", "quadratic", "node", "octree"];
+/// The files of what bounds the nodes of the tree, and of what is around some, which know no cell.
+const NODE_FILES: [&str; 7] = ["vector", "quadratic", "bound", "octree", "ring", "around", "node"];
 
 /// Generated files, besides one for each module's functions: constants and structs, which the store is made of; the functions of several modules, as their
 /// prototypes and imports; and what holds the functions of a device against the host's, on both.
@@ -145,10 +145,11 @@ fn generate(root: &Path) -> Result<BTreeMap<String, String>, String> {
     let candidates = group_of(&CANDIDATE_FILES)?;
     let table = group_of(&TABLE_FILES)?;
     let nodes = group_of(&NODE_FILES)?;
-    let of_node = group_of(&["node"])?;
+    let [of_node, of_around, of_candidates] = ["node", "around", "candidates"].map(|name| group_of(&[name]));
     let parity::Parity { kernels, table: parity_table } =
         parity::parity(&cell.units.iter().chain(&alone.units).collect::<Vec<_>>())?;
-    let search_types = [&search, &candidates, &table, &of_node].map(|group| group.types.as_str()).concat();
+    let search_types =
+        [&search, &of_candidates?, &table, &of_node?, &of_around?].map(|group| group.types.as_str()).concat();
 
     let mut files =
         BTreeMap::from([(PARITY_TABLE.to_owned(), format!("{}{parity_table}", header("core/src/cell/", &[])))]);

@@ -3,9 +3,20 @@
 #import "generated/cell.cl"
 #import "generated/tree_types.cl"
 
+INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
+INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE real gap_along(real lo, real hi, real place, real off);
+INLINE real square_to_box(V3 lo, V3 hi, V3 place, real off);
+INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights);
+INLINE real reach_of_bisector(V3 g, V3 d, real excess);
+INLINE real reach_of_site(Store *s, V3 slope, uint j);
 INLINE Held nearest_held(Store *s, uint count);
 INLINE uint take_held(Store *s, Held held, uint least);
 HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *reach, uint *visited);
 INLINE uint key_limit(Store *s, float reach, uint below);
 
+#import "generated/quadratic.cl"
+#import "generated/bound.cl"
 #import "generated/candidates.cl"

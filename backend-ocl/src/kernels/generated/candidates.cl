@@ -1,5 +1,14 @@
 // Generated from core/src/cell/candidates.rs by `cargo xtask codegen`; do not edit.
 
+// What `reach_of_bisector` says of site `j`, from where weights of some slope have the cell.
+INLINE real reach_of_site(Store *s, V3 slope, uint j) {
+    const V3 d = store_way_to(s, j);
+    if (!store_has_weights(s)) {
+        return v3_dot(d, d);
+    }
+    return reach_of_bisector(slope, d, store_excess_of(s, j));
+}
+
 // The nearest of the candidates that this lane holds: not alike.
 INLINE Held nearest_held(Store *s, uint count) {
     Held nearest = (Held){ .key = NO_SITE, .number = 0 };

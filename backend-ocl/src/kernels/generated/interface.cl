@@ -247,6 +247,8 @@ typedef struct {
     __global const Boxes *boxes;
     __global const Slabs *slabs;
     __global const WeightBounds *weight_bounds;
+    // What the sites around each block of leaves weigh at most, less its slope, ring by ring, where the table of offsets is gone through and weights differ.
+    __global const double *around;
     // The octree over the container: where the parts of each box begin, or the leaves that it lists, and how many these are; these leaves; the box
     // that each sorted site's cell is in; and the boxes' middles.
     __global const uint2 *octree_nodes;
@@ -271,6 +273,7 @@ typedef struct {
     .boxes = boxes, \
     .slabs = slabs, \
     .weight_bounds = weight_bounds, \
+    .around = around, \
     .octree_nodes = octree_nodes, \
     .octree_leaves = octree_leaves, \
     .octree_homes = octree_homes, \
@@ -291,6 +294,7 @@ typedef struct {
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
+    __global const double *around, \
     __global const uint2 *octree_nodes, \
     __global const uint *octree_leaves, \
     __global const uint *octree_homes, \
@@ -311,6 +315,7 @@ typedef struct {
     __global const Boxes *boxes, \
     __global const Slabs *slabs, \
     __global const WeightBounds *weight_bounds, \
+    __global const double *around, \
     __global const uint2 *octree_nodes, \
     __global const uint *octree_leaves, \
     __global const uint *octree_homes, \
@@ -428,6 +433,14 @@ typedef struct {
     __global Boxes *boxes, \
     __global Slabs *slabs, \
     __global WeightBounds *weight_bounds
+
+#define LOOK_AT_RINGS_ARGUMENTS \
+    __global const Params *params, \
+    __global const double4 *sites, \
+    __global const Boxes *boxes, \
+    __global const WeightBounds *weight_bounds, \
+    uint count, \
+    __global double *around
 
 #define TIGHTEN_SLABS_ARGUMENTS \
     __global const Params *params, \

@@ -15,6 +15,27 @@ INLINE real smaller(real a, real b);
 INLINE real larger(real a, real b);
 INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
 INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE real gap_along(real lo, real hi, real place, real off);
+INLINE real square_to_box(V3 lo, V3 hi, V3 place, real off);
+INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
+INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights);
+INLINE real reach_of_bisector(V3 g, V3 d, real excess);
+INLINE V3 middle_of(V3 lo, V3 hi);
+INLINE V3 half_of(V3 lo, V3 hi, real margin);
+INLINE V3 part_lo(V3 lo, V3 hi, uint octant);
+INLINE V3 part_hi(V3 lo, V3 hi, uint octant);
+INLINE V3 octree_place(V3 middle, V3 halves, uint i);
+INLINE real power_at(V3 site, real weight, V3 place);
+INLINE SeenSite seen_from(V3 place, real excess, V3 middle);
+INLINE real more_power(SeenSite site, SeenSite other, V3 halves);
+INLINE float way_home(V3 site, real power, V3 first, real least);
+INLINE uint end_of_ring(uint ring);
+INLINE uint level_of_block(uint top_level);
+INLINE real less_slope(real excess, V3 slope, V3 way, real *size);
+INLINE real gap_between(real lo, real hi, real its_lo, real its_hi);
+INLINE real square_between(NodeBox a, NodeBox b);
+HOT real largest_around(Store *s, uint own, real begin, real end);
 INLINE V3 least_corner(V3 a, V3 b);
 INLINE V3 largest_corner(V3 a, V3 b);
 HOT NodeBox box_of_node(Store *s);
@@ -27,17 +48,11 @@ HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w);
 HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns);
 INLINE void add_largest(real lo, real hi, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size);
 HOT NodeWeights weights_of_node(Store *s, NodeBox bounds);
-INLINE V3 middle_of(V3 lo, V3 hi);
-INLINE V3 half_of(V3 lo, V3 hi, real margin);
-INLINE V3 part_lo(V3 lo, V3 hi, uint octant);
-INLINE V3 part_hi(V3 lo, V3 hi, uint octant);
-INLINE V3 octree_place(V3 middle, V3 halves, uint i);
-INLINE real power_at(V3 site, real weight, V3 place);
-INLINE SeenSite seen_from(V3 place, real excess, V3 middle);
-INLINE real more_power(SeenSite site, SeenSite other, V3 halves);
-INLINE float way_home(V3 site, real power, V3 first, real least);
 
 #import "generated/vector.cl"
 #import "generated/quadratic.cl"
-#import "generated/node.cl"
+#import "generated/bound.cl"
 #import "generated/octree.cl"
+#import "generated/ring.cl"
+#import "generated/around.cl"
+#import "generated/node.cl"

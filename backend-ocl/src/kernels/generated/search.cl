@@ -31,15 +31,6 @@ HOT Vantage vantage_of(Store *s) {
     return vantage;
 }
 
-// What `reach_of_bisector` says of site `j`.
-INLINE real reach_of_site(Store *s, Vantage vantage, uint j) {
-    const V3 d = store_way_to(s, j);
-    if (!store_has_weights(s)) {
-        return v3_dot(d, d);
-    }
-    return reach_of_bisector(vantage.slope, d, store_excess_of(s, j));
-}
-
 // The size of what is around the site: some three distances between sites.
 INLINE real size_around(Store *s) {
     const uint leaf = store_own_site(s) / WIDTH;
@@ -148,7 +139,7 @@ HOT uint near_key(Store *s, Vantage vantage, real *near) {
     if (turn == 0) {
         return 0;
     }
-    const real square = NEAR_SQUARE * larger(reach_of_site(s, vantage, last), REAL(0.0));
+    const real square = NEAR_SQUARE * larger(reach_of_site(s, vantage.slope, last), REAL(0.0));
     *near = (ROOM_OF_KEY * square) + LEAST_OF_KEY;
     return store_key_below(s, square) + 1;
 }
@@ -165,7 +156,7 @@ HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wante
         uint key = NO_SITE;
         bool is_wanted = 0;
         if ((j < store_sites(s)) && (j != store_own_site(s))) {
-            key = store_key_below(s, reach_of_site(s, vantage, j));
+            key = store_key_below(s, reach_of_site(s, vantage.slope, j));
             is_wanted = (key >= wanted.above) && (key < wanted.below);
         }
         const uint all = store_lanes_with(s, is_wanted);

@@ -1,8 +1,53 @@
 // Generated from core/src/cell/table.rs by `cargo xtask codegen`; do not edit.
 
-// The squared distance in voxels from which on a voxel's sites cannot cut the cell.
-INLINE float limit_in_voxels(Store *s, float reach) {
-    const float voxels = (sqrt(reach) * store_voxels_per_length(s)) + SLACK_IN_VOXELS;
+// From where a cell is searched where weights differ: by the slope of its block of leaves.
+INLINE Vantage vantage_in_block(Store *s) {
+    const uint level = level_of_block(store_top_level(s));
+    const V3 slope = store_node_weights(s, level, (store_own_site(s) / WIDTH) >> (3 * level)).slope;
+    return (Vantage){ .slope = slope, .center = scale(-REAL(0.5), slope), .lambda = REAL(0.5), .home = HOME_UNKNOWN };
+}
+
+// Finds what the sites around weigh more than the cell's.
+INLINE void look_around(Store *s, V3 slope) {
+    const uint level = level_of_block(store_top_level(s));
+    const uint block = (store_own_site(s) / WIDTH) >> (3 * level);
+    const NodeBox bounds = store_node_box(s, level, block);
+    const V3 way = sub(store_site(s), scale(REAL(0.5), add(bounds.lo, bounds.hi)));
+    real size = REAL(0.0);
+    const real own = less_slope(store_own_excess(s), slope, way, &size);
+    uint ring = store_lane(s);
+    while (ring < RINGS) {
+        const real largest = store_largest_in_ring(s, block, ring);
+        store_set_excess_around(s, ring, (largest - own) + (FEW_ROUNDINGS_OF_SUM * (size + fabs(largest))));
+        ring += store_lanes(s);
+    }
+    store_lanes_wait(s);
+}
+
+// The squared distance in voxels from which on a voxel's sites cannot cut the cell. Sites beyond `ring` cannot, whatever it is.
+INLINE float limit_in_voxels(Store *s, float reach, uint *ring) {
+    float voxels = sqrt(reach) * store_voxels_per_length(s);
+    if (store_has_weights(s)) {
+        const float radius = HALF * voxels;
+        bool goes_on = 1;
+        while (goes_on) {
+            voxels = radius + sqrt((radius * radius) + store_excess_around(s, *ring));
+            goes_on = 0;
+            if (*ring > 0) {
+                const float begin = (float)end_of_ring(*ring - 1);
+                // (With room for roundings.)
+                if (((voxels + SLACK_IN_VOXELS) * SAFE_IN_VOXELS) <= begin) {
+                    *ring -= 1;
+                    goes_on = 1;
+                }
+            }
+        }
+        const float end = (float)end_of_ring(*ring);
+        if ((*ring < (RINGS - 1)) && (end < voxels)) {
+            voxels = end;
+        }
+    }
+    voxels += SLACK_IN_VOXELS;
     return (voxels * voxels) * SAFE_IN_VOXELS;
 }
 
@@ -12,10 +57,9 @@ INLINE float gap_to_voxel(int offset, float place) {
     return fmax(fmax((begin - place), place - (begin + ONE_VOXEL)), NO_GAP);
 }
 
-// The voxels within reach that come next in the table, at most one for each lane, into the window; returns how many. `next` is the offset to be
-// looked at then: `offsets()` where the table has ended, more where all others are out of reach.
-INLINE uint gather_voxels(Store *s, VoxelPlace place, float reach, uint *next) {
-    const float limit = limit_in_voxels(s, reach);
+// The voxels nearer than the square root of `limit` that come next in the table, at most one for each lane, into the window; returns how many. `next` is the
+// offset to be looked at then: `offsets()` where the table has ended, more where all others are farther.
+INLINE uint gather_voxels(Store *s, VoxelPlace place, float limit, uint *next) {
     uint found = 0;
     bool goes_on = 1;
     while (goes_on) {
@@ -56,9 +100,14 @@ INLINE uint gather_voxels(Store *s, VoxelPlace place, float reach, uint *next) {
 }
 
 // Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended. `reach` is the square of
-// its reach, afterwards.
-HOT uint search_table(Store *s, float *reach, uint *visited) {
-    const V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+// its reach about the vantage's center, afterwards.
+HOT uint search_table(Store *s, Vantage vantage, float *reach, uint *visited) {
+    V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+    if (store_has_weights(s)) {
+        center = vantage.center;
+        look_around(s, vantage.slope);
+    }
+    uint ring = RINGS - 1;
     const VoxelPlace place = store_place_in_voxel(s);
     *reach = store_square_of_reach(s, center);
     uint next = 0;
@@ -70,7 +119,8 @@ HOT uint search_table(Store *s, float *reach, uint *visited) {
             return outside;
         }
         // A voxel for each lane, and where its sites stand among those of all.
-        const uint found = gather_voxels(s, place, *reach, &next);
+        const float voxels = limit_in_voxels(s, *reach, &ring);
+        const uint found = gather_voxels(s, place, voxels, &next);
         SiteRange range = (SiteRange){ .begin = 0, .end = 0 };
         if (store_lane(s) < found) {
             range = store_sites_in(s, store_in_window(s, store_lane(s)));
@@ -100,8 +150,7 @@ HOT uint search_table(Store *s, float *reach, uint *visited) {
                 uint key = NO_SITE;
                 if ((window + at) < all) {
                     site = store_in_window(s, at);
-                    const V3 way = store_way_to(s, site);
-                    const uint its = store_key_below(s, v3_dot(way, way));
+                    const uint its = store_key_below(s, reach_of_site(s, vantage.slope, site));
                     if ((site != store_own_site(s)) && (its < limit)) {
                         key = its;
                     }

@@ -29,7 +29,6 @@ INLINE Open still_asked(Store *s, uint vertices, Open open);
 INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint *key);
 HOT Open open_blocks(Store *s, Question question, Open given);
 HOT Vantage vantage_of(Store *s);
-INLINE real reach_of_site(Store *s, Vantage vantage, uint j);
 INLINE real size_around(Store *s);
 HOT uint search_near(Store *s, Vantage vantage, uint *visited, real *proven);
 HOT uint near_key(Store *s, Vantage vantage, real *near);

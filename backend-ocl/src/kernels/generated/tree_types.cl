@@ -287,6 +287,11 @@ typedef struct {
     uint number;
 } Held;
 
+// core/src/cell/ring.rs
+
+// How many rings there are. The last has no end.
+#define RINGS ((uint)(16))
+
 // core/src/cell/table.rs
 
 // What is allowed for the roundings of a distance in voxels, in single precision and below 16, and of its square.
@@ -298,6 +303,8 @@ typedef struct {
 #define NO_GAP ((float)(REAL(0.0)))
 
 #define ONE_VOXEL ((float)(REAL(1.0)))
+
+#define HALF ((float)(REAL(0.5)))
 
 // The number of what is no voxel.
 #define NO_VOXEL ((uint)(0xFFFFFFFF))
@@ -383,3 +390,11 @@ typedef struct {
     real top;
     real bottom;
 } Rest;
+
+// core/src/cell/around.rs
+
+// A node whose extent is less than this share of where the ring begins is not opened.
+#define SMALL_ENOUGH ((real)(REAL(1.0)))
+
+// Less than any weight.
+#define LEAST_OF_ALL ((real)(-REAL(1e300)))

@@ -177,7 +177,7 @@ impl Sites {
             return Ok(None);
         }
         let coarse = Voxels::coarse(range.lo, range.hi, n);
-        shared.params.sort_into(&coarse, &range);
+        shared.params.sort_into(&coarse, &range, shared.will_differ);
         shared.send(context, queue)?;
         self.marks.grow(context, Voxels::most_coarse(n))?;
         self.marks.fill_with(context, queue, 0, coarse.count())?;
@@ -190,7 +190,7 @@ impl Sites {
         self.marks.read(queue, coarse.count(), &mut self.on_host.number)?;
         let filled = self.on_host.number.iter().filter(|&&mark| mark != 0).count();
         let voxels = coarse.over_part(range.lo, range.hi, n, filled, SITES_PER_VOXEL);
-        shared.params.sort_into(&voxels, &range);
+        shared.params.sort_into(&voxels, &range, shared.will_differ);
         shared.send(context, queue)?;
         self.reserve(context, queue, shared, n, voxels.count())?;
 

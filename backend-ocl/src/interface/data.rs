@@ -116,7 +116,7 @@ pub(crate) struct Params {
     pub(crate) has_table: u32,
     /// What to compute: the flags of `integrate_cell`.
     pub(crate) flags: u32,
-    /// 1: all weights are the same.
+    /// 1: all weights are the same; 0 also where they will differ soon.
     pub(crate) equal_weights: u32,
     /// Room for facet records.
     pub(crate) facet_room: u32,

@@ -196,7 +196,7 @@ typedef struct {
     uint has_table;
     // What to compute: the flags of `integrate_cell`.
     uint flags;
-    // 1: all weights are the same.
+    // 1: all weights are the same; 0 also where they will differ soon.
     uint equal_weights;
     // Room for facet records.
     uint facet_room;

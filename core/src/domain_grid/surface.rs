@@ -2,6 +2,8 @@
 
 use super::lattice::Lattice;
 use super::{box_of_triangle, each_voxel};
+use crate::parallel;
+use std::ops::AddAssign;
 
 /// The summed-area table, `dims + 1` entries along each axis, x fastest: entry `(i, j, k)` counts the voxels below
 /// `i`, `j`, `k` on the three axes that some triangle meets. A voxel is never missed; one that a triangle
@@ -26,14 +28,29 @@ pub(super) fn summed_table(vertices: &[[f64; 3]], triangles: &[[u32; 3]], lattic
             }
         });
     }
-    for (stride, period) in [(1, nx), (nx, ny), (nx * ny, nz)] {
-        for i in stride..table.len() {
-            if i / stride % period != 0 {
-                table[i] += table[i - stride];
-            }
-        }
-    }
+    parallel::each(table.chunks_exact_mut(nx * ny), |_, plane| {
+        plane.chunks_exact_mut(nx).for_each(sum_up);
+        add_parts_before(plane, nx);
+    });
+    add_parts_before(&mut table, nx * ny);
     table
+}
+
+/// Makes of each number the sum of those up to it.
+pub(super) fn sum_up<T: Copy + Default + AddAssign>(numbers: &mut [T]) {
+    let mut sum = T::default();
+    for x in numbers {
+        sum += *x;
+        *x = sum;
+    }
+}
+
+/// Adds to each part of such a length, number by number, the one before it, the first first.
+fn add_parts_before(numbers: &mut [u32], length: usize) {
+    for begin in (length..numbers.len()).step_by(length) {
+        let (before, rest) = numbers.split_at_mut(begin);
+        rest[..length].iter_mut().zip(&before[begin - length..]).for_each(|(x, &other)| *x += other);
+    }
 }
 
 /// The number of voxels in the inclusive range that the surface meets.

@@ -5,6 +5,8 @@ use std::ops::RangeInclusive;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 use super::lattice::Lattice;
+use super::surface::sum_up;
+use crate::parallel;
 
 /// The winding number of every voxel's minimum corner; `None` where a line of corners parallel to x meets an edge or
 /// a vertex, or a corner lies on a triangle.
@@ -32,13 +34,10 @@ pub(super) fn windings(
             }
         }
     }
-    for line in windings.chunks_exact_mut(lattice.dims[0] as usize) {
-        let mut winding = 0;
-        for w in line {
-            winding += *w;
-            *w = winding;
-        }
-    }
+    let [along_x, along_y, _] = lattice.dims.map(|n| n as usize);
+    parallel::each(windings.chunks_exact_mut(along_x * along_y), |_, plane| {
+        plane.chunks_exact_mut(along_x).for_each(sum_up);
+    });
     Some(windings)
 }
 

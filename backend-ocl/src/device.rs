@@ -50,7 +50,7 @@ pub(crate) struct Device {
     precision: Precision,
     /// Bytes of its memory.
     memory_size: u64,
-    pub(crate) context: Handle<Context>,
+    pub(crate) context: Arc<Handle<Context>>,
     pub(crate) queue: Handle<CommandQueue>,
     pub(crate) grid_kernels: GridKernels,
     programs: Programs,
@@ -140,7 +140,7 @@ impl Device {
             together,
             precision,
             memory_size: found.info.memory,
-            context,
+            context: Arc::new(context),
             queue,
             grid_kernels,
             programs: Programs::default(),

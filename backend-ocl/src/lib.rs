@@ -3,6 +3,7 @@
 //! The loader is found at run time: this builds, and says what is missing, on a machine without OpenCL.
 
 mod again;
+mod ahead;
 mod algebra;
 mod believed;
 mod buffer;

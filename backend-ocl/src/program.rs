@@ -1,5 +1,6 @@
 //! The kernels: built as they are needed, and kept.
 
+use crate::ahead::{Ahead, Key};
 use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
@@ -11,6 +12,7 @@ use crate::interface::kernels::{
     SettleRuns, SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs,
 };
 use crate::launch::Kernel;
+use crate::platform::DeviceId;
 use laguerre_core::{Error, ErrorKind, Result};
 use opencl3::context::Context;
 use opencl3::error_codes::{CL_BUILD_PROGRAM_FAILURE, CL_INVALID_BUILD_OPTIONS, ClError};
@@ -20,6 +22,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
+use std::sync::Arc;
 
 /// Most half-spaces that a work-item has room for; what needs more is the host's.
 pub(crate) const MOST_PLANES: u32 = 216;
@@ -136,10 +139,11 @@ impl GridKernels {
     }
 }
 
-/// All builds so far.
+/// All builds so far, and those that are being made.
 #[derive(Default)]
 pub(crate) struct Programs {
-    built: HashMap<(Way, Asked), Kernels>,
+    built: HashMap<Key, Kernels>,
+    ahead: Option<Ahead>,
 }
 
 impl Programs {
@@ -151,15 +155,50 @@ impl Programs {
         way: Way,
         params: &Params,
     ) -> Result<&mut Kernels> {
-        let asked = Asked::of(params, way);
-        match self.built.entry((way, asked)) {
+        let key = (way, Asked::of(params, way));
+        match self.built.entry(key) {
             Entry::Occupied(built) => Ok(built.into_mut()),
-            Entry::Vacant(place) => Ok(place.insert(build(context, device, way, asked)?)),
+            Entry::Vacant(place) => {
+                let ahead = self.ahead.as_mut().and_then(|ahead| ahead.take(key));
+                let built = ahead.unwrap_or_else(|| build(context, device, key.0, key.1));
+                Ok(place.insert(built?))
+            }
+        }
+    }
+
+    /// Begins to build what these ways ask for, as far as it is not there, for whoever asks until [`settle`](Self::settle) is called.
+    pub(crate) fn build_ahead(
+        &mut self,
+        context: &Arc<Handle<Context>>,
+        device: DeviceId,
+        ways: &[Way],
+        params: &Params,
+    ) {
+        self.settle();
+        let keys = ways.iter().map(|&way| (way, Asked::of(params, way)));
+        let keys: Vec<Key> = keys.filter(|key| !self.built.contains_key(key)).collect();
+        if !keys.is_empty() {
+            self.ahead = Ahead::begin(context.clone(), device, keys);
+        }
+    }
+
+    /// Begins no more builds, and keeps those that nobody has asked for. (No thread may be in the driver when a process ends.)
+    pub(crate) fn settle(&mut self) {
+        for (key, built) in self.ahead.take().into_iter().flat_map(Ahead::end) {
+            if let Ok(kernels) = built {
+                self.built.insert(key, kernels);
+            }
         }
     }
 }
 
-fn build(context: &Context, device: cl_device_id, way: Way, asked: Asked) -> Result<Kernels> {
+impl Drop for Programs {
+    fn drop(&mut self) {
+        self.settle();
+    }
+}
+
+pub(crate) fn build(context: &Context, device: cl_device_id, way: Way, asked: Asked) -> Result<Kernels> {
     let program = compile(context, device, Build::Cells(way, asked))?;
     let cells = Kernel::new(&program)?;
     let (group, per_cell) = way.group();

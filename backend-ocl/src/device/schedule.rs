@@ -8,6 +8,7 @@ use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;
 use crate::interface::data::{Counters, VAST_WORDS};
 use crate::interface::kernels::{self, LookAbout, World};
+use crate::platform::DeviceId;
 use crate::program::MOST_PLANES;
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
@@ -22,6 +23,10 @@ pub(super) const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 /// Work-items over which few cells are spread that are computed alone, where work-items run in step: so that none waits for another, which goes
 /// another way (579 cells at the edge of a cloud: 0.143 to 0.038 s, one NVIDIA H200). About as many as a large GPU runs at a time.
 const FEW_ITEMS: usize = 1 << 16;
+
+/// Cells of which some need each stage that may come: from here on these are built before (`ahead.rs`). Those that need more room are fewer: 5 of a million white ones.
+const WORTH_BUILDING_AHEAD: usize = 1 << 18;
+const WORTH_BUILDING_LARGE: usize = 1 << 19;
 
 /// Cells of a pass: a range of sorted sites, or as many as stand in `todo`.
 #[derive(Clone, Debug)]
@@ -77,6 +82,9 @@ impl Device {
             Some(lanes) if self.begins_in_single() => Some((lanes, Stage::Single)),
             _ => together.map(|lanes| (lanes, Stage::First)),
         };
+        if let Some((lanes, stage)) = begin {
+            self.build_ahead(request, lanes, stage, share.len());
+        }
         let mut for_host = Vec::new();
         let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
             if room.planes > MOST_PLANES {
@@ -86,6 +94,7 @@ impl Device {
             let together = begin.filter(|_| room == first);
             self.pass(request, room, todo, room == first, together, &mut for_host)
         })?;
+        self.programs.settle();
         let left = self.counters.left as usize;
         if left > 0 {
             std::mem::swap(&mut self.memory.todo, &mut self.memory.left);
@@ -114,6 +123,36 @@ impl Device {
             memory.rows.read(queue, sites, &mut results.rows)?;
         }
         Ok(())
+    }
+
+    /// Begins to build the stages that come after `begin` where cells are so many that some need each.
+    fn build_ahead(&mut self, request: &Request, lanes: Lanes, begin: Stage, cells: usize) {
+        if cells < WORTH_BUILDING_AHEAD {
+            return;
+        }
+        let is_tree = self.is_tree();
+        let stages = [
+            (Stage::First, begin == Stage::Single),
+            (Stage::Facets, request.needs_facets()),
+            (Stage::Surface, self.domain.is_some()),
+            (Stage::Far, is_tree && begin != Stage::Far),
+            (Stage::Exact, !is_tree),
+            (self.stage_of_large(request), cells >= WORTH_BUILDING_LARGE),
+        ];
+        let ways = stages.into_iter().filter(|&(_, is_needed)| is_needed).map(|(stage, _)| Way::Together(lanes, stage));
+        let ways: Vec<Way> = ways.collect();
+        self.programs.build_ahead(&self.context, DeviceId(self.id), &ways, &self.shared.params);
+    }
+
+    /// Whether what the first stage does not complete is found by the tree.
+    fn is_tree(&self) -> bool {
+        self.shared.params.has_table == 0 || self.shared.params.equal_weights == 0
+    }
+
+    /// The stage of cells that need more room. (What of facets is asked for may leave signs open: so a cell ends in the same stage whatever that is, and has the
+    /// same bits.)
+    fn stage_of_large(&self, request: &Request) -> Stage {
+        if request.needs_facets() && self.domain.is_some() { Stage::Wide } else { Stage::Large }
     }
 
     /// Whether single precision was asked for, and can do what is: volumes and barycenters of cells that the table of offsets proves complete.
@@ -183,10 +222,9 @@ impl Device {
                 now = Todo::Listed(counters.later as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.later);
                 counters.later = 0;
-                let is_tree = self.shared.params.has_table == 0 || self.shared.params.equal_weights == 0;
                 let next = match stage {
                     Stage::Single if are_few => Stage::First,
-                    Stage::First if is_tree => Stage::Far,
+                    Stage::First if self.is_tree() => Stage::Far,
                     Stage::Large => Stage::Wide,
                     _ => Stage::Exact,
                 };
@@ -209,9 +247,7 @@ impl Device {
                 }
                 way = match stage {
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
-                    // (What of facets is asked for may leave signs open: so a cell ends in the same stage whatever that is, and has the same bits.)
-                    _ if request.needs_facets() && self.domain.is_some() => Way::Together(lanes, Stage::Wide),
-                    _ => Way::Together(lanes, Stage::Large),
+                    _ => Way::Together(lanes, self.stage_of_large(request)),
                 };
                 interior_only = false;
                 is_second = true;

@@ -2,7 +2,11 @@
 
 use super::Device;
 #[cfg(feature = "test-util")]
+use crate::builds::{Lanes, Stage, Way};
+#[cfg(feature = "test-util")]
 use crate::interface::data::{FEW_SUMS, OUTCOME_STATUS};
+#[cfg(feature = "test-util")]
+use crate::platform::DeviceId;
 use crate::platform::choose;
 use laguerre_core::cell::ring::{RINGS, end_of_ring};
 #[cfg(feature = "test-util")]
@@ -195,4 +199,26 @@ fn open() -> Option<Device> {
         "ocl",
         choose(&DeviceChoice::First, Precision::F64).and_then(|found| Device::open(&found[0], Precision::F64)),
     )
+}
+
+/// Builds that are made ahead are given to whoever asks for them, in any order, and what is left of them is kept.
+#[cfg(feature = "test-util")]
+#[test]
+fn builds_made_ahead_are_taken() {
+    let Some(mut device) = open() else { return };
+    device.share_cells();
+    let diagram = PowerDiagram::new(&spread(100), &[]).unwrap().in_box([0.0; 3], [2.0; 3]).unwrap();
+    device.bring_sites(&diagram).unwrap();
+    device.load(&diagram.framed_container().unwrap(), &Request::moments(), None).unwrap();
+    device.sort(&|| Ok(false)).unwrap().unwrap();
+    let Device { programs, context, shared, id, .. } = &mut device;
+    let [first, surface, far] =
+        [Stage::First, Stage::Surface, Stage::Far].map(|stage| Way::Together(Lanes::One, stage));
+    programs.build_ahead(context, DeviceId(*id), &[first, surface, far], &shared.params);
+    for way in [surface, first, surface] {
+        assert_eq!(programs.get(context, *id, way, &shared.params).unwrap().per_cell, 1);
+    }
+    programs.settle();
+    // (The last has been begun, or not.)
+    assert_eq!(programs.get(context, *id, far, &shared.params).unwrap().per_cell, 1);
 }

@@ -12,10 +12,11 @@ const FACETS_PER_CELL: usize = 18;
 /// Facets of a cell at most, of those that are computed on a device (`LANES_P` of `lanes_store.cl`).
 const MOST_FACETS: usize = 512;
 
-/// Cells of a batch at most, the share of the device's memory that its facets may take, and the smallest that is tried where even that
-/// is not to be had.
+/// Cells of a batch at most, the share of the device's memory that its facets may take, that which those of all cells may where they stay there (a fourth is
+/// what OpenCL gives at a time: of 27 million sites on 80 GB), and the smallest batch that is tried where even that is not to be had.
 pub(super) const MOST_CELLS: usize = 1 << 21;
 const SHARE_OF_MEMORY: u64 = 8;
+const SHARE_OF_KEPT: u64 = 4;
 pub(super) const FEWEST_CELLS: usize = 1024;
 
 /// Cells at most that are computed at a time where they are too large for local memory: on a large GPU four for each of its processors.
@@ -87,9 +88,9 @@ impl Device {
         let second = if request.facet_second_moments() { size_of::<FacetSecond>() } else { 0 };
         let length = if self.shares_cells() { RECORD_LENGTH } else { 0 };
         let of_facets = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
-        let share = |bytes: usize| (self.memory_size / SHARE_OF_MEMORY) as usize / bytes;
-        let most_kept = share(of_facets).min(self.most_cells);
-        let mut batch = share(of_facets + length * size_of::<[u32; 4]>())
+        let share = |of: u64, bytes: usize| (self.memory_size / of) as usize / bytes;
+        let most_kept = share(SHARE_OF_KEPT, of_facets).min(self.most_cells);
+        let mut batch = share(SHARE_OF_MEMORY, of_facets + length * size_of::<[u32; 4]>())
             .min(most)
             .max(FEWEST_CELLS)
             .min(count.max(self.most_cells));

@@ -117,9 +117,10 @@ pub(crate) enum Stage {
     Surface,
     /// Where facets are asked for all that the stages before have finished; those that the surface cuts are `Surface`'s.
     Facets,
-    /// Those that are completed by their vertices, where the tree is searched, or reach far outside the domain; those are given up that double-double does not decide.
+    /// Those that are completed by their vertices, where the tree is searched or weights differ, or reach far outside the domain; those are given up that
+    /// double-double does not decide.
     Far,
-    /// Those that need exact signs, or where the table of offsets is searched sites beyond it, or that then reach far outside the domain.
+    /// Those that need exact signs, or where equal weights go through the table of offsets sites beyond it, or that then reach far outside the domain.
     Exact,
     /// Those that need more room, where the tree is searched; those are given up that double-double does not decide.
     Large,

@@ -205,7 +205,8 @@ impl Device {
         self.evaluation = EVALUATIONS.fetch_add(1, Ordering::Relaxed);
         self.made = None;
         self.shared.params = Params::new(container, request, integrand);
-        self.shared.will_differ = request.keeps_laplacian() && self.together.is_some();
+        self.shared.is_shared = self.lanes(request).is_some();
+        self.shared.will_differ = self.shared.is_shared && request.keeps_laplacian();
         let Self { context, queue, memory, shared, grid_kernels, .. } = self;
         memory.integrand.fill(context, queue, &integrand.map_or(Vec::new(), FramedIntegrand::table))?;
         let grid = container.shared_grid();

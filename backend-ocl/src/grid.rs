@@ -233,7 +233,7 @@ impl Sites {
         self.flag.read(queue, 1, &mut self.on_host.number)?;
         shared.params.has_table = u32::from(self.on_host.number[0] == 0);
         self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
-        if shared.params.has_table != 0 && shared.params.equal_weights == 0 {
+        if shared.is_shared && shared.params.has_table != 0 && shared.params.equal_weights == 0 {
             let count = blocks_of_leaves(sites as usize);
             kernels.look_at_rings.run(
                 queue,

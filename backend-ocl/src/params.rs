@@ -115,13 +115,14 @@ fn sums_of(request: &Request) -> u32 {
 pub(crate) struct Shared {
     pub(crate) params: Params,
     pub(crate) room: Room<Params>,
-    /// Whether weights are about to differ.
+    /// Whether work-items share cells, and whether weights are about to differ.
+    pub(crate) is_shared: bool,
     pub(crate) will_differ: bool,
 }
 
 impl Shared {
     pub(crate) fn new() -> Self {
-        Self { params: Params::default(), room: Room::new("parameters"), will_differ: false }
+        Self { params: Params::default(), room: Room::new("parameters"), is_shared: false, will_differ: false }
     }
 
     /// Brings the parameters to the device.

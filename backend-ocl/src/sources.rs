@@ -15,7 +15,7 @@ const FILES: &[(&str, &str)] = files![
     "lanes_surface.cl" "lanes_table.cl" "lanes_talk.cl" "lanes_tree.cl" "marks.cl" "node_source.cl" "octree_store.cl" "one_lane.cl" "order.cl" "output.cl"
     "params.cl" "power_octree.cl" "prelude.cl" "rough.cl" "search.cl" "single.cl" "single_prelude.cl" "single_store.cl" "sites.cl" "store.cl"
     "surface_table.cl" "table_store.cl" "ties.cl" "totals.cl" "tree_alone.cl" "tree_store.cl" "world.cl"
-    "generated/bound.cl" "generated/boxes.cl" "generated/candidate_search.cl" "generated/candidates.cl" "generated/cap.cl" "generated/around.cl" "generated/cell.cl" "generated/cell_alone.cl"
+    "generated/around.cl" "generated/bound.cl" "generated/boxes.cl" "generated/candidate_search.cl" "generated/candidates.cl" "generated/cap.cl" "generated/cell.cl" "generated/cell_alone.cl"
     "generated/cell_types.cl" "generated/clip.cl" "generated/cone.cl" "generated/expansion.cl" "generated/facet.cl"
     "generated/far.cl" "generated/first.cl" "generated/integrate.cl" "generated/interface.cl" "generated/near.cl" "generated/node.cl"
     "generated/nodes.cl" "generated/octree.cl" "generated/part.cl" "generated/plane.cl" "generated/quadratic.cl" "generated/quadrature.cl" "generated/restrict.cl" "generated/ring.cl"

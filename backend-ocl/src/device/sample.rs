@@ -66,7 +66,7 @@ impl Device {
     /// do, or cells of steep or rough weights. (Not asked of a domain, unless weights differ.)
     ///
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
-    /// not completed with exact signs, either.
+    /// not completed with exact signs, either. (Where weights differ both are `Far`'s.)
     pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<()> {
         let has_weights = self.shared.params.equal_weights == 0;
         if self.shared.params.has_table == 0 || (self.domain.is_some() && !has_weights) || share.len() < WORTH_A_SAMPLE

@@ -93,8 +93,9 @@ impl Device {
             }
             let together = begin.filter(|_| room == first);
             self.pass(request, room, todo, room == first, together, &mut for_host)
-        })?;
+        });
         self.programs.settle();
+        let passes = passes?;
         let left = self.counters.left as usize;
         if left > 0 {
             std::mem::swap(&mut self.memory.todo, &mut self.memory.left);

@@ -41,7 +41,8 @@ INLINE real store_largest_in_ring(Store *s, uint block, uint ring) { return s->w
 INLINE float store_excess_around(Store *s, uint ring) { return s->cell->around[ring]; }
 INLINE void store_set_excess_around(Store *s, uint ring, real excess) {
     const double per_width = s->world.params->grid_per_width;
-    s->cell->around[ring] = fmax(convert_float_rtp((excess * per_width) * per_width) * ROUGH_SAFE, 0.0f);
+    // (What is no number stays so, and proves nothing.)
+    s->cell->around[ring] = (excess <= REAL(0.0)) ? 0.0f : (convert_float_rtp((excess * per_width) * per_width) * ROUGH_SAFE);
 }
 #else
 // (Weights are the same.)

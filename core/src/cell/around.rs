@@ -6,8 +6,9 @@ use super::ring::{less_slope, level_of_block};
 use super::search_store::{NodeBox, NodeWeights, WIDTH};
 use super::vector::{Real, V3, add, dot, larger, scale, sub};
 
-/// A node whose extent is less than this share of where the ring begins is not opened.
-const SMALL_ENOUGH: Real = 1.0;
+/// A node whose extent is less than where the ring begins is not opened, nor one whose extent is less than this share of the block's own: a block that spans a gap
+/// between sites is as large as what it would be gone through.
+const SHARE_OF_BLOCK: Real = 0.25;
 
 /// Less than any weight.
 const LEAST_OF_ALL: Real = -1e300;
@@ -53,7 +54,8 @@ pub fn largest_around<S: AroundSource>(s: &S, own: u32, begin: Real, end: Real) 
     let slope: V3 = s.node_weights(level_of_block(top), own).slope;
     let seer: Seer = Seer { site: middle, excess: 0.0, has_weights: true };
     let within: Real = (end * end) * (1.0 + FEW_ROUNDINGS_OF_SUM);
-    let small: Real = (SMALL_ENOUGH * SMALL_ENOUGH) * (begin * begin);
+    let own_extent: V3 = sub(bounds.hi, bounds.lo);
+    let small: Real = larger(begin * begin, (SHARE_OF_BLOCK * SHARE_OF_BLOCK) * dot(own_extent, own_extent));
     let mut largest: Real = LEAST_OF_ALL;
     let mut level: u32 = top;
     let mut node: u32 = 0;

@@ -61,7 +61,8 @@ pub struct SiteRange {
     pub end: u32,
 }
 
-/// What the search of the table needs beside the tree's. Its `square_of_reach` is 0 where the cell is known to be outside the domain, and weights do not differ.
+/// What the search of the table needs beside the tree's. A cell that is known to be outside the domain has a `square_of_reach` of 0 where weights are the same; where
+/// they differ `cut_by` says that it is `EMPTY`.
 pub trait TableStore: SearchStore {
     /// Number of offsets in the table.
     fn offsets(&self) -> u32;

@@ -39,13 +39,13 @@ const ALONE_FILES: [&str; 2] = ["clip", "restrict"];
 /// The files of the search for the sites that cut a cell.
 const SEARCH_FILES: [&str; 8] = ["search_store", "quadratic", "bound", "octree", "tree", "search", "far", "boxes"];
 
-/// The files of what either search does with the sites that it finds; the last has types of its own, as below.
+/// The files of what either search does with the sites that it finds; the last has types of its own.
 const CANDIDATE_FILES: [&str; 3] = ["quadratic", "bound", "candidates"];
 
 /// The files of the search of even sites before it.
 const TABLE_FILES: [&str; 2] = ["ring", "table"];
 
-/// The files of what bounds the nodes of the tree, and of what is around some, which know no cell.
+/// The files of what bounds the nodes of the tree, and of what is around some, which know no cell; the last two have types of their own.
 const NODE_FILES: [&str; 7] = ["vector", "quadratic", "bound", "octree", "ring", "around", "node"];
 
 /// Generated files, besides one for each module's functions: constants and structs, which the store is made of; the functions of several modules, as their

@@ -21,7 +21,8 @@ HOT real largest_around(Store *s, uint own, real begin, real end) {
     const V3 slope = store_node_weights(s, level_of_block(top), own).slope;
     const Seer seer = (Seer){ .site = middle, .excess = REAL(0.0), .has_weights = 1 };
     const real within = (end * end) * (REAL(1.0) + FEW_ROUNDINGS_OF_SUM);
-    const real small = (SMALL_ENOUGH * SMALL_ENOUGH) * (begin * begin);
+    const V3 own_extent = sub(bounds.hi, bounds.lo);
+    const real small = larger(begin * begin, (SHARE_OF_BLOCK * SHARE_OF_BLOCK) * v3_dot(own_extent, own_extent));
     real largest = LEAST_OF_ALL;
     uint level = top;
     uint node = 0;

@@ -393,8 +393,9 @@ typedef struct {
 
 // core/src/cell/around.rs
 
-// A node whose extent is less than this share of where the ring begins is not opened.
-#define SMALL_ENOUGH ((real)(REAL(1.0)))
+// A node whose extent is less than where the ring begins is not opened, nor one whose extent is less than this share of the block's own: a block that spans a gap
+// between sites is as large as what it would be gone through.
+#define SHARE_OF_BLOCK ((real)(REAL(0.25)))
 
 // Less than any weight.
 #define LEAST_OF_ALL ((real)(-REAL(1e300)))

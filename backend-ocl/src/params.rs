@@ -63,7 +63,8 @@ impl Params {
     }
 
     /// Whoever keeps the Laplacian is about to change weights, and needs the builds for weights that differ: where all are the same at first, a million white
-    /// sites take 9 ms more so, and four builds less are to be compiled (12 of 24 s) and brought to the device (40 ms; one NVIDIA H100).
+    /// sites take 9 ms more so, and four builds less are to be compiled (8 of 24 s) and brought to the device (40 ms; one NVIDIA H100). (Their last bits may be
+    /// others than without.)
     fn weigh(&mut self, range: &Range, will_differ: bool) {
         self.smallest_weight = range.smallest_weight;
         self.largest_weight = range.largest_weight;

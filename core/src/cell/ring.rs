@@ -1,6 +1,7 @@
-//! The rings about a block of leaves of the tree, of which it is known what their sites weigh at most: for the search of the table of voxels, where
-//! weights differ.
+//! A site's block of leaves of the tree; and the rings about it, of which it is known what their sites weigh at most: for the search of the table of voxels,
+//! where weights differ.
 
+use super::search_store::WIDTH;
 use super::vector::{Real, V3};
 
 /// How many rings there are. The last has no end.
@@ -19,6 +20,12 @@ pub fn level_of_block(top_level: u32) -> u32 {
         return 0;
     }
     return 1;
+}
+
+/// The block of leaves of a site, a node of that level.
+#[inline(always)]
+pub fn block_of_site(top_level: u32, site: u32) -> u32 {
+    return (site / WIDTH) >> (3 * level_of_block(top_level));
 }
 
 /// A weight less what a slope makes of the way to its site, and the size of what is summed.

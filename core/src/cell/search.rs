@@ -14,6 +14,7 @@
 //! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
 
 use super::candidates::{Held, key_limit, nearest_held, reach_of_site, take_held, visit_candidates};
+use super::ring::{block_of_site, level_of_block};
 use super::search_store::{
     HOME_KNOWN, HOME_UNKNOWN, LEAVES_AT_ONCE, MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH,
 };
@@ -78,12 +79,8 @@ pub fn vantage_of<S: SearchStore>(s: &S) -> Vantage {
     if !s.has_weights() {
         return vantage;
     }
-    // The leaf's block, where the tree has more than one.
-    let mut level: u32 = 1;
-    if s.top_level() == 0 {
-        level = 0;
-    }
-    let node: u32 = (s.own_site() / WIDTH) >> (3 * level);
+    let level: u32 = level_of_block(s.top_level());
+    let node: u32 = block_of_site(s.top_level(), s.own_site());
     let bounds: NodeBox = s.node_box(level, node);
     let weights: NodeWeights = s.node_weights(level, node);
     let way: V3 = sub(s.site(), scale(0.5, add(bounds.lo, bounds.hi)));

@@ -6,9 +6,9 @@
 
 use super::candidates::{reach_of_site, visit_candidates};
 use super::quadratic::FEW_ROUNDINGS_OF_SUM;
-use super::ring::{RINGS, end_of_ring, less_slope, level_of_block};
+use super::ring::{RINGS, block_of_site, end_of_ring, less_slope, level_of_block};
 use super::search::Vantage;
-use super::search_store::{HOME_UNKNOWN, NO_SITE, NodeBox, SearchStore, WIDTH};
+use super::search_store::{HOME_UNKNOWN, NO_SITE, NodeBox, SearchStore};
 use super::status::{COMPLETE, CUT, EMPTY, UNTOUCHED};
 use super::vector::{Real, Rough, V3, add, scale, sub, v3};
 
@@ -99,17 +99,16 @@ pub trait TableStore: SearchStore {
 /// From where a cell is searched where weights differ: by the slope of its block of leaves.
 #[inline(always)]
 pub fn vantage_in_block<S: TableStore>(s: &S) -> Vantage {
-    let level: u32 = level_of_block(s.top_level());
-    let slope: V3 = s.node_weights(level, (s.own_site() / WIDTH) >> (3 * level)).slope;
+    let block: u32 = block_of_site(s.top_level(), s.own_site());
+    let slope: V3 = s.node_weights(level_of_block(s.top_level()), block).slope;
     return Vantage { slope: slope, center: scale(-0.5, slope), lambda: 0.5, home: HOME_UNKNOWN };
 }
 
 /// Finds what the sites around weigh more than the cell's.
 #[inline(always)]
 fn look_around<S: TableStore>(s: &mut S, slope: V3) {
-    let level: u32 = level_of_block(s.top_level());
-    let block: u32 = (s.own_site() / WIDTH) >> (3 * level);
-    let bounds: NodeBox = s.node_box(level, block);
+    let block: u32 = block_of_site(s.top_level(), s.own_site());
+    let bounds: NodeBox = s.node_box(level_of_block(s.top_level()), block);
     let way: V3 = sub(s.site(), scale(0.5, add(bounds.lo, bounds.hi)));
     let mut size: Real = 0.0;
     let own: Real = less_slope(s.own_excess(), slope, way, &mut size);

@@ -39,11 +39,11 @@ const ALONE_FILES: [&str; 2] = ["clip", "restrict"];
 /// The files of the search for the sites that cut a cell.
 const SEARCH_FILES: [&str; 8] = ["search_store", "quadratic", "bound", "octree", "tree", "search", "far", "boxes"];
 
-/// The files of what either search does with the sites that it finds; the last has types of its own.
-const CANDIDATE_FILES: [&str; 3] = ["quadratic", "bound", "candidates"];
+/// The files of what either search asks and does with the sites that it finds; the last two have types of their own.
+const CANDIDATE_FILES: [&str; 4] = ["quadratic", "bound", "ring", "candidates"];
 
-/// The files of the search of even sites before it.
-const TABLE_FILES: [&str; 2] = ["ring", "table"];
+/// The file of the search of even sites before it.
+const TABLE_FILES: [&str; 1] = ["table"];
 
 /// The files of what bounds the nodes of the tree, and of what is around some, which know no cell; the last two have types of their own.
 const NODE_FILES: [&str; 7] = ["vector", "quadratic", "bound", "octree", "ring", "around", "node"];
@@ -145,7 +145,7 @@ fn generate(root: &Path) -> Result<BTreeMap<String, String>, String> {
     let candidates = group_of(&CANDIDATE_FILES)?;
     let table = group_of(&TABLE_FILES)?;
     let nodes = group_of(&NODE_FILES)?;
-    let [of_node, of_around, of_candidates] = ["node", "around", "candidates"].map(|name| group_of(&[name]));
+    let [of_node, of_around, of_candidates] = [&["node"][..], &["around"], &["ring", "candidates"]].map(group_of);
     let parity::Parity { kernels, table: parity_table } =
         parity::parity(&cell.units.iter().chain(&alone.units).collect::<Vec<_>>())?;
     let search_types =

@@ -11,6 +11,10 @@ INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeig
 INLINE real least_of_node(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
 INLINE real least_power_of_node(Seer seer, V3 v, NodeBox bounds, NodeSlab slab, NodeWeights weights);
 INLINE real reach_of_bisector(V3 g, V3 d, real excess);
+INLINE uint end_of_ring(uint ring);
+INLINE uint level_of_block(uint top_level);
+INLINE uint block_of_site(uint top_level, uint site);
+INLINE real less_slope(real excess, V3 slope, V3 way, real *size);
 INLINE real reach_of_site(Store *s, V3 slope, uint j);
 INLINE Held nearest_held(Store *s, uint count);
 INLINE uint take_held(Store *s, Held held, uint least);
@@ -19,4 +23,5 @@ INLINE uint key_limit(Store *s, float reach, uint below);
 
 #import "generated/quadratic.cl"
 #import "generated/bound.cl"
+#import "generated/ring.cl"
 #import "generated/candidates.cl"

@@ -32,6 +32,7 @@ INLINE real more_power(SeenSite site, SeenSite other, V3 halves);
 INLINE float way_home(V3 site, real power, V3 first, real least);
 INLINE uint end_of_ring(uint ring);
 INLINE uint level_of_block(uint top_level);
+INLINE uint block_of_site(uint top_level, uint site);
 INLINE real less_slope(real excess, V3 slope, V3 way, real *size);
 INLINE real gap_between(real lo, real hi, real its_lo, real its_hi);
 INLINE real square_between(NodeBox a, NodeBox b);

@@ -13,6 +13,11 @@ INLINE uint level_of_block(uint top_level) {
     return 1;
 }
 
+// The block of leaves of a site, a node of that level.
+INLINE uint block_of_site(uint top_level, uint site) {
+    return (site / WIDTH) >> (3 * level_of_block(top_level));
+}
+
 // A weight less what a slope makes of the way to its site, and the size of what is summed.
 INLINE real less_slope(real excess, V3 slope, V3 way, real *size) {
     const real x = slope.x * way.x;

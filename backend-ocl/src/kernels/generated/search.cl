@@ -14,12 +14,8 @@ HOT Vantage vantage_of(Store *s) {
     if (!store_has_weights(s)) {
         return vantage;
     }
-    // The leaf's block, where the tree has more than one.
-    uint level = 1;
-    if (store_top_level(s) == 0) {
-        level = 0;
-    }
-    const uint node = (store_own_site(s) / WIDTH) >> (3 * level);
+    const uint level = level_of_block(store_top_level(s));
+    const uint node = block_of_site(store_top_level(s), store_own_site(s));
     const NodeBox bounds = store_node_box(s, level, node);
     const NodeWeights weights = store_node_weights(s, level, node);
     const V3 way = sub(store_site(s), scale(REAL(0.5), add(bounds.lo, bounds.hi)));

@@ -2,16 +2,15 @@
 
 // From where a cell is searched where weights differ: by the slope of its block of leaves.
 INLINE Vantage vantage_in_block(Store *s) {
-    const uint level = level_of_block(store_top_level(s));
-    const V3 slope = store_node_weights(s, level, (store_own_site(s) / WIDTH) >> (3 * level)).slope;
+    const uint block = block_of_site(store_top_level(s), store_own_site(s));
+    const V3 slope = store_node_weights(s, level_of_block(store_top_level(s)), block).slope;
     return (Vantage){ .slope = slope, .center = scale(-REAL(0.5), slope), .lambda = REAL(0.5), .home = HOME_UNKNOWN };
 }
 
 // Finds what the sites around weigh more than the cell's.
 INLINE void look_around(Store *s, V3 slope) {
-    const uint level = level_of_block(store_top_level(s));
-    const uint block = (store_own_site(s) / WIDTH) >> (3 * level);
-    const NodeBox bounds = store_node_box(s, level, block);
+    const uint block = block_of_site(store_top_level(s), store_own_site(s));
+    const NodeBox bounds = store_node_box(s, level_of_block(store_top_level(s)), block);
     const V3 way = sub(store_site(s), scale(REAL(0.5), add(bounds.lo, bounds.hi)));
     real size = REAL(0.0);
     const real own = less_slope(store_own_excess(s), slope, way, &size);

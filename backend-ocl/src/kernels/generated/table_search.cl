@@ -2,9 +2,6 @@
 
 #import "generated/candidate_search.cl"
 
-INLINE uint end_of_ring(uint ring);
-INLINE uint level_of_block(uint top_level);
-INLINE real less_slope(real excess, V3 slope, V3 way, real *size);
 INLINE Vantage vantage_in_block(Store *s);
 INLINE void look_around(Store *s, V3 slope);
 INLINE float limit_in_voxels(Store *s, float reach, uint *ring);
@@ -12,5 +9,4 @@ INLINE float gap_to_voxel(int offset, float place);
 INLINE uint gather_voxels(Store *s, VoxelPlace place, float limit, uint *next);
 HOT uint search_table(Store *s, Vantage vantage, float *reach, uint *visited);
 
-#import "generated/ring.cl"
 #import "generated/table.cl"

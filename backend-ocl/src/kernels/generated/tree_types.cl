@@ -269,6 +269,11 @@ typedef struct {
 #define NO_END ((real)(REAL(1e300)))
 #endif
 
+// core/src/cell/ring.rs
+
+// How many rings there are. The last has no end.
+#define RINGS ((uint)(16))
+
 // core/src/cell/candidates.rs
 
 // Cuts since the last look after which it is looked which of the candidates may still cut the cell: by each lane those that it holds. (Of the sites that a white
@@ -286,11 +291,6 @@ typedef struct {
     // Its number.
     uint number;
 } Held;
-
-// core/src/cell/ring.rs
-
-// How many rings there are. The last has no end.
-#define RINGS ((uint)(16))
 
 // core/src/cell/table.rs
 

@@ -172,15 +172,23 @@ impl Domain {
     #[doc(hidden)]
     pub fn grid(&self, sites: usize) -> &Arc<DomainGrid> {
         let level = (sites.max(1).next_power_of_two().trailing_zeros() as usize).clamp(FEWEST, FEWEST + LEVELS - 1);
-        self.inner.grids[level - FEWEST].get_or_init(|| {
-            let vertices: Vec<[f64; 3]> = self.inner.vertices.iter().map(|&v| self.inner.frame.enter(v)).collect();
-            let (lo, hi) = self.bounding_box();
-            let unit = self.inner.frame.unit();
-            let extent = (0..3).map(|k| (hi[k] - lo[k]) / unit).product::<f64>();
-            let share = (self.inner.volume / (unit * unit * unit) / extent).clamp(SMALLEST_SHARE, 1.0);
-            let in_box = f64::from(1_u32 << level) / share;
-            Arc::new(DomainGrid::new(&vertices, &self.inner.triangles, &self.inner.times, in_box as usize))
-        })
+        let kept = &self.inner.grids[level - FEWEST];
+        if let Some(grid) = kept.get() {
+            return grid;
+        }
+        // (Before it is kept, not while others wait for it: a thread of a pool that waits for parts of a grid may take up a task that asks for the same grid.)
+        let made = self.made_grid(level);
+        kept.get_or_init(|| Arc::new(made))
+    }
+
+    fn made_grid(&self, level: usize) -> DomainGrid {
+        let vertices: Vec<[f64; 3]> = self.inner.vertices.iter().map(|&v| self.inner.frame.enter(v)).collect();
+        let (lo, hi) = self.bounding_box();
+        let unit = self.inner.frame.unit();
+        let extent = (0..3).map(|k| (hi[k] - lo[k]) / unit).product::<f64>();
+        let share = (self.inner.volume / (unit * unit * unit) / extent).clamp(SMALLEST_SHARE, 1.0);
+        let in_box = f64::from(1_u32 << level) / share;
+        DomainGrid::new(&vertices, &self.inner.triangles, &self.inner.times, in_box as usize)
     }
 }
 

@@ -4,7 +4,8 @@ mod coarser;
 
 use crate::buffer::Room;
 use crate::device::Device;
-use crate::evaluate::{Ocl, on_device};
+use crate::devices::on_device;
+use crate::evaluate::Ocl;
 use crate::grid::GROUP;
 use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
 use crate::interface::kernels::{
@@ -16,7 +17,6 @@ use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, ErrorKind, Laplacian, Result};
 use rayon::prelude::*;
-use std::sync::PoisonError;
 
 /// Numbers that one group adds up.
 const SUMMED: usize = GROUP * SUM_EACH as usize;
@@ -80,6 +80,11 @@ fn matrix(a: &Held) -> Result<&Matrix> {
     Ok(&a.own::<OnDevice<Matrix>>()?.0)
 }
 
+fn of_first<T>(devices: &mut [Device], work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
+    let device = devices.first_mut().ok_or_else(|| Error::new(ErrorKind::Device, "no device is open"))?;
+    work(device).map_err(|error| on_device(error, &device.name))
+}
+
 impl Device {
     /// The Laplacian that is there, if it is this one.
     fn kept(&self, kept: &Kept) -> Option<MadeLaplacian> {
@@ -88,10 +93,17 @@ impl Device {
 }
 
 impl Ocl {
-    pub(crate) fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
-        let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
-        let device = devices.first_mut().ok_or_else(|| Error::new(ErrorKind::Device, "no device is open"))?;
-        work(device).map_err(|error| on_device(error, &device.name))
+    /// Does something with the first device that waits for no thread of a pool (nor reads a megabyte).
+    fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
+        of_first(&mut self.devices.lock(), work)
+    }
+
+    /// Does something with the first device, with threads of the host.
+    pub(crate) fn on_first_with_threads<T: Send>(
+        &self,
+        work: impl FnOnce(&mut Device) -> Result<T> + Send,
+    ) -> Result<T> {
+        self.devices.with(|devices| of_first(devices, work))
     }
 
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
@@ -156,7 +168,7 @@ impl Algebra for Ocl {
 
     fn read(&self, x: &Held) -> Result<Vec<f64>> {
         let x = vector(x)?;
-        self.on_first(|device| {
+        self.on_first_with_threads(|device| {
             let mut values = Vec::new();
             x.numbers.read(&device.queue, x.length, &mut values)?;
             Ok(values)
@@ -187,7 +199,7 @@ impl Algebra for Ocl {
 
     fn rows(&self, a: &Held) -> Result<Rows> {
         let a = matrix(a)?;
-        self.on_first(|device| {
+        self.on_first_with_threads(|device| {
             let (mut begins, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
             a.offsets.read(&device.queue, a.rows + 1, &mut begins)?;
             a.columns.read(&device.queue, a.entries, &mut columns)?;
@@ -237,7 +249,7 @@ impl Algebra for Ocl {
     }
 
     fn read_laplacian(&self, kept: &Kept) -> Result<Option<Laplacian>> {
-        self.on_first(|device| device.kept(kept).map(|made| device.read_laplacian(made)).transpose())
+        self.on_first_with_threads(|device| device.kept(kept).map(|made| device.read_laplacian(made)).transpose())
     }
 
     fn cells(&self, kept: &Kept, density: f64) -> Result<Option<Held>> {

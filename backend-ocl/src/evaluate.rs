@@ -3,6 +3,7 @@
 use crate::again::Again;
 use crate::believed::check_volumes;
 use crate::device::Device;
+use crate::devices::{Devices, on_all, on_device};
 use crate::fallback;
 use crate::laplacian::Made;
 use crate::platform::{Found, choose};
@@ -19,7 +20,6 @@ use laguerre_core::{
     Precision, Report, Request, Result, Watched,
 };
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 
 /// Opens the OpenCL backend in a precision. In single precision cells are computed by the same kernels where several work-items share one; on other
 /// devices by one for single precision alone.
@@ -32,8 +32,7 @@ pub fn open(choice: &DeviceChoice, precision: Precision) -> Result<Box<dyn Backe
         return Ok(Box::new(Single::new(choice)?));
     }
     let mut opened = Ocl::new(choice, precision)?;
-    let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
-    if precision == Precision::F32 && !devices.iter().all(Device::shares_cells) {
+    if precision == Precision::F32 && !opened.devices.get_mut().iter().all(Device::shares_cells) {
         return Ok(Box::new(Single::new(choice)?));
     }
     Ok(Box::new(opened))
@@ -44,7 +43,7 @@ pub struct Ocl {
     backend: &'static str,
     pub(crate) name: String,
     pub(crate) precision: Precision,
-    pub(crate) devices: Mutex<Vec<Device>>,
+    pub(crate) devices: Devices<Device>,
 }
 
 impl Ocl {
@@ -58,8 +57,8 @@ impl Ocl {
         let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
         let name = names.join(", ");
         let open = |found| Device::open(found, precision).map_err(|error| on_device(error, &found.info.name));
-        let devices = chosen.iter().map(open).collect::<Result<Vec<_>>>()?;
-        Ok(Self { backend: "ocl", name, precision, devices: Mutex::new(devices) })
+        let devices = Devices::new(chosen.iter().map(open).collect::<Result<Vec<_>>>()?)?;
+        Ok(Self { backend: "ocl", name, precision, devices })
     }
 
     /// Opens devices that compute cells by the kernel for work-items that share a cell, each alone: for tests of that kernel where no
@@ -71,7 +70,7 @@ impl Ocl {
     pub fn sharing_cells(choice: &DeviceChoice, precision: Precision) -> Result<Self> {
         let backend = if precision == Precision::F32 { "ocl-single" } else { "ocl-sharing" };
         let mut opened = Self { backend, ..Self::new(choice, precision)? };
-        let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let devices = opened.devices.get_mut();
         let mut are_others = true;
         for device in devices {
             are_others &= device.share_cells();
@@ -89,7 +88,7 @@ impl Ocl {
     #[cfg(feature = "test-util")]
     pub fn sharing_in_sub_groups() -> Result<Self> {
         let mut opened = Self { backend: "ocl-lanes", ..Self::new(&DeviceChoice::All, Precision::F64)? };
-        let devices = opened.devices.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let devices = opened.devices.get_mut();
         match devices.iter_mut().position(Device::share_in_sub_groups) {
             Some(number) => *devices = vec![devices.swap_remove(number)],
             None => return Err(Error::new(ErrorKind::Unavailable, "no device has sub-groups that could share a cell")),
@@ -116,21 +115,22 @@ impl Backend for Ocl {
         Capabilities::OF_DEVICES.check(request, diagram)?;
         let observer = Again::new(observer);
         let request = &Watched::new(request, &observer);
-        let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
-        let computed = self.compute(diagram, request, &mut devices);
-        // Sub-groups are whatever a driver makes of them: where they fail, or what they answer is not believed, each cell is one work-item's.
-        let has_failed = matches!(&computed, Err(error) if error.kind() == ErrorKind::Device);
-        let mut leaves = false;
-        for device in devices.iter_mut().filter(|_| has_failed) {
-            // (Nor is what they have believed to be as it was.)
-            device.sites.given.move_away();
-            leaves |= device.leave_sub_groups();
-        }
-        if !leaves {
-            return computed;
-        }
-        observer.begin_again();
-        self.compute(diagram, request, &mut devices)
+        self.devices.with(|devices| {
+            let computed = self.compute(diagram, request, devices);
+            // Sub-groups are whatever a driver makes of them: where they fail, or what they answer is not believed, each cell is one work-item's.
+            let has_failed = matches!(&computed, Err(error) if error.kind() == ErrorKind::Device);
+            let mut leaves = false;
+            for device in devices.iter_mut().filter(|_| has_failed) {
+                // (Nor is what they have believed to be as it was.)
+                device.sites.given.move_away();
+                leaves |= device.leave_sub_groups();
+            }
+            if !leaves {
+                return computed;
+            }
+            observer.begin_again();
+            self.compute(diagram, request, devices)
+        })
     }
 }
 
@@ -226,30 +226,4 @@ pub(crate) fn join_passes(all: &mut Vec<PassReport>, own: &[PassReport]) {
         sum.second.cells += pass.second.cells;
         sum.second.seconds = sum.second.seconds.max(pass.second.seconds);
     }
-}
-
-/// Says of which device an error is, where it is one's.
-pub(crate) fn on_device(error: Error, name: &str) -> Error {
-    if error.kind() == ErrorKind::Device { error.at(name) } else { error }
-}
-
-/// Does something with every device, each on a thread of its own; the results in order.
-pub(crate) fn on_all<'a, D: Send, T: Send>(
-    devices: &'a mut [D],
-    name: fn(&D) -> &String,
-    work: &(dyn Fn(usize, &'a mut D) -> Result<T> + Sync),
-) -> Result<Vec<T>> {
-    let work = |i, device: &'a mut D| {
-        let name = name(device).clone();
-        work(i, device).map_err(|error| on_device(error, &name))
-    };
-    if let [device] = devices {
-        return Ok(vec![work(0, device)?]);
-    }
-    std::thread::scope(|scope| {
-        let threads = devices.iter_mut().enumerate().map(|(i, device)| scope.spawn(move || work(i, device)));
-        let running: Vec<_> = threads.collect();
-        let ended_early = || Error::new(ErrorKind::Device, "a device's thread ended early");
-        running.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(ended_early()))).collect()
-    })
 }

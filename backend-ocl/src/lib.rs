@@ -9,6 +9,7 @@ mod believed;
 mod buffer;
 mod builds;
 mod device;
+mod devices;
 mod evaluate;
 mod fallback;
 mod grid;

@@ -13,7 +13,6 @@ use laguerre_core::session::{Resident, Totals};
 use laguerre_core::summation::Sum;
 use laguerre_core::{Capabilities, Observer, Output, PassReport, PowerDiagram, Report, Request, Result, Watched};
 use std::mem;
-use std::sync::PoisonError;
 
 /// Cells that one group adds up.
 const SUMMED: usize = GROUP * SUM_EACH as usize;
@@ -45,7 +44,7 @@ struct Found {
 impl<'a> Stay<'a> {
     /// Room for them where one device does all that is asked for.
     pub(crate) fn new(backend: &'a Ocl, request: &Request, observer: &'a dyn Observer) -> Option<Self> {
-        let is_one = backend.devices.lock().unwrap_or_else(PoisonError::into_inner).len() == 1;
+        let is_one = backend.devices.lock().len() == 1;
         let is_plain = !request.needs_facets() && !request.geometry() && request.integral().is_none();
         (is_one && is_plain).then(|| Self {
             backend,
@@ -90,17 +89,17 @@ impl Resident for Stay<'_> {
         Capabilities::OF_DEVICES.check(&self.request, diagram)?;
         (self.found, self.found_before) = (None, None);
         self.container = Some((diagram.framed_container()?, diagram.container()?.volume()));
-        self.backend.on_first(|device| self.given.bring(&device.context, &device.queue, diagram))
+        self.backend.on_first_with_threads(|device| self.given.bring(&device.context, &device.queue, diagram))
     }
 
     fn evaluate(&mut self) -> Result<Option<Totals>> {
         self.found = None;
-        self.found = self.backend.on_first(|device| self.run(device, self.observer))?;
+        self.found = self.backend.on_first_with_threads(|device| self.run(device, self.observer))?;
         Ok(self.found.as_ref().map(|found| found.totals))
     }
 
     fn move_to_barycenters(&mut self) -> Result<bool> {
-        self.backend.on_first(|device| {
+        self.backend.on_first_with_threads(|device| {
             let count = self.given.count;
             if !self.has_results(device)? || !self.before.grow_if_possible(&device.context, count)? {
                 return Ok(false);
@@ -121,12 +120,14 @@ impl Resident for Stay<'_> {
 
     fn positions(&self) -> Result<Vec<[f64; 3]>> {
         let mut positions = Vec::new();
-        self.backend.on_first(|device| self.given.positions.read(&device.queue, self.given.count, &mut positions))?;
+        self.backend.on_first_with_threads(|device| {
+            self.given.positions.read(&device.queue, self.given.count, &mut positions)
+        })?;
         Ok(positions)
     }
 
     fn read(&mut self, diagram: &PowerDiagram) -> Result<Option<Output>> {
-        self.backend.on_first(|device| {
+        self.backend.on_first_with_threads(|device| {
             if !self.has_results(device)? {
                 return Ok(None);
             }

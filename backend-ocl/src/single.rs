@@ -6,7 +6,8 @@ mod scene;
 use crate::believed::check_volumes;
 use crate::buffer::{failed, rooms};
 use crate::builds::Build;
-use crate::evaluate::{join_passes, on_all, on_device, shares};
+use crate::devices::{Devices, on_all, on_device};
+use crate::evaluate::{join_passes, shares};
 use crate::fallback;
 use crate::handle::Handle;
 use crate::interface::single::{Boxes, OUTCOME_EXACT, OUTCOME_STATUS, Params, SingleCells, Slabs, WeightBounds};
@@ -30,7 +31,7 @@ use scene::Scene;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Room of the first pass, and of the last one: what needs more is the host's.
@@ -44,7 +45,7 @@ const GROUP: usize = 64;
 /// OpenCL devices that compute in single precision.
 pub(crate) struct Single {
     name: String,
-    devices: Mutex<Vec<Device>>,
+    devices: Devices<Device>,
 }
 
 struct Device {
@@ -101,8 +102,8 @@ impl Single {
         let names: Vec<&str> = chosen.iter().map(|device| device.info.name.as_str()).collect();
         let name = names.join(", ");
         let open = |found| Device::open(found).map_err(|error| on_device(error, &found.info.name));
-        let devices = chosen.iter().map(open).collect::<Result<Vec<_>>>()?;
-        Ok(Self { name, devices: Mutex::new(devices) })
+        let devices = Devices::new(chosen.iter().map(open).collect::<Result<Vec<_>>>()?)?;
+        Ok(Self { name, devices })
     }
 }
 
@@ -113,13 +114,17 @@ impl Backend for Single {
 
     fn evaluate_watched(&self, diagram: &PowerDiagram, request: &Request, observer: &dyn Observer) -> Result<Output> {
         Capabilities::MOMENTS.check(request, diagram)?;
-        let watched = Watched::new(request, observer);
+        self.devices.with(|devices| self.compute(diagram, &Watched::new(request, observer), devices))
+    }
+}
+
+impl Single {
+    fn compute(&self, diagram: &PowerDiagram, request: &Watched<'_>, devices: &mut [Device]) -> Result<Output> {
         let prepared = diagram.prepare()?;
         let scene = Scene::new(&prepared);
-        let mut devices = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let shares = shares(prepared.sites.len(), devices.len());
-        let computed = on_all(&mut devices, |device| &device.name, &|i, device| {
-            device.compute(&prepared, &scene, &watched, shares[i].clone())
+        let computed = on_all(devices, |device| &device.name, &|i, device| {
+            device.compute(&prepared, &scene, request, shares[i].clone())
         })?;
 
         let order = prepared.sites.order();
@@ -144,12 +149,12 @@ impl Backend for Single {
             Some((status, CellSums { volume: v, first, ..CellSums::default() }))
         });
         // Everything is proved here, so that nothing is left of `epsilon`.
-        let proved = request.clone().without_epsilon();
+        let proved = Request::clone(request).without_epsilon();
         if !for_host.is_empty() {
-            fallback::compute(&prepared, &watched.of(&proved), &for_host, &mut assembler)?;
+            fallback::compute(&prepared, &request.of(&proved), &for_host, &mut assembler)?;
         }
         let report = Report::of_devices(exact_cells, for_host.len(), device_seconds, passes);
-        let geometry = geometry::on_host(diagram, &watched.of(&proved), assembler.status())?;
+        let geometry = geometry::on_host(diagram, &request.of(&proved), assembler.status())?;
         let output = assembler.finish(&[], report, geometry)?;
         check_volumes(diagram, &output, Precision::F32, &self.name)?;
         Ok(output)

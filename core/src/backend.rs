@@ -226,6 +226,9 @@ impl DeviceInfo {
 /// *To watch a solver*, give it a backend that wraps another one and adds an observer to each evaluation. Where that ends one, the solver ends
 /// with the best that it has.
 ///
+/// *At the same time.* Any threads may evaluate, tasks of a pool too; those that need the same devices wait for each other, whatever pool they are of. (An
+/// observer or an integrand does not evaluate with the backend that calls it.)
+///
 /// *Reuse.* Evaluating again with the same backend reuses its buffers; with the same domain, its grid.
 pub trait Backend: Send + Sync {
     /// Who computes.

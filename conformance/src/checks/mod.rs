@@ -2,6 +2,7 @@
 
 pub mod cgal;
 pub mod closure;
+pub mod concurrent;
 pub mod containers;
 pub mod density;
 pub mod epsilon;
@@ -101,6 +102,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(integrals::converges),
     given!(integrals::not_finite),
     given!(reproducible::any_number_of_threads),
+    given!(concurrent::tasks_of_a_pool),
     given!(epsilon::zero_is_seen),
     given!(density::parts),
     given!(density::contrast),

@@ -9,6 +9,8 @@ use crate::laplacian::Made;
 use crate::platform::{Found, choose};
 use crate::resident::Stay;
 use crate::single::Single;
+#[cfg(feature = "test-util")]
+use laguerre_core::Error;
 use laguerre_core::algebra::Algebra;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::diagram::Prepared;
@@ -16,8 +18,8 @@ use laguerre_core::geometry;
 use laguerre_core::session::Resident;
 use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{
-    Backend, BackendInfo, Capabilities, DeviceChoice, Error, ErrorKind, Observer, Output, PassReport, PowerDiagram,
-    Precision, Report, Request, Result, Watched,
+    Backend, BackendInfo, Capabilities, DeviceChoice, ErrorKind, Observer, Output, PassReport, PowerDiagram, Precision,
+    Report, Request, Result, Watched,
 };
 use std::ops::Range;
 

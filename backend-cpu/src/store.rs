@@ -1,4 +1,4 @@
-//! Where a cell lives on the CPU: structure of arrays, so that one plane meets four vertices at a time.
+//! Where a cell lives on the CPU: its vertices by four, so that one plane meets four at a time.
 
 use crate::minors::KeptMinors;
 use laguerre_core::cell::{
@@ -14,30 +14,43 @@ use wide::f64x4;
 /// Vertices tested at once.
 const LANES: usize = 4;
 
-/// Positions and error radii as structure of arrays, padded to whole lanes.
+/// Four vertices: positions and error radii. (In one place: of arrays of their own for each number, one vertex took four tests of its index to set.)
+#[derive(Clone, Copy, Debug, Default)]
+struct Four {
+    x: [Real; LANES],
+    y: [Real; LANES],
+    z: [Real; LANES],
+    radius: [Real; LANES],
+}
+
+impl Four {
+    #[inline(always)]
+    fn position(&self, lane: usize) -> V3 {
+        v3(self.x[lane], self.y[lane], self.z[lane])
+    }
+
+    #[inline(always)]
+    fn positions(&self) -> [f64x4; 3] {
+        [self.x, self.y, self.z].map(f64x4::from)
+    }
+}
+
+/// Vertices, padded to whole fours.
 #[derive(Clone, Debug, Default)]
 struct Vertices {
-    x: Vec<Real>,
-    y: Vec<Real>,
-    z: Vec<Real>,
-    radius: Vec<Real>,
+    places: Vec<Four>,
     triplets: Vec<Triplet>,
     count: usize,
 }
 
 impl Vertices {
     fn with_room(room: usize) -> Self {
-        let padded = room.next_multiple_of(LANES);
-        let zeros = || vec![0.0; padded];
-        Self { x: zeros(), y: zeros(), z: zeros(), radius: zeros(), triplets: vec![Triplet::default(); room], count: 0 }
+        Self { places: vec![Four::default(); room.div_ceil(LANES)], triplets: vec![Triplet::default(); room], count: 0 }
     }
 
     fn copy_from(&mut self, other: &Self) {
-        let n = other.count;
-        self.x[..n].copy_from_slice(&other.x[..n]);
-        self.y[..n].copy_from_slice(&other.y[..n]);
-        self.z[..n].copy_from_slice(&other.z[..n]);
-        self.radius[..n].copy_from_slice(&other.radius[..n]);
+        let (n, fours) = (other.count, other.count.div_ceil(LANES));
+        self.places[..fours].copy_from_slice(&other.places[..fours]);
         self.triplets[..n].copy_from_slice(&other.triplets[..n]);
         self.count = n;
     }
@@ -49,7 +62,8 @@ pub(crate) struct CpuStore<'a> {
     room: Capacities,
     planes: Vec<Plane>,
     tags: Vec<u32>,
-    links: Vec<u32>,
+    /// The numbers, and above them how often bits were turned.
+    links: Vec<u64>,
     facets: Vec<FacetSum>,
     /// Empty until they are asked for.
     facet_seconds: Vec<FacetSecond>,
@@ -186,22 +200,20 @@ impl Polytope for CpuStore<'_> {
 
     #[inline(always)]
     fn position(&self, v: u32) -> V3 {
-        let v = v as usize;
-        v3(self.vertices.x[v], self.vertices.y[v], self.vertices.z[v])
+        self.vertices.places[v as usize / LANES].position(v as usize % LANES)
     }
 
     #[inline(always)]
     fn radius(&self, v: u32) -> Real {
-        self.vertices.radius[v as usize]
+        self.vertices.places[v as usize / LANES].radius[v as usize % LANES]
     }
 
     #[inline(always)]
     fn set_position(&mut self, v: u32, position: V3, radius: Real) {
         let v = v as usize;
-        self.vertices.x[v] = position.x;
-        self.vertices.y[v] = position.y;
-        self.vertices.z[v] = position.z;
-        self.vertices.radius[v] = radius;
+        let (four, lane) = (&mut self.vertices.places[v / LANES], v % LANES);
+        (four.x[lane], four.y[lane], four.z[lane]) = (position.x, position.y, position.z);
+        four.radius[lane] = radius;
         self.settled[v / 64] &= !(1 << (v % 64));
         self.minors.forget_vertex(v);
     }
@@ -215,12 +227,23 @@ impl Polytope for CpuStore<'_> {
 impl ClipStore for CpuStore<'_> {
     #[inline(always)]
     fn link(&self, f: u32) -> u32 {
-        self.links[f as usize]
+        self.links[f as usize] as u32
     }
 
     #[inline(always)]
     fn set_link(&mut self, f: u32, link: u32) {
-        self.links[f as usize] = link;
+        self.links[f as usize] = u64::from(link);
+    }
+
+    #[inline(always)]
+    fn toggle_link(&mut self, f: u32, change: u32) {
+        let link = &mut self.links[f as usize];
+        *link = (*link ^ u64::from(change)) + (1 << 32);
+    }
+
+    #[inline(always)]
+    fn was_toggled_once(&self, f: u32) -> bool {
+        self.links[f as usize] >> 32 == 1
     }
 
     #[inline(always)]
@@ -289,26 +312,18 @@ impl ClipStore for CpuStore<'_> {
             (f64x4::splat(plane.n.x), f64x4::splat(plane.n.y), f64x4::splat(plane.n.z), f64x4::splat(plane.d));
         let size = f64x4::splat((plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs());
         let slack = f64x4::splat((4.0 * UNIT_ROUNDOFF) * plane.d.abs());
-        let vertices = &self.vertices;
-        let count = vertices.count;
+        let count = self.vertices.count;
         let (mut any_conflict, mut any_uncertain, mut any_keep) = (0, 0, 0);
-        for (w, (conflict_word, uncertain_word)) in self.conflict.iter_mut().zip(self.uncertain.iter_mut()).enumerate()
+        let words = self.conflict.iter_mut().zip(self.uncertain.iter_mut());
+        for (w, ((conflict_word, uncertain_word), fours)) in
+            words.zip(self.vertices.places[..count.div_ceil(LANES)].chunks(64 / LANES)).enumerate()
         {
-            let first = w * 64;
-            if first >= count {
-                break;
-            }
-            let here = (count - first).min(64);
-            let n = here.div_ceil(LANES);
-            let xs = &vertices.x.as_chunks::<LANES>().0[first / LANES..][..n];
-            let ys = &vertices.y.as_chunks::<LANES>().0[first / LANES..][..n];
-            let zs = &vertices.z.as_chunks::<LANES>().0[first / LANES..][..n];
-            let radii = &vertices.radius.as_chunks::<LANES>().0[first / LANES..][..n];
+            let here = (count - w * 64).min(64);
             let (mut conflict, mut kept) = (0_u64, 0_u64);
-            for c in 0..n {
-                let (x, y, z) = (f64x4::from(xs[c]), f64x4::from(ys[c]), f64x4::from(zs[c]));
+            for (c, four) in fours.iter().enumerate() {
+                let [x, y, z] = four.positions();
                 let value = (((nx * x) + (ny * y)) + (nz * z)) + d;
-                let bound = (size * f64x4::from(radii[c])) + slack;
+                let bound = (size * f64x4::from(four.radius)) + slack;
                 conflict |= u64::from(value.simd_lt(-bound).to_bitmask()) << (c * LANES);
                 kept |= u64::from(value.simd_gt(bound).to_bitmask()) << (c * LANES);
             }
@@ -326,25 +341,24 @@ impl ClipStore for CpuStore<'_> {
 
     #[inline(always)]
     fn farthest_from(&self, center: V3) -> V3 {
-        let vertices = &self.vertices;
         let (mut square, mut radius) = (f64x4::splat(0.0), f64x4::splat(0.0));
         let (cx, cy, cz) = (f64x4::splat(center.x), f64x4::splat(center.y), f64x4::splat(center.z));
-        let whole = vertices.count / LANES;
-        let xs = &vertices.x.as_chunks::<LANES>().0[..whole];
-        let ys = &vertices.y.as_chunks::<LANES>().0[..whole];
-        let zs = &vertices.z.as_chunks::<LANES>().0[..whole];
-        let radii = &vertices.radius.as_chunks::<LANES>().0[..whole];
-        for c in 0..whole {
-            let (x, y, z) = (f64x4::from(xs[c]) - cx, f64x4::from(ys[c]) - cy, f64x4::from(zs[c]) - cz);
+        let (whole, rest) = (self.vertices.count / LANES, self.vertices.count % LANES);
+        for four in &self.vertices.places[..whole] {
+            let [x, y, z] = four.positions();
+            let (x, y, z) = (x - cx, y - cy, z - cz);
             square = square.fast_max(((x * x) + (y * y)) + (z * z));
-            radius = radius.fast_max(f64x4::from(radii[c]));
+            radius = radius.fast_max(f64x4::from(four.radius));
         }
         let largest = |lanes: f64x4| lanes.to_array().into_iter().fold(0.0, Real::max);
         let (mut square, mut radius) = (largest(square), largest(radius));
-        for v in whole * LANES..vertices.count {
-            let (x, y, z) = (vertices.x[v] - center.x, vertices.y[v] - center.y, vertices.z[v] - center.z);
-            square = square.max(((x * x) + (y * y)) + (z * z));
-            radius = radius.max(vertices.radius[v]);
+        if let Some(four) = self.vertices.places.get(whole) {
+            for lane in 0..rest {
+                let p = four.position(lane);
+                let (x, y, z) = (p.x - center.x, p.y - center.y, p.z - center.z);
+                square = square.max(((x * x) + (y * y)) + (z * z));
+                radius = radius.max(four.radius[lane]);
+            }
         }
         v3(square, radius, 0.0)
     }

@@ -135,6 +135,8 @@ INLINE void store_move_plane(Store *s, uint from, uint to) {
 }
 INLINE uint store_link(Store *s, uint f) { return s->link[f]; }
 INLINE void store_set_link(Store *s, uint f, uint link) { s->link[f] = (ushort)link; }
+INLINE void store_toggle_link(Store *s, uint f, uint change) { s->link[f] ^= (ushort)change; }
+INLINE bool store_was_toggled_once(Store *s, uint f) { return false; }
 
 INLINE Triplet store_triplet(Store *s, uint v) {
     const uint t = s->triplet[v];

@@ -64,9 +64,9 @@ pub fn clip<S: ClipStore + SignStore>(s: &mut S, plane: Plane, tag: u32) -> u32 
     let mut v: u32 = s.next_conflict(0, end);
     while v < end {
         let t: Triplet = s.triplet(v);
-        toggle_link(s, t.a, t.b ^ t.c);
-        toggle_link(s, t.b, t.c ^ t.a);
-        toggle_link(s, t.c, t.a ^ t.b);
+        s.toggle_link(t.a, t.b ^ t.c);
+        s.toggle_link(t.b, t.c ^ t.a);
+        s.toggle_link(t.c, t.a ^ t.b);
         marked += 1;
         v = s.next_conflict(v + 1, end);
     }
@@ -164,12 +164,6 @@ pub(super) fn settle_marks<S: ClipStore + SignStore>(s: &mut S, k: u32) -> u32 {
     return COMPLETE;
 }
 
-#[inline(always)]
-pub(super) fn toggle_link<S: ClipStore>(s: &mut S, f: u32, change: u32) {
-    let link: u32 = s.link(f) ^ change;
-    s.set_link(f, link);
-}
-
 #[cfg_attr(opencl, outline)]
 pub(super) fn clear_links<S: ClipStore>(s: &mut S) {
     for f in 0..s.planes() {
@@ -207,6 +201,10 @@ pub(super) fn find_boundary_edge<S: ClipStore>(s: &mut S, end: u32, edge: &mut T
 pub(super) fn is_boundary_edge<S: ClipStore>(s: &mut S, end: u32, a: u32, b: u32) -> bool {
     if (s.link(a) == 0) || (s.link(b) == 0) {
         return false;
+    }
+    // Of a plane that one marked vertex alone lies on, that vertex has both edges.
+    if s.was_toggled_once(a) || s.was_toggled_once(b) {
+        return true;
     }
     let mut v: u32 = s.next_conflict(0, end);
     while v < end {

@@ -115,11 +115,11 @@ pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, r
             let c: Side = side(s, t.c, center);
             let mut foot: V3 = v3(0.0, 0.0, 0.0);
             let mut off: Real = 0.0;
-            if foot_on_edge(s, f, b, center, &mut foot, &mut off) != COMPLETE {
+            if foot_on_edge(s, f, b, center, true, &mut foot, &mut off) != COMPLETE {
                 return UNCERTAIN;
             }
             add_triangle(f, foot, off, at, 1.0, center, false, sum);
-            if foot_on_edge(s, c, f, center, &mut foot, &mut off) != COMPLETE {
+            if foot_on_edge(s, c, f, center, true, &mut foot, &mut off) != COMPLETE {
                 return UNCERTAIN;
             }
             add_triangle(f, foot, off, at, -1.0, center, false, sum);
@@ -196,7 +196,7 @@ pub(super) fn add_edge_second<S: IntegralStore + SignStore>(
 ) -> u32 {
     let mut foot: V3 = v3(0.0, 0.0, 0.0);
     let mut off: Real = 0.0;
-    if foot_on_edge(s, f, g, center, &mut foot, &mut off) != COMPLETE {
+    if foot_on_edge(s, f, g, center, false, &mut foot, &mut off) != COMPLETE {
         return UNCERTAIN;
     }
     add_triangle_second(s, g, foot, position, -weight);

@@ -14,7 +14,8 @@ use std::cell::Cell;
 /// what a cell needs.
 #[derive(Clone, Debug, Default)]
 pub struct PlainStore<'a> {
-    planes: Vec<(Plane, u32, u32, FacetSum)>,
+    /// Each with its tag, its scratch number and above that how often bits of it were turned, and its facet.
+    planes: Vec<(Plane, u32, u64, FacetSum)>,
     plane_count: usize,
     vertices: Vec<PlainVertex>,
     vertex_count: usize,
@@ -79,7 +80,7 @@ impl<'a> PlainStore<'a> {
         !self.saved.is_empty()
     }
 
-    fn plane_slot(&mut self, f: u32) -> &mut (Plane, u32, u32, FacetSum) {
+    fn plane_slot(&mut self, f: u32) -> &mut (Plane, u32, u64, FacetSum) {
         let f = f as usize;
         if f >= self.planes.len() {
             self.planes.resize(f + 1, Default::default());
@@ -157,10 +158,17 @@ impl Polytope for PlainStore<'_> {
 
 impl ClipStore for PlainStore<'_> {
     fn link(&self, f: u32) -> u32 {
-        self.planes[f as usize].2
+        self.planes[f as usize].2 as u32
     }
     fn set_link(&mut self, f: u32, link: u32) {
-        self.plane_slot(f).2 = link;
+        self.plane_slot(f).2 = u64::from(link);
+    }
+    fn toggle_link(&mut self, f: u32, change: u32) {
+        let link = &mut self.plane_slot(f).2;
+        *link = (*link ^ u64::from(change)) + (1 << 32);
+    }
+    fn was_toggled_once(&self, f: u32) -> bool {
+        self.planes[f as usize].2 >> 32 == 1
     }
     fn settled(&self, v: u32) -> bool {
         self.vertices[v as usize].settled

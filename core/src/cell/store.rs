@@ -93,6 +93,17 @@ pub trait ClipStore: Polytope {
     fn link(&self, f: u32) -> u32;
     /// Sets the scratch number of half-space `f`.
     fn set_link(&mut self, f: u32, link: u32);
+    /// Turns the bits `change` of the scratch number of half-space `f`.
+    #[inline(always)]
+    fn toggle_link(&mut self, f: u32, change: u32) {
+        let link = self.link(f) ^ change;
+        self.set_link(f, link);
+    }
+    /// Whether that was done once since the number was set; `false` where a store does not count.
+    #[inline(always)]
+    fn was_toggled_once(&self, _f: u32) -> bool {
+        false
+    }
     /// Makes vertex `to` what `from` is.
     #[inline(always)]
     fn move_vertex(&mut self, from: u32, to: u32) {

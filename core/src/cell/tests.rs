@@ -177,7 +177,7 @@ fn feet_between_nearly_parallel_planes() {
         let center = v3(next(), next(), next());
         let (f, g) = (side(&store, 6, center), side(&store, 7, center));
         let ([mut found, mut exact], mut bound) = ([V3::default(); 2], 0.0);
-        assert_eq!(foot_on_edge(&mut store, f, g, center, &mut found, &mut bound), COMPLETE);
+        assert_eq!(foot_on_edge(&mut store, f, g, center, true, &mut found, &mut bound), COMPLETE);
         crate::exact::foot(store.plane(6), store.plane(7), center, &mut exact);
         // Along the line, whose direction is right by this product, any foot will do.
         let line = cross(f.n, sub(g.n, f.n));

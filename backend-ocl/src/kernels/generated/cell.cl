@@ -70,7 +70,7 @@ HOT bool volume_is_above_bound(CellSums sums);
 HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
 INLINE Side side(Store *s, uint f, V3 center);
 INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part);
-INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, V3 *foot, real *off);
+INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, bool is_bounded, V3 *foot, real *off);
 INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums *part);
 INLINE V3 second_diagonal(V3 h, V3 i, V3 v, V3 s);
 INLINE V3 second_mixed(V3 h, V3 i, V3 v, V3 s);

@@ -5,7 +5,6 @@
 OUTLINE uint begin(Store *s, V3 lo, V3 hi);
 OUTLINE uint clip(Store *s, Plane plane, uint tag);
 OUTLINE uint settle_marks(Store *s, uint k);
-INLINE void toggle_link(Store *s, uint f, uint change);
 OUTLINE void clear_links(Store *s);
 OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge);
 INLINE bool is_boundary_edge(Store *s, uint end, uint a, uint b);

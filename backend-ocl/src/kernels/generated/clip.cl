@@ -49,9 +49,9 @@ OUTLINE uint clip(Store *s, Plane plane, uint tag) {
     uint v = store_next_conflict(s, 0, end);
     while (v < end) {
         const Triplet t = store_triplet(s, v);
-        toggle_link(s, t.a, t.b ^ t.c);
-        toggle_link(s, t.b, t.c ^ t.a);
-        toggle_link(s, t.c, t.a ^ t.b);
+        store_toggle_link(s, t.a, t.b ^ t.c);
+        store_toggle_link(s, t.b, t.c ^ t.a);
+        store_toggle_link(s, t.c, t.a ^ t.b);
         marked += 1;
         v = store_next_conflict(s, v + 1, end);
     }
@@ -146,11 +146,6 @@ OUTLINE uint settle_marks(Store *s, uint k) {
     return COMPLETE;
 }
 
-INLINE void toggle_link(Store *s, uint f, uint change) {
-    const uint link = store_link(s, f) ^ change;
-    store_set_link(s, f, link);
-}
-
 OUTLINE void clear_links(Store *s) {
     for (uint f = 0; f < store_planes(s); f++) {
         store_set_link(s, f, 0);
@@ -185,6 +180,10 @@ OUTLINE void find_boundary_edge(Store *s, uint end, Triplet *edge) {
 INLINE bool is_boundary_edge(Store *s, uint end, uint a, uint b) {
     if ((store_link(s, a) == 0) || (store_link(s, b) == 0)) {
         return 0;
+    }
+    // Of a plane that one marked vertex alone lies on, that vertex has both edges.
+    if (store_was_toggled_once(s, a) || store_was_toggled_once(s, b)) {
+        return 1;
     }
     uint v = store_next_conflict(s, 0, end);
     while (v < end) {

@@ -48,11 +48,11 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, real reach, FacetS
             const Side c = side(s, t.c, center);
             V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
             real off = REAL(0.0);
-            if (foot_on_edge(s, f, b, center, &foot, &off) != COMPLETE) {
+            if (foot_on_edge(s, f, b, center, 1, &foot, &off) != COMPLETE) {
                 return UNCERTAIN;
             }
             add_triangle(f, foot, off, at, REAL(1.0), center, 0, sum);
-            if (foot_on_edge(s, c, f, center, &foot, &off) != COMPLETE) {
+            if (foot_on_edge(s, c, f, center, 1, &foot, &off) != COMPLETE) {
                 return UNCERTAIN;
             }
             add_triangle(f, foot, off, at, -REAL(1.0), center, 0, sum);
@@ -116,7 +116,7 @@ OUTLINE uint add_facet_seconds(Store *s, real weight, V3 center) {
 OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight, V3 center) {
     V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));
     real off = REAL(0.0);
-    if (foot_on_edge(s, f, g, center, &foot, &off) != COMPLETE) {
+    if (foot_on_edge(s, f, g, center, 0, &foot, &off) != COMPLETE) {
         return UNCERTAIN;
     }
     add_triangle_second(s, g, foot, position, -weight);

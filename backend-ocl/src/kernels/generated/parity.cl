@@ -710,9 +710,10 @@ __kernel void parity_foot_on_edge(PARITY_ARGUMENTS) {
     const Side f = take_Side(&in);
     const Side g = take_Side(&in);
     const V3 center = take_V3(&in);
+    const bool is_bounded = take_bool(&in);
     V3 foot = take_V3(&in);
     real off = take_real(&in);
-    const uint result = foot_on_edge(s, f, g, center, &foot, &off);
+    const uint result = foot_on_edge(s, f, g, center, is_bounded, &foot, &off);
     give_uint(&out, result);
     give_V3(&out, foot);
     give_real(&out, off);
@@ -1274,15 +1275,6 @@ __kernel void parity_settle_marks(PARITY_ARGUMENTS) {
     const uint k = take_uint(&in);
     const uint result = settle_marks(s, k);
     give_uint(&out, result);
-    parity_dump(&out, s);
-}
-
-__kernel void parity_toggle_link(PARITY_ARGUMENTS) {
-    PARITY_CALL;
-    PARITY_STORE;
-    const uint f = take_uint(&in);
-    const uint change = take_uint(&in);
-    toggle_link(s, f, change);
     parity_dump(&out, s);
 }
 

@@ -11,6 +11,7 @@ mod guide;
 mod lanes;
 mod page;
 mod paper;
+mod peers;
 mod python;
 mod readers;
 mod run;
@@ -43,7 +44,9 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   fixtures         makes the CGAL fixtures anew (needs g++ and libcgal-dev) and fails if any changed; with --worst holds the
                    backends to those that are there and prints the largest errors
   paper [OPTION…]  the paper's experiments, into BENCHMARKS.md (minutes; options are those of `laguerre paper --help`, as --sites N,
-                   --backend NAME, --device N); --from FILE puts in what `laguerre paper --markdown FILE` wrote on another machine";
+                   --backend NAME, --device N); --from FILE puts in what `laguerre paper --markdown FILE` wrote on another machine
+  peers            voro++, CGAL, meshless_voronoi and geogram beside this program on two threads, those that are there; the table in
+                   BENCHMARKS.md (C++ compiler, Debian's voro++-dev and libcgal-dev, PyPI; eight minutes on a machine with nothing else to do)";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
         ["fixtures"] => fixtures::run(),
         ["fixtures", "--worst"] => fixtures::worst(),
         ["paper", ref arguments @ ..] => paper::run(arguments),
+        ["peers"] => peers::run(),
         ["codegen"] => codegen::run(false),
         ["codegen", "--check"] => codegen::run(true),
         _ => {

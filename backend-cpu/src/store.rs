@@ -2,8 +2,9 @@
 
 use crate::minors::KeptMinors;
 use laguerre_core::cell::{
-    ClipStore, DomainStore, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN,
-    Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triplet, UNIT_ROUNDOFF, V3, v3,
+    CellSums, ClipStore, Corners, DomainStore, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT, MARK_KEEP,
+    MARK_UNCERTAIN, Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triplet,
+    UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
@@ -77,6 +78,7 @@ pub(crate) struct CpuStore<'a> {
     /// A bit for each vertex: known to be cut off by no site.
     settled: Vec<u64>,
     minors: KeptMinors,
+    corners: Corners,
     domain: Option<&'a DomainGrid>,
     integrand: Option<&'a FramedIntegrand>,
     site: V3,
@@ -105,6 +107,7 @@ impl<'a> CpuStore<'a> {
             uncertain: vec![0; words],
             settled: vec![0; words],
             minors: KeptMinors::with_room(p, v),
+            corners: Corners::default(),
             domain,
             integrand: None,
             site: v3(0.0, 0.0, 0.0),
@@ -405,6 +408,18 @@ impl IntegralStore for CpuStore<'_> {
     }
 
     #[inline(always)]
+    fn prepare_corners(&mut self, center: V3) {
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.set(self, center);
+        self.corners = corners;
+    }
+
+    #[inline(always)]
+    fn add_corner(&self, v: u32, distance: Real, part: &mut CellSums) -> bool {
+        self.corners.add(v, distance, part)
+    }
+
+    #[inline(always)]
     fn facet_second(&self, f: u32) -> FacetSecond {
         self.facet_seconds.get(f as usize).copied().unwrap_or_default()
     }
@@ -440,7 +455,9 @@ impl DomainStore for CpuStore<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use laguerre_core::cell::{PlainStore, begin, bisector, clip};
+    use laguerre_core::cell::{
+        COMPLETE, FACETS, PlainStore, SECOND_MOMENTS, VOLUME_ONLY, begin, bisector, clip, integrate_cell,
+    };
 
     /// The doors for SIMD do what their plain bodies do, to the bit, at every count of vertices.
     #[test]
@@ -468,6 +485,13 @@ mod tests {
             assert_eq!(fast.farthest(), plain.farthest());
             let center = v3(0.1, -0.7, 0.4);
             assert_eq!(fast.farthest_from(center), plain.farthest_from(center));
+            // The tetrahedra of several vertices at once: those of thin facets are not among them.
+            for flags in [VOLUME_ONLY, FACETS, SECOND_MOMENTS] {
+                let mut sums = [CellSums::default(); 2];
+                assert_eq!(integrate_cell(&mut fast, flags, 0, &mut sums[0]), COMPLETE);
+                assert_eq!(integrate_cell(&mut plain, flags, 0, &mut sums[1]), COMPLETE);
+                assert_eq!(sums[0], sums[1]);
+            }
         }
         assert!(fast.vertices() > 200);
     }

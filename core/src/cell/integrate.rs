@@ -103,7 +103,7 @@ const ROUNDINGS_OF_FOOT: Real = 8.0;
 const ROUNDINGS_OF_OFFSET: Real = 4.0;
 
 /// One plane as the integrals see it: moved to the reference point, with its foot.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     pub(super) index: u32,
     pub(super) n: V3,
@@ -131,7 +131,15 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
     sums: &mut CellSums,
 ) -> u32 {
     let mut part: CellSums = CellSums::default();
+    #[cfg(not(opencl))]
+    if flags == VOLUME_ONLY {
+        s.prepare_corners(center);
+    }
     for v in 0..s.vertices() {
+        #[cfg(not(opencl))]
+        if flags == VOLUME_ONLY && s.add_corner(v, norm_1(s.position(v)) + reach, &mut part) {
+            continue;
+        }
         let t: Triplet = s.triplet(v);
         let at: Corner = Corner {
             triplet: t,
@@ -241,11 +249,10 @@ pub(super) fn add_edge<S: IntegralStore + SignStore>(
     if foot_on_edge(s, f, g, center, (flags & FACETS) != 0, &mut foot, &mut off) != COMPLETE {
         return UNCERTAIN;
     }
-    // `I×v`, but the foot is at right angles to the edge: nothing cancels, however far away a small piece is.
-    let spoke: V3 = cross(foot, sub(at.position, foot));
+    let spoke: V3 = spoke_of(foot, at.position);
     add_tetrahedron(dot(g.foot, spoke), g.foot, foot, at.position, flags, part);
     add_tetrahedron(-dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
-    part.rounding = part.rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
+    part.rounding = part.rounding + rounding_across(at.distance, norm_1(spoke));
     if (flags & FACETS) != 0 {
         let mut sum: FacetSum = s.facet_at(at.triplet, g.index);
         add_triangle(g, foot, off, at, -weight, center, s.sums_areas_alone(), &mut sum);
@@ -255,6 +262,18 @@ pub(super) fn add_edge<S: IntegralStore + SignStore>(
         s.set_facet_at(at.triplet, f.index, sum);
     }
     return COMPLETE;
+}
+
+/// `I×v`, but the foot is at right angles to the edge: nothing cancels, however far away a small piece is.
+#[inline(always)]
+pub(super) fn spoke_of(foot: V3, position: V3) -> V3 {
+    return cross(foot, sub(position, foot));
+}
+
+/// What rounding across a vertex's planes does to the volumes of one of its edges.
+#[inline(always)]
+pub(super) fn rounding_across(distance: Real, spoke: Real) -> Real {
+    return ((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * distance) * spoke;
 }
 
 /// The foot of the perpendicular from the reference point to the line of planes f and g:
@@ -281,11 +300,9 @@ pub(super) fn foot_on_edge<S: SignStore>(
         *off = UNIT_ROUNDOFF * norm_1(*foot);
         return status;
     }
-    let to_f: V3 = scale(-1.0 / square, cross(g.n, direction));
-    let to_g: V3 = scale(-1.0 / square, cross(direction, f.n));
-    *foot = add(scale(f.d, to_f), scale(g.d, to_g));
+    *foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
     let length: Real = norm_1(*foot);
-    if !(square < (WORTH_REFINING_FOOT * whole)) {
+    if is_plain(square, whole) {
         if is_bounded {
             let amplified: Real = UNIT_ROUNDOFF * (whole / square).sqrt();
             *off = amplified * ((ROUNDINGS_OF_FOOT * length) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
@@ -293,6 +310,8 @@ pub(super) fn foot_on_edge<S: SignStore>(
         return COMPLETE;
     }
     *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * length;
+    let to_f: V3 = scale(-1.0 / square, cross(g.n, direction));
+    let to_g: V3 = scale(-1.0 / square, cross(direction, f.n));
     let mut steps: u32 = 1;
     if square < (WORTH_REFINING_MORE * whole) {
         steps = 3;
@@ -309,15 +328,48 @@ pub(super) fn foot_on_edge<S: SignStore>(
     return COMPLETE;
 }
 
-/// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
-/// `U(hhᵀ+iiᵀ+vvᵀ+ssᵀ)/20`, `s = h+i+v`.
+/// The foot by the planes' normals and offsets, the normals' product and its square.
+#[inline(always)]
+pub(super) fn foot_by(n_f: V3, d_f: Real, n_g: V3, d_g: Real, direction: V3, square: Real) -> V3 {
+    let to_f: V3 = scale(-1.0 / square, cross(n_g, direction));
+    let to_g: V3 = scale(-1.0 / square, cross(direction, n_f));
+    return add(scale(d_f, to_f), scale(d_g, to_g));
+}
+
+/// Whether the foot on the edge of two planes needs no refinement: `square` as above, `whole` the product of the normals' squares.
+#[inline(always)]
+pub(super) fn is_plain(square: Real, whole: Real) -> bool {
+    return square >= (WORTH_REFINING_FOOT * whole);
+}
+
+/// A tetrahedron with a corner at the reference point: its sixfold signed volume, what rounding may have added to that, and its first moment, times four.
+#[derive(Clone, Copy)]
+pub(super) struct Piece {
+    pub(super) volume: Real,
+    pub(super) rounding: Real,
+    pub(super) first: V3,
+}
+
+/// The tetrahedron (center, h, i, v): first moment `U(h+i+v)/4`.
+#[inline(always)]
+pub(super) fn piece_of(volume: Real, h: V3, i: V3, v: V3) -> Piece {
+    let bound: Real = (ROUNDINGS * UNIT_ROUNDOFF) * volume.abs();
+    return Piece { volume: volume, rounding: bound, first: scale(volume, add(add(h, i), v)) };
+}
+
+#[inline(always)]
+pub(super) fn add_piece(piece: Piece, part: &mut CellSums) {
+    part.volume = part.volume + piece.volume;
+    part.rounding = part.rounding + piece.rounding;
+    part.first = add(part.first, piece.first);
+}
+
+/// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`; second moment `U(hhᵀ+iiᵀ+vvᵀ+ssᵀ)/20`, `s = h+i+v`.
 #[inline(always)]
 pub(super) fn add_tetrahedron(volume: Real, h: V3, i: V3, v: V3, flags: u32, part: &mut CellSums) {
-    let sum: V3 = add(add(h, i), v);
-    part.volume = part.volume + volume;
-    part.rounding = part.rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * volume.abs());
-    part.first = add(part.first, scale(volume, sum));
+    add_piece(piece_of(volume, h, i, v), part);
     if (flags & SECOND_MOMENTS) != 0 {
+        let sum: V3 = add(add(h, i), v);
         part.second_diagonal = add(part.second_diagonal, scale(volume, second_diagonal(h, i, v, sum)));
         part.second_mixed = add(part.second_mixed, scale(volume, second_mixed(h, i, v, sum)));
     }

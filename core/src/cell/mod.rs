@@ -11,7 +11,7 @@
 //! store, tuples, `Option`, `match`, closures, operators on structs, or panics; `for` goes over `a..b`, where `b` stays what it is in the loop; locals carry types; float expressions are
 //! fully parenthesised, with `sqrt`, `abs` and `max` alone and no fused operation; integers wrap in `wrapping_sub` alone; functions return a status
 //! or a plain value. `#[cfg_attr(opencl, …)]` says what is other on devices: `single(…)` is a constant's value in single precision, `returns("…")`
-//! what a function does, `rolled` a loop that is not unrolled; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
+//! what a function does, `rolled` a loop that is not unrolled; an `if` under `#[cfg(not(opencl))]` is of hosts alone; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
 //! work-item has a cell of its own). Only what is behind `store.rs` (traits; `plain.rs` is the store that tests use) is written by hand for each backend; the bounds of a
 //! function say what it asks of a store, and who asks for a `ClipStore` is for one work-item (`clip`, `restrict`): lanes that share a cell have a text of their own.
 
@@ -32,6 +32,7 @@ mod candidates;
 mod cap;
 mod clip;
 mod cone;
+mod corners;
 mod expansion;
 mod facet;
 pub mod far;
@@ -63,6 +64,7 @@ mod wide;
 
 pub use cap::{MOST_CAPS, cap_outside};
 pub use clip::{begin, clip, compact_planes, farthest_vertex};
+pub use corners::Corners;
 pub use facet::{FacetSecond, FacetSum, facet_is_above_bound};
 pub use integrate::{
     CellSums, FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS, VOLUME_ONLY, volume_is_above_bound,

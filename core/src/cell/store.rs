@@ -4,6 +4,7 @@
 
 use super::clip::clip;
 use super::facet::{FacetSecond, FacetSum};
+use super::integrate::CellSums;
 use super::lanes::Lanes;
 use super::plane::Plane;
 use super::quadrature::{Node, polynomial};
@@ -255,6 +256,14 @@ pub trait IntegralStore: Polytope {
     /// that they leave for each other, here asking took 1 % more instructions of all integrals, of facets or not.
     #[inline(always)]
     fn sums_areas_alone(&self) -> bool {
+        false
+    }
+    /// Computes the tetrahedra of all vertices for volumes and first moments, as seen from `center`, where a host does that for several vertices at a time.
+    #[inline(always)]
+    fn prepare_corners(&mut self, _center: V3) {}
+    /// Adds those of vertex `v`, whose way from the site is that long; `false` where they are not there.
+    #[inline(always)]
+    fn add_corner(&self, _v: u32, _distance: Real, _part: &mut CellSums) -> bool {
         false
     }
     /// The second moments of half-space `f`'s facet. Asked for only with the flag `FACET_SECOND_MOMENTS`.

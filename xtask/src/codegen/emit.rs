@@ -88,6 +88,12 @@ pub(crate) fn unit(unit: &Unit) -> Result<Parts, String> {
     Ok(parts)
 }
 
+/// `#[cfg(not(opencl))]`: a statement of hosts alone.
+fn is_of_hosts(attr: &syn::Attribute) -> bool {
+    let says = |meta: Meta| matches!(&meta, Meta::List(list) if list.path.is_ident("not") && list.tokens.to_string() == "opencl");
+    attr.path().is_ident("cfg") && attr.parse_args::<Meta>().is_ok_and(says)
+}
+
 /// Whether a struct is data of the dialect: laid out as in C, or private scratch that may be copied.
 fn is_plain(attrs: &[syn::Attribute]) -> bool {
     attrs.iter().any(|a| a.path().is_ident("repr")) || attrs.iter().all(|a| !a.path().is_ident("cfg"))
@@ -261,6 +267,7 @@ impl<'a> Emitter<'a> {
                 self.names.insert(name_text, Kind::Value);
                 Ok(())
             }
+            Stmt::Expr(Expr::If(branch), _) if branch.attrs.iter().any(is_of_hosts) => Ok(()),
             Stmt::Expr(expr, _) => self.statement_expression(expr),
             other => self.unit.error(other.span(), "item or macro in a body"),
         }

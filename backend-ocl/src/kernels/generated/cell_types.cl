@@ -383,6 +383,13 @@ typedef struct {
     real radius;
 } Corner;
 
+// A tetrahedron with a corner at the reference point: its sixfold signed volume, what rounding may have added to that, and its first moment, times four.
+typedef struct {
+    real volume;
+    real rounding;
+    V3 first;
+} Piece;
+
 // core/src/cell/facet.rs
 
 // Sums over one facet.

@@ -99,11 +99,10 @@ INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center
     if (foot_on_edge(s, f, g, center, (flags & FACETS) != 0, &foot, &off) != COMPLETE) {
         return UNCERTAIN;
     }
-    // `I×v`, but the foot is at right angles to the edge: nothing cancels, however far away a small piece is.
-    const V3 spoke = v3_cross(foot, sub(at.position, foot));
+    const V3 spoke = spoke_of(foot, at.position);
     add_tetrahedron(v3_dot(g.foot, spoke), g.foot, foot, at.position, flags, part);
     add_tetrahedron(-v3_dot(f.foot, spoke), f.foot, foot, at.position, flags, part);
-    part->rounding = part->rounding + (((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * at.distance) * norm_1(spoke));
+    part->rounding = part->rounding + rounding_across(at.distance, norm_1(spoke));
     if ((flags & FACETS) != 0) {
         FacetSum sum = store_facet_at(s, at.triplet, g.index);
         add_triangle(g, foot, off, at, -weight, center, store_sums_areas_alone(s), &sum);
@@ -113,6 +112,16 @@ INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center
         store_set_facet_at(s, at.triplet, f.index, sum);
     }
     return COMPLETE;
+}
+
+// `I×v`, but the foot is at right angles to the edge: nothing cancels, however far away a small piece is.
+INLINE V3 spoke_of(V3 foot, V3 position) {
+    return v3_cross(foot, sub(position, foot));
+}
+
+// What rounding across a vertex's planes does to the volumes of one of its edges.
+INLINE real rounding_across(real distance, real spoke) {
+    return ((ROUNDINGS_ACROSS * UNIT_ROUNDOFF) * distance) * spoke;
 }
 
 // The foot of the perpendicular from the reference point to the line of planes f and g:
@@ -130,11 +139,9 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, bool is_bounded, V
         *off = UNIT_ROUNDOFF * norm_1(*foot);
         return status;
     }
-    const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
-    const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
-    *foot = add(scale(f.d, to_f), scale(g.d, to_g));
+    *foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
     const real length = norm_1(*foot);
-    if (!(square < (WORTH_REFINING_FOOT * whole))) {
+    if (is_plain(square, whole)) {
         if (is_bounded) {
             const real amplified = UNIT_ROUNDOFF * sqrt(whole / square);
             *off = amplified * ((ROUNDINGS_OF_FOOT * length) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
@@ -142,6 +149,8 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, bool is_bounded, V
         return COMPLETE;
     }
     *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * length;
+    const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
+    const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
     uint steps = 1;
     if (square < (WORTH_REFINING_MORE * whole)) {
         steps = 3;
@@ -158,14 +167,35 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, bool is_bounded, V
     return COMPLETE;
 }
 
-// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`: first moment `U(h+i+v)/4`, second
-// `U(hhᵀ+iiᵀ+vvᵀ+ssᵀ)/20`, `s = h+i+v`.
+// The foot by the planes' normals and offsets, the normals' product and its square.
+INLINE V3 foot_by(V3 n_f, real d_f, V3 n_g, real d_g, V3 direction, real square) {
+    const V3 to_f = scale(-REAL(1.0) / square, v3_cross(n_g, direction));
+    const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, n_f));
+    return add(scale(d_f, to_f), scale(d_g, to_g));
+}
+
+// Whether the foot on the edge of two planes needs no refinement: `square` as above, `whole` the product of the normals' squares.
+INLINE bool is_plain(real square, real whole) {
+    return square >= (WORTH_REFINING_FOOT * whole);
+}
+
+// The tetrahedron (center, h, i, v): first moment `U(h+i+v)/4`.
+INLINE Piece piece_of(real volume, V3 h, V3 i, V3 v) {
+    const real bound = (ROUNDINGS * UNIT_ROUNDOFF) * fabs(volume);
+    return (Piece){ .volume = volume, .rounding = bound, .first = scale(volume, add(add(h, i), v)) };
+}
+
+INLINE void add_piece(Piece piece, CellSums *part) {
+    part->volume = part->volume + piece.volume;
+    part->rounding = part->rounding + piece.rounding;
+    part->first = add(part->first, piece.first);
+}
+
+// Adds the tetrahedron (center, h, i, v) of sixfold signed volume `volume`; second moment `U(hhᵀ+iiᵀ+vvᵀ+ssᵀ)/20`, `s = h+i+v`.
 INLINE void add_tetrahedron(real volume, V3 h, V3 i, V3 v, uint flags, CellSums *part) {
-    const V3 sum = add(add(h, i), v);
-    part->volume = part->volume + volume;
-    part->rounding = part->rounding + ((ROUNDINGS * UNIT_ROUNDOFF) * fabs(volume));
-    part->first = add(part->first, scale(volume, sum));
+    add_piece(piece_of(volume, h, i, v), part);
     if ((flags & SECOND_MOMENTS) != 0) {
+        const V3 sum = add(add(h, i), v);
         part->second_diagonal = add(part->second_diagonal, scale(volume, second_diagonal(h, i, v, sum)));
         part->second_mixed = add(part->second_mixed, scale(volume, second_mixed(h, i, v, sum)));
     }

@@ -143,6 +143,19 @@ OUTLINE void give_Corner(Output *out, Corner value) {
     give_real(out, value.radius);
 }
 
+INLINE Piece take_Piece(Input *in) {
+    Piece value;
+    value.volume = take_real(in);
+    value.rounding = take_real(in);
+    value.first = take_V3(in);
+    return value;
+}
+OUTLINE void give_Piece(Output *out, Piece value) {
+    give_real(out, value.volume);
+    give_real(out, value.rounding);
+    give_V3(out, value.first);
+}
+
 INLINE FacetSum take_FacetSum(Input *in) {
     FacetSum value;
     value.area = take_real(in);
@@ -704,6 +717,22 @@ __kernel void parity_add_edge(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_spoke_of(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 foot = take_V3(&in);
+    const V3 position = take_V3(&in);
+    const V3 result = spoke_of(foot, position);
+    give_V3(&out, result);
+}
+
+__kernel void parity_rounding_across(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real distance = take_real(&in);
+    const real spoke = take_real(&in);
+    const real result = rounding_across(distance, spoke);
+    give_real(&out, result);
+}
+
 __kernel void parity_foot_on_edge(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -718,6 +747,44 @@ __kernel void parity_foot_on_edge(PARITY_ARGUMENTS) {
     give_V3(&out, foot);
     give_real(&out, off);
     parity_dump(&out, s);
+}
+
+__kernel void parity_foot_by(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 n_f = take_V3(&in);
+    const real d_f = take_real(&in);
+    const V3 n_g = take_V3(&in);
+    const real d_g = take_real(&in);
+    const V3 direction = take_V3(&in);
+    const real square = take_real(&in);
+    const V3 result = foot_by(n_f, d_f, n_g, d_g, direction, square);
+    give_V3(&out, result);
+}
+
+__kernel void parity_is_plain(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real square = take_real(&in);
+    const real whole = take_real(&in);
+    const bool result = is_plain(square, whole);
+    give_bool(&out, result);
+}
+
+__kernel void parity_piece_of(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real volume = take_real(&in);
+    const V3 h = take_V3(&in);
+    const V3 i = take_V3(&in);
+    const V3 v = take_V3(&in);
+    const Piece result = piece_of(volume, h, i, v);
+    give_Piece(&out, result);
+}
+
+__kernel void parity_add_piece(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Piece piece = take_Piece(&in);
+    CellSums part = take_CellSums(&in);
+    add_piece(piece, &part);
+    give_CellSums(&out, part);
 }
 
 __kernel void parity_add_tetrahedron(PARITY_ARGUMENTS) {

@@ -1,7 +1,7 @@
 // Generated from core/src/cell/ by `cargo xtask codegen`; do not edit.
 
 use super::{FLAGS, Function, Word, Words};
-use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, first, quadrature, integrate, facet, near, cone, settle, part, cap, clip, restrict, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, facet::FacetSum, store::Voxel, cone::TruncatedCone};
+use crate::cell::{TAG_CONE, vector, plane, vertex, wide, expansion, first, quadrature, integrate, facet, near, cone, settle, part, cap, clip, restrict, vector::V3, plane::Plane, vertex::Triplet, vertex::Cramer, wide::Wide, expansion::Expansion, integrate::CellSums, integrate::Side, integrate::Corner, integrate::Piece, facet::FacetSum, store::Voxel, cone::TruncatedCone};
 
 words!(V3 { x, y, z });
 words!(Plane { n, d });
@@ -12,6 +12,7 @@ words!(Expansion { terms, count });
 words!(CellSums { volume, first, second_diagonal, second_mixed, integral, rounding, largest_rounding, boundary_area, boundary_moment, boundary_vector, boundary_flux });
 words!(Side { index, n, d, square, foot });
 words!(Corner { triplet, position, distance, radius });
+words!(Piece { volume, rounding, first });
 words!(FacetSum { area, moment, rounding });
 words!(Voxel { i, j, k });
 words!(TruncatedCone { sign, jump, reach, end, side_0, side_1, side_2 });
@@ -72,7 +73,13 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (weight: f64, center: V3, reach: f64, flags: u32 in FLAGS, sums: CellSums) integrate::integrate(&mut s, weight, center, reach, flags, &mut sums), [sums]),
     host!(s, (f: u32, center: V3) integrate::side(&s, f, center), []),
     host!(s, (f: Side, g: Side, at: Corner, weight: f64, center: V3, flags: u32 in FLAGS, part: CellSums) integrate::add_edge(&mut s, f, g, at, weight, center, flags, &mut part), [part]),
+    host!((foot: V3, position: V3) integrate::spoke_of(foot, position), []),
+    host!((distance: f64, spoke: f64) integrate::rounding_across(distance, spoke), []),
     host!(s, (f: Side, g: Side, center: V3, is_bounded: bool, foot: V3, off: f64) integrate::foot_on_edge(&mut s, f, g, center, is_bounded, &mut foot, &mut off), [foot, off]),
+    host!((n_f: V3, d_f: f64, n_g: V3, d_g: f64, direction: V3, square: f64) integrate::foot_by(n_f, d_f, n_g, d_g, direction, square), []),
+    host!((square: f64, whole: f64) integrate::is_plain(square, whole), []),
+    host!((volume: f64, h: V3, i: V3, v: V3) integrate::piece_of(volume, h, i, v), []),
+    host!((piece: Piece, part: CellSums) integrate::add_piece(piece, &mut part), [part]),
     host!((volume: f64, h: V3, i: V3, v: V3, flags: u32 in FLAGS, part: CellSums) integrate::add_tetrahedron(volume, h, i, v, flags, &mut part), [part]),
     host!((h: V3, i: V3, v: V3, s: V3) integrate::second_diagonal(h, i, v, s), []),
     host!((h: V3, i: V3, v: V3, s: V3) integrate::second_mixed(h, i, v, s), []),

@@ -24,6 +24,7 @@ use crate::diagram::Prepared;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
 use group::Group;
 use one_cell::Cell;
+use pulp::{Arch, NullaryFnOnce};
 use store::{MOST_ASKED, Room, Searched};
 
 /// Sites that a cell visits before it is completed by its vertices.
@@ -62,6 +63,8 @@ pub struct Search<'a> {
     room: Box<Room>,
     reaches: Vec<Reaches>,
     candidates: Vec<Candidate>,
+    /// The instructions that the CPU has.
+    arch: Arch,
 }
 
 /// How a search ended.
@@ -87,6 +90,7 @@ impl<'a> Search<'a> {
             room: Box::default(),
             reaches: Vec::new(),
             candidates: Vec::new(),
+            arch: Arch::new(),
         }
     }
 
@@ -165,9 +169,9 @@ impl<'a> Search<'a> {
     fn visit_chunk<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, chunk: usize) -> bool {
         let tree = &self.prepared.sites;
         let leaves = self.group.leaves(chunk);
-        self.reaches.clear();
         let (position, weight) = (cell.position, cell.weight);
-        self.reaches.extend(leaves.iter().map(|&leaf| Reaches::new(tree.leaf(leaf), position, weight, cell.slope)));
+        let reaches = &mut self.reaches;
+        self.arch.dispatch(Reaching { tree, leaves, position, weight, slope: cell.slope, reaches });
         let mut above = Real::NEG_INFINITY;
         if chunk == 0 {
             // The nearest some first: the others are fewer once these have cut the cell.
@@ -182,6 +186,31 @@ impl<'a> Search<'a> {
         let promised_square = self.group.proven_square(chunk, position, weight);
         let far_square = if promised_square > 0.0 { FAR * promised_square } else { Real::INFINITY };
         visit_all::<S, false>(tree, cell, rest, far_square, false)
+    }
+}
+
+/// Finds what the leaves of a chunk have, by the widest instructions that the CPU has.
+struct Reaching<'a> {
+    tree: &'a SiteTree,
+    leaves: &'a [u32],
+    position: [f64; 3],
+    weight: Real,
+    slope: Option<V3>,
+    reaches: &'a mut Vec<Reaches>,
+}
+
+impl NullaryFnOnce for Reaching<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { tree, leaves, position, weight, slope, reaches } = self;
+        if reaches.len() < leaves.len() {
+            reaches.resize(leaves.len(), Reaches { of: [0.0; WIDTH], least: 0.0 });
+        }
+        for (row, &leaf) in reaches.iter_mut().zip(leaves) {
+            *row = Reaches::new(tree.leaf(leaf), position, weight, slope);
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Reaches, larger, smaller};
 use crate::cell::{Real, V3};
 use crate::site_tree::{Boxes, SiteTree, WIDTH, WeightBounds};
+use pulp::{Arch, NullaryFnOnce};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -37,6 +38,30 @@ struct Chunk {
     bound: Real,
 }
 
+/// Bounds the powers of the eight nodes of a block, by the widest instructions that the CPU has.
+struct Powers<'g, 'a> {
+    group: &'g Group<'a>,
+    block: usize,
+}
+
+impl NullaryFnOnce for Powers<'_, '_> {
+    type Output = [Real; WIDTH];
+
+    #[inline(always)]
+    fn call(self) -> [Real; WIDTH] {
+        let Self { group, block } = self;
+        let boxes = group.tree.boxes(block);
+        if group.tree.has_weights() {
+            return group.least_powers(boxes, group.tree.weights(block));
+        }
+        let mut powers = group.least_distances(boxes);
+        for power in &mut powers {
+            *power *= 1.0 - group.lambda;
+        }
+        powers
+    }
+}
+
 /// The sites of one leaf, and what is around them.
 #[derive(Debug)]
 pub(super) struct Group<'a> {
@@ -54,6 +79,8 @@ pub(super) struct Group<'a> {
     listed: Vec<u32>,
     chunks: Vec<Chunk>,
     near: Real,
+    /// The instructions that the CPU has.
+    arch: Arch,
 }
 
 impl<'a> Group<'a> {
@@ -72,6 +99,7 @@ impl<'a> Group<'a> {
             listed: Vec::new(),
             chunks: Vec::new(),
             near: 0.0,
+            arch: Arch::new(),
         }
     }
 
@@ -218,11 +246,7 @@ impl<'a> Group<'a> {
     /// Puts the nodes of a block among those found.
     fn open(&mut self, block: usize) {
         let boxes = self.tree.boxes(block);
-        let powers = if self.tree.has_weights() {
-            self.least_powers(boxes, self.tree.weights(block))
-        } else {
-            self.least_distances(boxes).map(|square| (1.0 - self.lambda) * square)
-        };
+        let powers = self.arch.dispatch(Powers { group: self, block });
         let is_leaf = self.tree.is_leaf(block);
         for (k, &power) in powers.iter().enumerate() {
             // Where no node is, the box is nowhere.
@@ -253,6 +277,7 @@ impl<'a> Group<'a> {
     ///
     /// Along each axis that is `α dist(p, group)² − (s + qu)u`, `u = p − m`, `s` and `q` the differences of slope and curvature: three
     /// parabolas, whose least value is at an end or at one of their stationary points.
+    #[inline(always)]
     fn least_powers(&self, boxes: &Boxes, bounds: &WeightBounds) -> [Real; WIDTH] {
         let mut powers = [0.0; WIDTH];
         let mut sizes = [0.0; WIDTH];

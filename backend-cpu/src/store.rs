@@ -2,9 +2,9 @@
 
 use crate::minors::KeptMinors;
 use laguerre_core::cell::{
-    CellSums, ClipStore, Corners, DomainStore, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT, MARK_KEEP,
-    MARK_UNCERTAIN, Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore, Triplet,
-    UNIT_ROUNDOFF, V3, v3,
+    CellSums, ClipStore, Corners, DomainStore, FACETS, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT,
+    MARK_KEEP, MARK_UNCERTAIN, Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore,
+    Triplet, UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
@@ -408,15 +408,20 @@ impl IntegralStore for CpuStore<'_> {
     }
 
     #[inline(always)]
-    fn prepare_corners(&mut self, center: V3) {
+    fn prepare_corners(&mut self, weight: Real, center: V3, reach: Real, flags: u32) {
         let mut corners = std::mem::take(&mut self.corners);
-        corners.set(self, center);
+        corners.set(self, weight, center, reach, flags);
         self.corners = corners;
     }
 
     #[inline(always)]
-    fn add_corner(&self, v: u32, distance: Real, part: &mut CellSums) -> bool {
-        self.corners.add(v, distance, part)
+    fn add_corner(&mut self, v: u32, distance: Real, flags: u32, part: &mut CellSums) -> bool {
+        let t = self.vertices.triplets[v as usize];
+        let is_there = self.corners.add(v, distance, part);
+        if is_there && flags & FACETS != 0 {
+            self.corners.add_facets(v, t, &mut self.facets);
+        }
+        is_there
     }
 
     #[inline(always)]
@@ -456,7 +461,7 @@ impl DomainStore for CpuStore<'_> {
 mod tests {
     use super::*;
     use laguerre_core::cell::{
-        COMPLETE, FACETS, PlainStore, SECOND_MOMENTS, VOLUME_ONLY, begin, bisector, clip, integrate_cell,
+        COMPLETE, PlainStore, SECOND_MOMENTS, VOLUME_ONLY, begin, bisector, clip, integrate_cell,
     };
 
     /// The doors for SIMD do what their plain bodies do, to the bit, at every count of vertices.

@@ -1,11 +1,14 @@
-//! The tetrahedra of all vertices of a cell, on a host: of four vertices at a time, before they are added up one by one, for volumes and first moments. The
-//! text is that of `integrate.rs`, and so are the bits. (One by one a white cell takes a tenth more time, by vectors of 32 bytes.)
+//! The tetrahedra of all vertices of a cell, on a host: of four vertices at a time, before they are added up one by one, for volumes and first moments, and
+//! the triangles of its facets. The text is that of `integrate.rs` and `facet.rs`, and so are the bits. (One by one a white cell takes a tenth more time,
+//! by vectors of 32 bytes.)
 
+use super::facet::{FacetSum, area_of_triangle, moment_of_triangle, rounding_of_triangle};
 use super::integrate::{
-    CellSums, Piece, Side, add_piece, foot_by, is_plain, piece_of, rounding_across, side, spoke_of,
+    CellSums, FACETS, Piece, Side, add_piece, foot_by, is_plain, off_plain_foot, piece_of, radius_at, rounding_across,
+    side, spoke_of,
 };
 use super::store::Polytope;
-use super::vector::{Real, V3, cross, dot, norm_1, sub, v3};
+use super::vector::{Real, V3, add, cross, dot, larger, norm_1, sub, v3};
 use super::vertex::Triplet;
 use pulp::{Arch, NullaryFnOnce};
 
@@ -20,6 +23,8 @@ pub struct Corners {
     /// Its half-spaces as seen from the reference point.
     sides: Vec<Side>,
     fours: Vec<CornersOfFour>,
+    /// Of each edge the triangles on its two half-spaces, where facets are asked for.
+    facets: Vec<[[TrianglesOfFour; 2]; 3]>,
     /// The instructions that the CPU has.
     arch: Arch,
 }
@@ -46,6 +51,21 @@ struct PiecesOfFour {
     first: [Four; 3],
 }
 
+/// A triangle each: its signed area, its moment, and what rounding may have added to that area.
+#[derive(Clone, Copy, Debug, Default)]
+struct TrianglesOfFour {
+    area: Four,
+    moment: [Four; 3],
+    rounding: Four,
+}
+
+/// A vertex each: relative to the reference point, and its error radius.
+#[derive(Default)]
+struct PlacesOfFour {
+    position: [Four; 3],
+    radius: Four,
+}
+
 /// A half-space each.
 #[derive(Clone, Copy, Default)]
 struct SidesOfFour {
@@ -62,6 +82,13 @@ impl SidesOfFour {
         set(&mut self.foot, lane, side.foot);
         (self.d[lane], self.square[lane]) = (side.d, side.square);
     }
+
+    /// (Without its number.)
+    #[inline(always)]
+    fn side(&self, lane: usize) -> Side {
+        let (n, foot) = (at(&self.n, lane), at(&self.foot, lane));
+        Side { index: 0, n, d: self.d[lane], square: self.square[lane], foot }
+    }
 }
 
 impl PiecesOfFour {
@@ -77,6 +104,15 @@ impl PiecesOfFour {
     }
 }
 
+impl TrianglesOfFour {
+    #[inline(always)]
+    fn add(&self, lane: usize, sum: &mut FacetSum) {
+        sum.area += self.area[lane];
+        sum.moment = add(sum.moment, at(&self.moment, lane));
+        sum.rounding = larger(sum.rounding, self.rounding[lane]);
+    }
+}
+
 #[inline(always)]
 fn at(fours: &[Four; 3], lane: usize) -> V3 {
     v3(fours[0][lane], fours[1][lane], fours[2][lane])
@@ -89,21 +125,26 @@ fn set(fours: &mut [Four; 3], lane: usize, x: V3) {
 
 impl Default for Corners {
     fn default() -> Self {
-        Self { sides: Vec::new(), fours: Vec::new(), arch: Arch::new() }
+        Self { sides: Vec::new(), fours: Vec::new(), facets: Vec::new(), arch: Arch::new() }
     }
 }
 
 impl Corners {
-    /// Those of a polytope, as seen from `center`.
-    pub fn set<S: Polytope>(&mut self, s: &S, center: V3) {
+    /// Those of a polytope, as `integrate` takes it.
+    pub fn set<S: Polytope>(&mut self, s: &S, weight: Real, center: V3, reach: Real, flags: u32) {
         self.sides.clear();
         self.sides.extend((0..s.planes()).map(|f| side(s, f, center)));
         let count = s.vertices().div_ceil(LANES as u32) as usize;
+        let with_facets = if flags & FACETS == 0 { 0 } else { count };
         if self.fours.len() < count {
             self.fours.resize(count, CornersOfFour::default());
         }
-        let Self { sides, fours, arch } = self;
-        arch.dispatch(Set { s, center, sides, fours: &mut fours[..count] });
+        if self.facets.len() < with_facets {
+            self.facets.resize(with_facets, Default::default());
+        }
+        let Self { sides, fours, facets, arch } = self;
+        let (fours, facets) = (&mut fours[..count], &mut facets[..with_facets]);
+        arch.dispatch(Set { s, weight, center, reach, sides, fours, facets });
     }
 
     /// Adds the tetrahedra of vertex `v`, whose way from the site is that long; `false` if one of its feet is to be refined.
@@ -120,14 +161,27 @@ impl Corners {
         }
         true
     }
+
+    /// Adds the triangles of vertex `v`, of that triplet, to its facets.
+    #[inline(always)]
+    pub fn add_facets(&self, v: u32, Triplet { a, b, c }: Triplet, facets: &mut [FacetSum]) {
+        let (edges, lane) = (&self.facets[v as usize / LANES], v as usize % LANES);
+        for (triangles, [f, g]) in edges.iter().zip([[a, b], [b, c], [c, a]]) {
+            triangles[0].add(lane, &mut facets[g as usize]);
+            triangles[1].add(lane, &mut facets[f as usize]);
+        }
+    }
 }
 
-/// Sets the tetrahedra of all vertices by the widest instructions that the CPU has.
+/// Sets all of them by the widest instructions that the CPU has.
 struct Set<'a, S> {
     s: &'a S,
+    weight: Real,
     center: V3,
+    reach: Real,
     sides: &'a [Side],
     fours: &'a mut [CornersOfFour],
+    facets: &'a mut [[[TrianglesOfFour; 2]; 3]],
 }
 
 impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
@@ -135,16 +189,17 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { s, center, sides, fours } = self;
+        let Self { s, weight, center, reach, sides, fours, facets } = self;
         let last = s.vertices().max(1) - 1;
         for (number, four) in fours.iter_mut().enumerate() {
-            let mut positions = [[0.0; LANES]; 3];
+            let mut places = PlacesOfFour::default();
             let mut corners = [SidesOfFour::default(); 3];
             for lane in 0..LANES {
                 // (Places after the last have what it has.)
                 let v = ((number * LANES + lane) as u32).min(last);
                 let Triplet { a, b, c } = s.triplet(v);
-                set(&mut positions, lane, sub(s.position(v), center));
+                set(&mut places.position, lane, sub(s.position(v), center));
+                places.radius[lane] = radius_at(s.radius(v), reach);
                 for (corner, f) in corners.iter_mut().zip([a, b, c]) {
                     corner.set(lane, &sides[f as usize]);
                 }
@@ -152,9 +207,13 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
             let [a, b, c] = &corners;
             let mut are_plain = [true; LANES];
             for (edge, [f, g]) in four.edges.iter_mut().zip([[a, b], [b, c], [c, a]]) {
-                set_edge(edge, f, g, &positions, &mut are_plain);
+                set_edge(edge, f, g, &places, &mut are_plain);
             }
             four.are_plain = are_plain;
+            let Some(edges) = facets.get_mut(number) else { continue };
+            for (triangles, [f, g]) in edges.iter_mut().zip([[a, b], [b, c], [c, a]]) {
+                set_triangles(triangles, [f, g], &places, weight, center);
+            }
         }
     }
 }
@@ -165,21 +224,65 @@ fn set_edge(
     edge: &mut EdgesOfFour,
     f: &SidesOfFour,
     g: &SidesOfFour,
-    positions: &[Four; 3],
+    places: &PlacesOfFour,
     are_plain: &mut [bool; LANES],
 ) {
     let mut made = EdgesOfFour::default();
     for (k, all_plain) in are_plain.iter_mut().enumerate() {
-        let (n_f, n_g, position) = (at(&f.n, k), at(&g.n, k), at(positions, k));
-        let direction = cross(n_f, n_g);
-        let square = dot(direction, direction);
-        *all_plain &= is_plain(square, f.square[k] * g.square[k]);
-        let foot = foot_by(n_f, f.d[k], n_g, g.d[k], direction, square);
+        let (f, g, position) = (f.side(k), g.side(k), at(&places.position, k));
+        let (foot, square) = foot_of(f, g);
+        *all_plain &= is_plain(square, f.square * g.square);
         let spoke = spoke_of(foot, position);
-        let (to_g, to_f) = (at(&g.foot, k), at(&f.foot, k));
-        made.pieces[0].set(k, piece_of(dot(to_g, spoke), to_g, foot, position));
-        made.pieces[1].set(k, piece_of(-dot(to_f, spoke), to_f, foot, position));
+        made.pieces[0].set(k, piece_of(dot(g.foot, spoke), g.foot, foot, position));
+        made.pieces[1].set(k, piece_of(-dot(f.foot, spoke), f.foot, foot, position));
         made.spoke[k] = norm_1(spoke);
     }
     *edge = made;
+}
+
+/// (So does this: of half-space g first, as they are added.)
+#[inline(always)]
+fn set_triangles(
+    triangles: &mut [TrianglesOfFour; 2],
+    [f, g]: [&SidesOfFour; 2],
+    places: &PlacesOfFour,
+    weight: Real,
+    center: V3,
+) {
+    let mut made = [TrianglesOfFour::default(); 2];
+    for k in 0..LANES {
+        let (f, g, position, radius) = (f.side(k), g.side(k), at(&places.position, k), places.radius[k]);
+        let (foot, square) = foot_of(f, g);
+        let off = off_plain_foot(foot, square, f.square * g.square, center);
+        set_triangle(&mut made[0], k, g, foot, off, position, radius, -weight, center);
+        set_triangle(&mut made[1], k, f, foot, off, position, radius, weight, center);
+    }
+    *triangles = made;
+}
+
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "those of a triangle")]
+fn set_triangle(
+    triangle: &mut TrianglesOfFour,
+    k: usize,
+    side: Side,
+    foot: V3,
+    off: Real,
+    position: V3,
+    radius: Real,
+    sign: Real,
+    center: V3,
+) {
+    let area = area_of_triangle(side, sub(foot, side.foot), sub(position, side.foot), sign);
+    triangle.area[k] = area;
+    set(&mut triangle.moment, k, moment_of_triangle(side, foot, position, center, area));
+    triangle.rounding[k] = rounding_of_triangle(side, foot, off, position, radius);
+}
+
+/// The foot on the edge of two half-spaces, and the square of their normals' product.
+#[inline(always)]
+fn foot_of(f: Side, g: Side) -> (V3, Real) {
+    let direction = cross(f.n, g.n);
+    let square = dot(direction, direction);
+    (foot_by(f.n, f.d, g.n, g.d, direction, square), square)
 }

@@ -1,8 +1,8 @@
 //! Sums over the facets of a convex cell: areas, moments, second moments, and what of them is the domain's boundary.
 
 use super::integrate::{
-    CellSums, Corner, FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, ROUNDINGS_OF_SURFACE, Side, foot_on_edge,
-    second_diagonal, second_mixed, side,
+    CellSums, Corner, FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, Side, foot_on_edge, radius_at, second_diagonal,
+    second_mixed, side,
 };
 use super::plane::Plane;
 use super::status::{COMPLETE, UNCERTAIN};
@@ -71,17 +71,28 @@ pub(super) fn add_triangle(
     area_alone: bool,
     sum: &mut FacetSum,
 ) {
-    let to_foot: V3 = sub(foot, f.foot);
-    let to_vertex: V3 = sub(at.position, f.foot);
-    let area: Real = area_of_triangle(f, to_foot, to_vertex, sign);
+    let area: Real = area_of_triangle(f, sub(foot, f.foot), sub(at.position, f.foot), sign);
     sum.area = sum.area + area;
     if !area_alone {
-        let middle: V3 = add(scale(1.0 / 3.0, add(add(f.foot, foot), at.position)), center);
-        sum.moment = add(sum.moment, scale(area, middle));
+        sum.moment = add(sum.moment, moment_of_triangle(f, foot, at.position, center, area));
     }
+    sum.rounding = larger(sum.rounding, rounding_of_triangle(f, foot, off, at.position, at.radius));
+}
+
+/// `area·(H + I + v)/3`.
+#[inline(always)]
+pub(super) fn moment_of_triangle(f: Side, foot: V3, position: V3, center: V3, area: Real) -> V3 {
+    return scale(area, add(scale(1.0 / 3.0, add(add(f.foot, foot), position)), center));
+}
+
+/// What rounding may have added to its area, where the vertex is off by up to `radius`.
+#[inline(always)]
+pub(super) fn rounding_of_triangle(f: Side, foot: V3, off: Real, position: V3, radius: Real) -> Real {
+    let to_foot: V3 = sub(foot, f.foot);
+    let to_vertex: V3 = sub(position, f.foot);
     let lost: Real = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
-    let moved: Real = (at.radius + off) + (UNIT_ROUNDOFF * norm_1(at.position));
-    sum.rounding = larger(sum.rounding, lost + (moved * norm_1(sub(at.position, foot))));
+    let moved: Real = (radius + off) + (UNIT_ROUNDOFF * norm_1(position));
+    return lost + (moved * norm_1(sub(position, foot)));
 }
 
 /// `sign·½ (I − H)×(v − H)·n/|n|`, given the two sides at H.
@@ -109,7 +120,7 @@ pub(crate) fn integrate_facet<S: SignStore>(s: &mut S, index: u32, center: V3, r
                 triplet: t,
                 position: sub(s.position(v), center),
                 distance: norm_1(s.position(v)) + reach,
-                radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
+                radius: radius_at(s.radius(v), reach),
             };
             let b: Side = side(s, t.b, center);
             let c: Side = side(s, t.c, center);

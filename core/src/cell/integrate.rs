@@ -132,12 +132,12 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
 ) -> u32 {
     let mut part: CellSums = CellSums::default();
     #[cfg(not(opencl))]
-    if flags == VOLUME_ONLY {
-        s.prepare_corners(center);
+    if (flags & SECOND_MOMENTS) == 0 {
+        s.prepare_corners(weight, center, reach, flags);
     }
     for v in 0..s.vertices() {
         #[cfg(not(opencl))]
-        if flags == VOLUME_ONLY && s.add_corner(v, norm_1(s.position(v)) + reach, &mut part) {
+        if (flags & SECOND_MOMENTS) == 0 && s.add_corner(v, norm_1(s.position(v)) + reach, flags, &mut part) {
             continue;
         }
         let t: Triplet = s.triplet(v);
@@ -145,7 +145,7 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
             triplet: t,
             position: sub(s.position(v), center),
             distance: norm_1(s.position(v)) + reach,
-            radius: s.radius(v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach),
+            radius: radius_at(s.radius(v), reach),
         };
         let mut f: Side = side(s, t.a, center);
         if s.is_short() {
@@ -301,15 +301,13 @@ pub(super) fn foot_on_edge<S: SignStore>(
         return status;
     }
     *foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
-    let length: Real = norm_1(*foot);
     if is_plain(square, whole) {
         if is_bounded {
-            let amplified: Real = UNIT_ROUNDOFF * (whole / square).sqrt();
-            *off = amplified * ((ROUNDINGS_OF_FOOT * length) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
+            *off = off_plain_foot(*foot, square, whole, center);
         }
         return COMPLETE;
     }
-    *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * length;
+    *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * norm_1(*foot);
     let to_f: V3 = scale(-1.0 / square, cross(g.n, direction));
     let to_g: V3 = scale(-1.0 / square, cross(direction, f.n));
     let mut steps: u32 = 1;
@@ -340,6 +338,19 @@ pub(super) fn foot_by(n_f: V3, d_f: Real, n_g: V3, d_g: Real, direction: V3, squ
 #[inline(always)]
 pub(super) fn is_plain(square: Real, whole: Real) -> bool {
     return square >= (WORTH_REFINING_FOOT * whole);
+}
+
+/// How far such a foot may be off its line.
+#[inline(always)]
+pub(super) fn off_plain_foot(foot: V3, square: Real, whole: Real, center: V3) -> Real {
+    let amplified: Real = UNIT_ROUNDOFF * (whole / square).sqrt();
+    return amplified * ((ROUNDINGS_OF_FOOT * norm_1(foot)) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
+}
+
+/// How far a vertex whose planes reach so far is off, at most, where its triangles are.
+#[inline(always)]
+pub(super) fn radius_at(radius: Real, reach: Real) -> Real {
+    return radius + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach);
 }
 
 /// A tetrahedron with a corner at the reference point: its sixfold signed volume, what rounding may have added to that, and its first moment, times four.

@@ -258,12 +258,13 @@ pub trait IntegralStore: Polytope {
     fn sums_areas_alone(&self) -> bool {
         false
     }
-    /// Computes the tetrahedra of all vertices for volumes and first moments, as seen from `center`, where a host does that for several vertices at a time.
+    /// Computes the tetrahedra of all vertices for volumes and first moments, as [`integrate`](super::integrate_cell) has them, and with `FACETS` their
+    /// triangles, where a host does that for several vertices at a time.
     #[inline(always)]
-    fn prepare_corners(&mut self, _center: V3) {}
+    fn prepare_corners(&mut self, _weight: Real, _center: V3, _reach: Real, _flags: u32) {}
     /// Adds those of vertex `v`, whose way from the site is that long; `false` where they are not there.
     #[inline(always)]
-    fn add_corner(&self, _v: u32, _distance: Real, _part: &mut CellSums) -> bool {
+    fn add_corner(&mut self, _v: u32, _distance: Real, _flags: u32, _part: &mut CellSums) -> bool {
         false
     }
     /// The second moments of half-space `f`'s facet. Asked for only with the flag `FACET_SECOND_MOMENTS`.

@@ -11,17 +11,26 @@ OUTLINE bool facet_is_above_bound(FacetSum sum) {
 // What I and v are off counts with the way between them: the two triangles of a vertex lose its error times the way between their feet,
 // those of an edge the foot's times the edge's length. The vertex has been rounded once more on its way to the reference point.
 INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, bool area_alone, FacetSum *sum) {
-    const V3 to_foot = sub(foot, f.foot);
-    const V3 to_vertex = sub(at.position, f.foot);
-    const real area = area_of_triangle(f, to_foot, to_vertex, sign);
+    const real area = area_of_triangle(f, sub(foot, f.foot), sub(at.position, f.foot), sign);
     sum->area = sum->area + area;
     if (!area_alone) {
-        const V3 middle = add(scale(REAL(1.0) / REAL(3.0), add(add(f.foot, foot), at.position)), center);
-        sum->moment = add(sum->moment, scale(area, middle));
+        sum->moment = add(sum->moment, moment_of_triangle(f, foot, at.position, center, area));
     }
+    sum->rounding = larger(sum->rounding, rounding_of_triangle(f, foot, off, at.position, at.radius));
+}
+
+// `area·(H + I + v)/3`.
+INLINE V3 moment_of_triangle(Side f, V3 foot, V3 position, V3 center, real area) {
+    return scale(area, add(scale(REAL(1.0) / REAL(3.0), add(add(f.foot, foot), position)), center));
+}
+
+// What rounding may have added to its area, where the vertex is off by up to `radius`.
+INLINE real rounding_of_triangle(Side f, V3 foot, real off, V3 position, real radius) {
+    const V3 to_foot = sub(foot, f.foot);
+    const V3 to_vertex = sub(position, f.foot);
     const real lost = (ROUNDINGS_OF_TRIANGLE * UNIT_ROUNDOFF) * (norm_1(to_foot) * norm_1(to_vertex));
-    const real moved = (at.radius + off) + (UNIT_ROUNDOFF * norm_1(at.position));
-    sum->rounding = larger(sum->rounding, lost + (moved * norm_1(sub(at.position, foot))));
+    const real moved = (radius + off) + (UNIT_ROUNDOFF * norm_1(position));
+    return lost + (moved * norm_1(sub(position, foot)));
 }
 
 // `sign·½ (I − H)×(v − H)·n/|n|`, given the two sides at H.
@@ -43,7 +52,7 @@ OUTLINE uint integrate_facet(Store *s, uint index, V3 center, real reach, FacetS
         }
         if (t.a == index) {
             // Vertex (f, b, c): of its edges (f, b) begins here and (c, f) ends here.
-            const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
+            const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = radius_at(store_radius(s, v), reach) };
             const Side b = side(s, t.b, center);
             const Side c = side(s, t.c, center);
             V3 foot = v3(REAL(0.0), REAL(0.0), REAL(0.0));

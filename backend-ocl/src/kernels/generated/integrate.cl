@@ -24,7 +24,7 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
     CellSums part = (CellSums){ 0 };
     for (uint v = 0; v < store_vertices(s); v++) {
         const Triplet t = store_triplet(s, v);
-        const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = store_radius(s, v) + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach) };
+        const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = radius_at(store_radius(s, v), reach) };
         Side f = side(s, t.a, center);
         if (store_is_short(s)) {
             ROLLED
@@ -140,15 +140,13 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, bool is_bounded, V
         return status;
     }
     *foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
-    const real length = norm_1(*foot);
     if (is_plain(square, whole)) {
         if (is_bounded) {
-            const real amplified = UNIT_ROUNDOFF * sqrt(whole / square);
-            *off = amplified * ((ROUNDINGS_OF_FOOT * length) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
+            *off = off_plain_foot(*foot, square, whole, center);
         }
         return COMPLETE;
     }
-    *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * length;
+    *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * norm_1(*foot);
     const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
     const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
     uint steps = 1;
@@ -177,6 +175,17 @@ INLINE V3 foot_by(V3 n_f, real d_f, V3 n_g, real d_g, V3 direction, real square)
 // Whether the foot on the edge of two planes needs no refinement: `square` as above, `whole` the product of the normals' squares.
 INLINE bool is_plain(real square, real whole) {
     return square >= (WORTH_REFINING_FOOT * whole);
+}
+
+// How far such a foot may be off its line.
+INLINE real off_plain_foot(V3 foot, real square, real whole, V3 center) {
+    const real amplified = UNIT_ROUNDOFF * sqrt(whole / square);
+    return amplified * ((ROUNDINGS_OF_FOOT * norm_1(foot)) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
+}
+
+// How far a vertex whose planes reach so far is off, at most, where its triangles are.
+INLINE real radius_at(real radius, real reach) {
+    return radius + ((ROUNDINGS_OF_SURFACE * UNIT_ROUNDOFF) * reach);
 }
 
 // The tetrahedron (center, h, i, v): first moment `U(h+i+v)/4`.

@@ -769,6 +769,24 @@ __kernel void parity_is_plain(PARITY_ARGUMENTS) {
     give_bool(&out, result);
 }
 
+__kernel void parity_off_plain_foot(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const V3 foot = take_V3(&in);
+    const real square = take_real(&in);
+    const real whole = take_real(&in);
+    const V3 center = take_V3(&in);
+    const real result = off_plain_foot(foot, square, whole, center);
+    give_real(&out, result);
+}
+
+__kernel void parity_radius_at(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real radius = take_real(&in);
+    const real reach = take_real(&in);
+    const real result = radius_at(radius, reach);
+    give_real(&out, result);
+}
+
 __kernel void parity_piece_of(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const real volume = take_real(&in);
@@ -867,6 +885,28 @@ __kernel void parity_add_triangle(PARITY_ARGUMENTS) {
     FacetSum sum = take_FacetSum(&in);
     add_triangle(f, foot, off, at, sign, center, area_alone, &sum);
     give_FacetSum(&out, sum);
+}
+
+__kernel void parity_moment_of_triangle(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Side f = take_Side(&in);
+    const V3 foot = take_V3(&in);
+    const V3 position = take_V3(&in);
+    const V3 center = take_V3(&in);
+    const real area = take_real(&in);
+    const V3 result = moment_of_triangle(f, foot, position, center, area);
+    give_V3(&out, result);
+}
+
+__kernel void parity_rounding_of_triangle(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Side f = take_Side(&in);
+    const V3 foot = take_V3(&in);
+    const real off = take_real(&in);
+    const V3 position = take_V3(&in);
+    const real radius = take_real(&in);
+    const real result = rounding_of_triangle(f, foot, off, position, radius);
+    give_real(&out, result);
 }
 
 __kernel void parity_area_of_triangle(PARITY_ARGUMENTS) {

@@ -46,13 +46,19 @@ fn with_block(page: &str, block: &str) -> Result<String, String> {
     if !is_marker(first, "begin") || !is_marker(last, "end") {
         return Err("the text of `laguerre paper` is not between its marker comments".to_owned());
     }
-    if let (Some(begin), Some(end)) = (page.find(first), page.find(last)) {
-        return Ok(format!("{}{block}{}", &page[..begin], &page[end + last.len()..]));
+    if let Some(text) = replaced(page, [first, last], block) {
+        return Ok(text);
     }
     match page.find(END) {
         Some(end) if page[..end].contains(BEGIN) => Ok(format!("{}{block}\n\n{}", &page[..end], &page[end..])),
         _ => Err(format!("BENCHMARKS.md has no {BEGIN} and {END} to put the text between")),
     }
+}
+
+/// The page with `block` in place of what stands from the first marker to the last; `None` where it has no such markers.
+pub(crate) fn replaced(page: &str, [first, last]: [&str; 2], block: &str) -> Option<String> {
+    let (begin, end) = (page.find(first)?, page.find(last)?);
+    (begin < end).then(|| format!("{}{block}{}", &page[..begin], &page[end + last.len()..]))
 }
 
 #[cfg(test)]
@@ -71,6 +77,15 @@ mod tests {
         assert!(three.contains("new") && three.contains("device") && !three.contains("old"), "{three}");
         assert!(three.starts_with("# Page\n\n<!-- paper: begin -->\n") && three.ends_with("\n## After\n"), "{three}");
         assert_eq!(with_block(&three, &block("cpu", "new")).unwrap(), three);
+    }
+
+    #[test]
+    fn a_block_is_put_in_its_place() {
+        let page = "# Page\nbegin\nold\nend\nafter\n";
+        let made = replaced(page, ["begin", "end"], "begin\nnew\nend");
+        assert_eq!(made.as_deref(), Some("# Page\nbegin\nnew\nend\nafter\n"));
+        assert_eq!(replaced("# Page\n", ["begin", "end"], ""), None);
+        assert_eq!(replaced(page, ["end", "begin"], ""), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::paper::replaced;
 use crate::python::environment;
 use crate::run::{cargo, root, succeed, target};
 
@@ -109,7 +110,8 @@ pub(crate) fn run() -> Result<(), String> {
     );
     let page = root().join("BENCHMARKS.md");
     let text = fs::read_to_string(&page).map_err(|e| format!("{}: {e}", page.display()))?;
-    fs::write(&page, with_block(&text, &block)?).map_err(|e| format!("{}: {e}", page.display()))?;
+    let text = replaced(&text, [BEGIN, END], &block).ok_or("BENCHMARKS.md has no place for the table of peers")?;
+    fs::write(&page, text).map_err(|e| format!("{}: {e}", page.display()))?;
     println!("{block}");
     Ok(())
 }
@@ -141,7 +143,7 @@ fn cgal(folder: &Path) -> Result<Peer, String> {
 
 fn meshless(folder: &Path) -> Result<Peer, String> {
     let manifest = source("meshless/Cargo.toml");
-    let line = ["build", "--release", "--quiet", "--manifest-path", &manifest.to_string_lossy()];
+    let line = ["build", "--locked", "--release", "--quiet", "--manifest-path", &manifest.to_string_lossy()];
     cargo(&line, &[("CARGO_TARGET_DIR", &folder.to_string_lossy())]).map_err(|e| format!("meshless_voronoi: {e}"))?;
     let run = folder.join("release/laguerre-peer-meshless").with_extension(std::env::consts::EXE_EXTENSION);
     Ok(Peer { name: "meshless_voronoi", run, before: Vec::new(), threads: 1, cuts: false })
@@ -177,14 +179,6 @@ fn median(seconds: &mut [f64]) -> f64 {
     seconds[seconds.len() / 2]
 }
 
-/// The page with the block in place of the one it has.
-fn with_block(page: &str, block: &str) -> Result<String, String> {
-    match (page.find(BEGIN), page.find(END)) {
-        (Some(begin), Some(end)) if begin < end => Ok(format!("{}{block}{}", &page[..begin], &page[end + END.len()..])),
-        _ => Err(format!("BENCHMARKS.md has no {BEGIN} and {END} to put the table between")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,13 +189,5 @@ mod tests {
         assert_eq!(said_by("0.5\n"), Ok(Said { seconds: 0.5, squares: None }));
         assert!(said_by("no sites").is_err() && said_by("1 2").is_err());
         assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
-    }
-
-    #[test]
-    fn the_table_is_put_in_its_place() {
-        let page = format!("# Page\n{BEGIN}\nold\n{END}\nafter\n");
-        let made = with_block(&page, &format!("{BEGIN}\nnew\n{END}")).unwrap();
-        assert_eq!(made, format!("# Page\n{BEGIN}\nnew\n{END}\nafter\n"));
-        assert!(with_block("# Page\n", "").is_err());
     }
 }

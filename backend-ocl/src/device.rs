@@ -106,6 +106,7 @@ rooms! {
         pub(crate) sums: f64 = "cells' sums",
         pub(crate) rows: [u64; 2] = "rows of facets",
         pub(crate) facets: FacetRecord = "a batch's facets",
+        facet_moments: [f64; 3] = "a batch's facets",
         facet_seconds: FacetSecond = "a batch's facets",
         integrand: f64 = "the integrand",
     }

@@ -18,7 +18,6 @@ rooms! {
         is_long: u32 = "the Laplacian's rows",
         offsets: u32 = "the Laplacian's rows",
         columns: u32 = "the Laplacian",
-        areas: f64 = "the Laplacian",
         values: f64 = "the Laplacian",
         pub(crate) packed_offsets: u32 = "the Laplacian's rows",
         pub(crate) packed_columns: u32 = "the Laplacian",
@@ -102,7 +101,6 @@ impl Device {
             && ties.offsets.grow_if_possible(context, rows + 1)?
             && ties.packed_offsets.grow_if_possible(context, rows + 1)?
             && ties.columns.grow_if_possible(context, most)?
-            && ties.areas.grow_if_possible(context, most)?
             && ties.values.grow_if_possible(context, most)?
             && ties.packed_columns.grow_if_possible(context, most)?
             && ties.packed_values.grow_if_possible(context, most)?;
@@ -112,17 +110,8 @@ impl Device {
         ties.offsets.fill_with(context, queue, 0, rows + 1)?;
         ties.packed_offsets.fill_with(context, queue, 0, rows + 1)?;
         ties.is_long.fill_with(context, queue, 0, 1)?;
-        let LaplacianMemory {
-            place,
-            is_long,
-            offsets,
-            columns,
-            areas,
-            values,
-            packed_offsets,
-            packed_columns,
-            packed_values,
-        } = &*ties;
+        let LaplacianMemory { place, is_long, offsets, columns, values, packed_offsets, packed_columns, packed_values } =
+            &*ties;
         let (order, rooms) = (&sorted.order, &memory.rows);
         let counting =
             CountFacets { order, count, outcome: &memory.outcome, rows: rooms, place, counts: offsets, is_long };
@@ -133,7 +122,7 @@ impl Device {
         grid::scan(context, queue, grid_kernels, offsets, rows + 1, &mut sorted.sums)?;
         let (items, records) = (rows * PER_ROW as usize, &memory.facets);
         // (Where the packed ones are afterwards.)
-        let listed = packed_columns;
+        let (listed, areas) = (packed_columns, packed_values);
         let listing = ListFacets { order, count, rows: rooms, records, place, offsets, listed };
         grid_kernels.list_facets.run(queue, items, GROUP, listing)?;
         let sorting = SortFacets { order, count, rows: rooms, records, listed, offsets, columns, areas };

@@ -16,7 +16,7 @@ use loader::loader;
 const SITES: usize = 3000;
 
 /// More than facets of half of them take, and less than those of all.
-const LARGE: usize = 1_500_000;
+const LARGE: usize = 600_000;
 
 #[test]
 fn facets_that_stay_are_not_lost_with_their_memory() {

@@ -64,6 +64,9 @@ impl Device {
         // Beyond the room there is nothing; a gap at its end belongs to no row.
         let written = counters.facets.min(self.shared.params.facet_room) as usize;
         memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
+        if request.facets() {
+            memory.facet_moments.read_at(queue, written, &mut results.facets.moments, results.facet_count)?;
+        }
         if request.facet_second_moments() {
             memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
         }
@@ -85,11 +88,13 @@ impl Device {
             self.memory.facets.grow(&self.context, 1)?;
             return Ok(most);
         }
-        let second = if request.facet_second_moments() { size_of::<FacetSecond>() } else { 0 };
+        let (has_moments, has_seconds) = (request.facets(), request.facet_second_moments());
+        let moment = if has_moments { size_of::<[f64; 3]>() } else { 0 };
+        let second = if has_seconds { size_of::<FacetSecond>() } else { 0 };
         let length = if self.shares_cells() { RECORD_LENGTH } else { 0 };
-        let of_facets = FACETS_PER_CELL * (size_of::<FacetRecord>() + second);
+        let of_facets = FACETS_PER_CELL * (size_of::<FacetRecord>() + moment + second);
         let share = |of: u64, bytes: usize| (self.memory_size / of) as usize / bytes;
-        let most_kept = share(SHARE_OF_KEPT, of_facets).min(self.most_cells);
+        let most_kept = share(SHARE_OF_KEPT, of_facets).min(self.most_cells).min(u32::MAX as usize / FACETS_PER_CELL);
         let mut batch = share(SHARE_OF_MEMORY, of_facets + length * size_of::<[u32; 4]>())
             .min(most)
             .max(FEWEST_CELLS)
@@ -103,8 +108,8 @@ impl Device {
         let mut all = if self.results.are_kept { most_kept } else { 0 };
         loop {
             let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
-            let Memory { facets, facet_seconds, near, .. } = &mut self.memory;
-            let seconds = if request.facet_second_moments() { room } else { 1 };
+            let Memory { facets, facet_moments, facet_seconds, near, .. } = &mut self.memory;
+            let (moments, seconds) = (if has_moments { room } else { 1 }, if has_seconds { room } else { 1 });
             let records = if length == 0 { 1 } else { (batch * length).max(LONGEST_RECORD) };
             if batch > FEWEST_CELLS && !near.grow_if_possible(&self.context, records)? {
                 batch /= 2;
@@ -112,12 +117,14 @@ impl Device {
             }
             let is_there = batch <= FEWEST_CELLS
                 || (facets.grow_if_possible(&self.context, room)?
+                    && facet_moments.grow_if_possible(&self.context, moments)?
                     && facet_seconds.grow_if_possible(&self.context, seconds)?);
             if !is_there {
                 (batch, all) = if all > batch { (batch, 0) } else { (batch / 2, 0) };
                 continue;
             }
             facets.grow(&self.context, room)?;
+            facet_moments.grow(&self.context, moments)?;
             facet_seconds.grow(&self.context, seconds)?;
             near.grow(&self.context, records)?;
             (self.shared.params.facet_room, self.shared.params.near_room) = (room as u32, records as u32);

@@ -300,6 +300,7 @@ impl Device {
                 }
                 self.read_facets(request)?;
                 self.memory.facets.free();
+                self.memory.facet_moments.free();
                 self.memory.facet_seconds.free();
                 self.memory.near.free();
                 batch = self.room_for_batch(request, count, batch / 2)?;
@@ -367,6 +368,7 @@ impl Device {
         let Self { context, queue, memory, octree, programs, sites, shared, counters, .. } = self;
         let kernels = programs.get(context, self.id, way, &shared.params)?;
         memory.facets.grow(context, 1)?;
+        memory.facet_moments.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
         memory.near.grow(context, 1)?;
         memory.vast.grow(context, 1)?;
@@ -420,6 +422,7 @@ impl Device {
             sums: &memory.sums,
             rows: &memory.rows,
             facets: &memory.facets,
+            facet_moments: &memory.facet_moments,
             facet_seconds: &memory.facet_seconds,
             counters: &memory.counters,
             surface: &memory.surface,

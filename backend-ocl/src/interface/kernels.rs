@@ -60,6 +60,7 @@ kernels! {
         output sums: f64,
         output rows: [u64; 2],
         output facets: FacetRecord,
+        output facet_moments: [f64; 3],
         output facet_seconds: FacetSecond,
         atomic counters: Counters,
         /// Lists of the cells that did not end: those near the surface, or where lanes share a cell their records; those for the next stage, or pass, with

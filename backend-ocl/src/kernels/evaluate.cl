@@ -46,7 +46,9 @@ __kernel void cells(CELLS_ARGUMENTS) {
                 const FacetSum sum = store.facet[f];
                 if ((store_tag(&store, f) < TAG_BOX) && (facet_is_above_bound(sum) != 0)) {
                     facets[next].area = sum.area;
-                    write_vector(facets[next].moment, sum.moment);
+                    if ((params->flags & FACET_AREAS) == 0u) {
+                        write_vector(facet_moments + (3ul * next), sum.moment);
+                    }
                     facets[next].neighbor = order[store_tag(&store, f)];
                     facets[next].unused = 0u;
 #if WITH_FACET_SECOND

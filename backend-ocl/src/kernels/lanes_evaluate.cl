@@ -161,13 +161,13 @@ __kernel void cells(CELLS_ARGUMENTS) {
             UNROLLED_WORDS
             for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
                 if (((kept[turn] >> s->lane) & 1u) != 0u) {
-                    __global FacetRecord *record = facets + next + popcount(kept[turn] & ((1u << s->lane) - 1u));
-                    record->area = facet[turn].area;
+                    const size_t at = (size_t)next + popcount(kept[turn] & ((1u << s->lane) - 1u));
+                    facets[at].area = facet[turn].area;
+                    facets[at].neighbor = order[cell->source[(turn * LANES) + s->lane]];
+                    facets[at].unused = 0u;
                     if ((flags & FACET_AREAS) == 0u) {
-                        write_vector(record->moment, facet[turn].moment);
+                        write_vector(facet_moments + (3 * at), facet[turn].moment);
                     }
-                    record->neighbor = order[cell->source[(turn * LANES) + s->lane]];
-                    record->unused = 0u;
                 }
                 next += popcount(kept[turn]);
             }

@@ -49,7 +49,7 @@ pub(crate) struct Device {
     /// That of the first stage, where cells are computed together.
     precision: Precision,
     /// Bytes of its memory.
-    memory_size: u64,
+    pub(crate) memory_size: u64,
     pub(crate) context: Arc<Handle<Context>>,
     pub(crate) queue: Handle<CommandQueue>,
     pub(crate) grid_kernels: GridKernels,

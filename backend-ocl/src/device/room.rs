@@ -13,7 +13,7 @@ const FACETS_PER_CELL: usize = 18;
 const MOST_FACETS: usize = 512;
 
 /// Cells of a batch at most, the share of the device's memory that its facets may take, that which those of all cells may where they stay there (a fourth is
-/// what OpenCL gives at a time: of 27 million sites on 80 GB), and the smallest batch that is tried where even that is not to be had.
+/// what OpenCL gives at a time: of 74 million sites on 80 GB), and the smallest batch that is tried where even that is not to be had.
 pub(super) const MOST_CELLS: usize = 1 << 21;
 const SHARE_OF_MEMORY: u64 = 8;
 const SHARE_OF_KEPT: u64 = 4;

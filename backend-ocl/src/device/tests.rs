@@ -3,6 +3,7 @@
 use super::Device;
 #[cfg(feature = "test-util")]
 use crate::builds::{Lanes, Stage, Way};
+use crate::evaluate::Ocl;
 #[cfg(feature = "test-util")]
 use crate::interface::data::{FEW_SUMS, OUTCOME_STATUS};
 #[cfg(feature = "test-util")]
@@ -16,7 +17,7 @@ use laguerre_core::cell::search_store::{MOST_LEAVES, OctreeStore as _};
 use laguerre_core::power_octree::{Home, PowerOctree};
 use laguerre_core::required::if_available;
 use laguerre_core::site_tree::{MadeTree, SiteTree, WIDTH};
-use laguerre_core::{DeviceChoice, PowerDiagram, Precision, Request, Watched};
+use laguerre_core::{Backend as _, DeviceChoice, PowerDiagram, Precision, Request, Watched};
 
 type Place = fn([f64; 3]) -> [f64; 3];
 type Weight = fn([f64; 3]) -> f64;
@@ -227,4 +228,29 @@ fn builds_made_ahead_are_taken() {
     programs.settle();
     // (The last has been begun, or not.)
     assert_eq!(programs.get(context, *id, far, &shared.params).unwrap().per_cell, 1);
+}
+
+/// What only a diagram with its Laplacian needs is given back where it is much of a device's memory, and the next diagram has it again.
+#[test]
+fn scratch_of_a_laplacian_is_given_back() {
+    let Some(mut backend) = if_available("ocl", Ocl::new(&DeviceChoice::First, Precision::F64)) else { return };
+    let sites = spread(3000);
+    let request = Request::moments().with_laplacian();
+    let mut laplacian_of = |weights: &[f64], memory: Option<u64>| {
+        let diagram = PowerDiagram::new(&sites, weights).unwrap().in_box([0.0; 3], [2.0; 3]).unwrap();
+        let all = backend.devices.get_mut()[0].memory_size;
+        backend.devices.get_mut()[0].memory_size = memory.unwrap_or(all);
+        let output = backend.evaluate(&diagram, &request).unwrap();
+        let device = &mut backend.devices.get_mut()[0];
+        device.memory_size = all;
+        (output.laplacian().unwrap().clone(), device.memory.facets.is_made())
+    };
+    let weights: Vec<f64> = sites.iter().map(|p| 1e-3 * p[0]).collect();
+    // (A fourth of 4 MB is enough for all facets, and they are more than an eighth.)
+    for weights in [&[][..], &weights] {
+        let (right, stays) = laplacian_of(weights, None);
+        let (found, stays_in_little) = laplacian_of(weights, Some(4 << 20));
+        assert!(stays && !stays_in_little);
+        assert_eq!(found, right);
+    }
 }

@@ -276,7 +276,8 @@ kernels! {
         input offsets: u32,
         input columns: u32,
         input areas: f64,
-        output values: f64,
+        /// The values, in the place of areas of records that are not needed any more.
+        output records: FacetRecord,
         output counts: u32,
     }
 
@@ -284,7 +285,7 @@ kernels! {
         value count: u32,
         input offsets: u32,
         input columns: u32,
-        input values: f64,
+        input records: FacetRecord,
         input starts: u32,
         output packed_columns: u32,
         output packed_values: f64,

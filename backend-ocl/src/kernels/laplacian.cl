@@ -57,7 +57,8 @@ __kernel void sort_facets(SORT_FACETS_ARGUMENTS) {
     }
 }
 
-// The value of each entry, NaN where the other side does not see the facet; and how many have one, added to `counts`.
+// The value of each entry, NaN where the other side does not see the facet, in the place of the record's area with its number; and how many have one, added to
+// `counts`.
 __kernel void match_facets(MATCH_FACETS_ARGUMENTS) {
     const uint row = ROW_OF_ITEM;
     if (row >= count) {
@@ -85,10 +86,10 @@ __kernel void match_facets(MATCH_FACETS_ARGUMENTS) {
             const real y = q.y - p.y;
             const real z = q.z - p.z;
             const real distance = sqrt(((x * x) + (y * y)) + (z * z));
-            values[k] = (((areas[k] + areas[lo]) / REAL(2.0)) / distance) * params->laplacian_unit;
+            records[k].area = (((areas[k] + areas[lo]) / REAL(2.0)) / distance) * params->laplacian_unit;
             matched++;
         } else {
-            values[k] = NAN;
+            records[k].area = NAN;
         }
     }
     if (matched != 0u) {
@@ -108,11 +109,11 @@ __kernel void pack_facets(PACK_FACETS_ARGUMENTS) {
     // (In most rows all have one.)
     const uint is_whole = (starts[row + 1u] - start) == (end - begin);
     for (uint k = begin + FIRST_OF_ITEM; k < end; k += PER_ROW) {
-        const real value = values[k];
+        const real value = records[k].area;
         if (!isnan(value)) {
             uint at = start + (k - begin);
             for (uint before = begin; (is_whole == 0u) && (before < k); before++) {
-                at -= isnan(values[before]) ? 1u : 0u;
+                at -= isnan(records[before].area) ? 1u : 0u;
             }
             packed_columns[at] = columns[k];
             packed_values[at] = value;

@@ -525,14 +525,14 @@ typedef struct {
     __global const uint *offsets, \
     __global const uint *columns, \
     __global const double *areas, \
-    __global double *values, \
+    __global FacetRecord *records, \
     __global uint *counts
 
 #define PACK_FACETS_ARGUMENTS \
     uint count, \
     __global const uint *offsets, \
     __global const uint *columns, \
-    __global const double *values, \
+    __global const FacetRecord *records, \
     __global const uint *starts, \
     __global uint *packed_columns, \
     __global double *packed_values

@@ -357,10 +357,14 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "NAME|MESH,…", value_delimiter = ',', default_values = ["box", "swan"])]
     pub(crate) domains: Vec<String>,
 
+    /// What is asked for beside volumes and barycenters
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_values = ["moments"])]
+    pub(crate) requests: Vec<BenchRequest>,
+
     /// Uneven inputs in the unit cube, as `sample` knows them, instead: all unless named (--uneven=plummer,line). The time of a site
     /// over white noise's is that of the fastest calls, and in bold where it is beyond the limit that is set for the input
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', num_args = 0.., require_equals = true,
-          value_parser = uneven::named, conflicts_with_all = ["distributions", "domains"])]
+          value_parser = uneven::named, conflicts_with_all = ["distributions", "domains", "requests"])]
     pub(crate) uneven: Option<Vec<&'static Uneven>>,
 
     /// Hold 500 cells of each uneven input to the naive oracle, which all sites cut (slow), and exit with 4 if any is wrong
@@ -393,6 +397,7 @@ Examples:
   laguerre bench
   laguerre bench --backends ocl --device 0 --sites 1000000,10000000 --distributions white --repetitions 5
   laguerre bench --domains part.stl --json
+  laguerre bench --requests moments,facets --threads 1
   laguerre bench --uneven --sites 100000 --backends cpu";
 
 /// What computes, where more than one may be asked for.
@@ -402,6 +407,17 @@ pub(crate) enum BenchBackend {
     Cpu,
     /// OpenCL devices
     Ocl,
+}
+
+/// What an evaluation is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BenchRequest {
+    /// Volumes and barycenters
+    Moments,
+    /// Facets too
+    Facets,
+    /// The Laplacian too
+    Laplacian,
 }
 
 /// The experiments of the paper (Basselin et al., "Restricted Power Diagrams on the GPU", 2021), as text for BENCHMARKS.md.

@@ -1,11 +1,12 @@
 //! `laguerre bench`: backend × distribution × number of sites × domain, on this machine.
 
+mod clock;
 mod uneven;
 
 use laguerre::{Backend, Domain, Error, ErrorKind, PowerDiagram, Precision, Request, Result, Selection};
 use serde::Serialize;
 
-use crate::args::{BenchArgs, BenchBackend, Corners, Distribution};
+use crate::args::{BenchArgs, BenchBackend, BenchRequest, Corners, Distribution};
 use crate::domains;
 use crate::outcome::{Outcome, note, print, print_json};
 use crate::report::{grouped, machine};
@@ -33,8 +34,11 @@ struct Row {
     distribution: String,
     sites: usize,
     domain: String,
+    request: &'static str,
     seconds: Timing,
     sites_per_second: f64,
+    /// Cycles of all threads together, of the fastest call; none of a device.
+    cycles_per_site: Option<f64>,
 }
 
 pub(crate) fn run(args: &BenchArgs) -> Result<Outcome> {
@@ -52,8 +56,8 @@ pub(crate) fn run(args: &BenchArgs) -> Result<Outcome> {
         for &count in &args.sites {
             for (name, domain) in &containers {
                 let diagram = input(distribution, count, domain.as_ref())?;
-                for backend in &backends {
-                    let row = row(backend.as_ref(), distribution, &diagram, name, args.repetitions)?;
+                for (backend, &request) in backends.iter().flat_map(|b| args.requests.iter().map(move |r| (b, r))) {
+                    let row = row(backend.as_ref(), distribution, &diagram, name, request, args, table.threads)?;
                     if !args.json {
                         print(&line(&row.cells()))?;
                     }
@@ -84,19 +88,29 @@ fn row(
     distribution: Distribution,
     diagram: &PowerDiagram,
     domain: &str,
-    repetitions: u32,
+    request: BenchRequest,
+    args: &BenchArgs,
+    threads: usize,
 ) -> Result<Row> {
-    let (seconds, _) = measure(backend, diagram, &Request::moments(), repetitions)?;
+    let (name, asked) = match request {
+        BenchRequest::Moments => ("moments", Request::moments()),
+        BenchRequest::Facets => ("facets", Request::moments().with_facets()),
+        BenchRequest::Laplacian => ("laplacian", Request::moments().with_laplacian()),
+    };
+    let (seconds, _) = measure(backend, diagram, &asked, args.repetitions)?;
     let info = backend.info();
     let sites = diagram.positions().len();
+    let cycles = || seconds.min * clock::cycles_per_second() * threads as f64 / sites as f64;
     Ok(Row {
         backend: info.backend,
         device: info.device,
         distribution: word(distribution).into(),
         sites,
         domain: domain.into(),
+        request: name,
         seconds,
         sites_per_second: sites as f64 / seconds.median.max(f64::MIN_POSITIVE),
+        cycles_per_site: (info.backend == "cpu").then(cycles),
     })
 }
 
@@ -159,25 +173,29 @@ fn input(distribution: Distribution, count: u32, domain: Option<&Domain>) -> Res
     }
 }
 
-const HEADER: [&str; 7] = ["backend", "distribution", "sites", "domain", "median [min, max]", "sites/s", "device"];
-const WIDTHS: [usize; 7] = [7, 12, 11, 12, 30, 11, 9];
+const COLUMNS: usize = 9;
+const HEADER: [&str; COLUMNS] =
+    ["backend", "distribution", "sites", "domain", "request", "median [min, max]", "sites/s", "cycles/site", "device"];
+const WIDTHS: [usize; COLUMNS] = [7, 12, 11, 12, 9, 30, 11, 11, 9];
 
 impl Row {
-    fn cells(&self) -> [String; 7] {
+    fn cells(&self) -> [String; COLUMNS] {
         let device = self.seconds.device.map_or_else(|| "-".into(), crate::timing::seconds);
         [
             self.backend.into(),
             self.distribution.clone(),
             grouped(self.sites as u64),
             self.domain.clone(),
+            self.request.into(),
             self.seconds.spread(),
             grouped(self.sites_per_second as u64),
+            self.cycles_per_site.map_or_else(|| "-".into(), |cycles| grouped(cycles as u64)),
             device,
         ]
     }
 }
 
-fn line(cells: &[String; 7]) -> String {
+fn line(cells: &[String; COLUMNS]) -> String {
     let mut line = String::new();
     for (cell, width) in cells.iter().zip(WIDTHS) {
         line.push_str(&format!("{cell:<width$}  "));

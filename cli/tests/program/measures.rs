@@ -64,10 +64,13 @@ fn bench_has_a_row_for_each_combination() {
     let folder = inputs();
     let args = ["bench", "--backends", "cpu", "--sites", "100,300", "--distributions", "white,lattice"];
     let args = [&args[..], &["--domains", "box,torus,cube.off", "--repetitions", "2"]].concat();
+    let args = [&args[..], &["--requests", "moments,facets"]].concat();
     let report = json(&runs(folder.path(), &[&args[..], &["--json"]].concat()));
     let rows = report["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 2 * 2 * 3);
-    for row in rows {
+    assert_eq!(rows.len(), 2 * 2 * 3 * 2);
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!(row["request"], ["moments", "facets"][k % 2]);
+        assert!(row["cycles_per_site"].as_f64().unwrap() > 0.0);
         let seconds = |name: &str| row["seconds"][name].as_f64().unwrap();
         assert!(0.0 < seconds("min") && seconds("min") <= seconds("median") && seconds("median") <= seconds("max"));
         let rate = row["sites"].as_f64().unwrap() / seconds("median");
@@ -78,7 +81,7 @@ fn bench_has_a_row_for_each_combination() {
     let text = runs(folder.path(), &args);
     let rows = text.lines().filter(|line| line.starts_with("cpu "));
     assert!(rows.clone().all(|row| row.contains(" [") && (row.contains("white") || row.contains("lattice"))), "{text}");
-    assert_eq!(rows.count(), 12, "{text}");
+    assert_eq!(rows.count(), 24, "{text}");
 }
 
 #[test]

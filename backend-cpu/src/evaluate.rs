@@ -121,12 +121,7 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
                 || geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes))),
             );
             for result in results? {
-                let mut begin = 0;
-                for (i, cell) in result.cells.iter().enumerate() {
-                    let end = begin + result.facet_counts.get(i).map_or(0, |&n| n as usize);
-                    assembler.add(cell, result.facets.row(begin, end));
-                    begin = end;
-                }
+                assembler.add(&result.cells, result.facets, &result.facet_counts);
                 for (column, integrals) in result.columns.iter().enumerate() {
                     assembler.add_column(column + 1, &result.cells, integrals);
                 }
@@ -190,6 +185,8 @@ fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], prepared: &Prepared, reques
     for &site in cells {
         run_cell(worker, site, prepared, request, &mut result)?;
     }
+    // (They stay until all are.)
+    result.facets.shrink();
     Ok(result)
 }
 

@@ -33,7 +33,8 @@ pub(crate) fn compute(
         )
         .collect();
     for (cell, facets) in cells? {
-        assembler.add(&cell, facets.all());
+        let count = facets.records.len() as u32;
+        assembler.add(&[cell], facets, &[count]);
     }
     Ok(())
 }

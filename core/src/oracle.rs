@@ -64,7 +64,8 @@ impl Backend for Naive {
             if request.needs_facets() {
                 facets.collect(&store, flags, prepared.sites.order());
             }
-            assembler.add(&CellRecord { site, status, sums }, facets.all());
+            let count = facets.records.len() as u32;
+            assembler.add(&[CellRecord { site, status, sums }], facets, &[count]);
             if let Some(geometry) = geometry.as_mut().filter(|_| status != CellStatus::Empty) {
                 let mut shapes = Shapes::default();
                 let (order, frame) = (prepared.sites.order(), &prepared.container.frame);

@@ -75,6 +75,13 @@ struct SidesOfFour {
     foot: [Four; 3],
 }
 
+/// The foot on an edge each, and the square of the product of the normals of its half-spaces.
+#[derive(Clone, Copy, Default)]
+struct FeetOfFour {
+    foot: [Four; 3],
+    square: Four,
+}
+
 impl SidesOfFour {
     #[inline(always)]
     fn set(&mut self, lane: usize, side: &Side) {
@@ -206,13 +213,20 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
             }
             let [a, b, c] = &corners;
             let mut are_plain = [true; LANES];
-            for (edge, [f, g]) in four.edges.iter_mut().zip([[a, b], [b, c], [c, a]]) {
-                set_edge(edge, f, g, &places, &mut are_plain);
+            let Some(edges) = facets.get_mut(number) else {
+                for (edge, [f, g]) in four.edges.iter_mut().zip([[a, b], [b, c], [c, a]]) {
+                    set_edge(edge, None, f, g, &places, &mut are_plain);
+                }
+                four.are_plain = are_plain;
+                continue;
+            };
+            let mut feet = [FeetOfFour::default(); 3];
+            for ((edge, feet), [f, g]) in four.edges.iter_mut().zip(&mut feet).zip([[a, b], [b, c], [c, a]]) {
+                set_edge(edge, Some(feet), f, g, &places, &mut are_plain);
             }
             four.are_plain = are_plain;
-            let Some(edges) = facets.get_mut(number) else { continue };
-            for (triangles, [f, g]) in edges.iter_mut().zip([[a, b], [b, c], [c, a]]) {
-                set_triangles(triangles, [f, g], &places, weight, center);
+            for ((triangles, feet), [f, g]) in edges.iter_mut().zip(&feet).zip([[a, b], [b, c], [c, a]]) {
+                set_triangles(triangles, feet, [f, g], &places, weight, center);
             }
         }
     }
@@ -222,15 +236,20 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
 #[inline(always)]
 fn set_edge(
     edge: &mut EdgesOfFour,
+    feet: Option<&mut FeetOfFour>,
     f: &SidesOfFour,
     g: &SidesOfFour,
     places: &PlacesOfFour,
     are_plain: &mut [bool; LANES],
 ) {
-    let mut made = EdgesOfFour::default();
+    let (mut made, mut found) = (EdgesOfFour::default(), FeetOfFour::default());
     for (k, all_plain) in are_plain.iter_mut().enumerate() {
         let (f, g, position) = (f.side(k), g.side(k), at(&places.position, k));
-        let (foot, square) = foot_of(f, g);
+        let direction = cross(f.n, g.n);
+        let square = dot(direction, direction);
+        let foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
+        set(&mut found.foot, k, foot);
+        found.square[k] = square;
         *all_plain &= is_plain(square, f.square * g.square);
         let spoke = spoke_of(foot, position);
         made.pieces[0].set(k, piece_of(dot(g.foot, spoke), g.foot, foot, position));
@@ -238,12 +257,16 @@ fn set_edge(
         made.spoke[k] = norm_1(spoke);
     }
     *edge = made;
+    if let Some(feet) = feet {
+        *feet = found;
+    }
 }
 
 /// (So does this: of half-space g first, as they are added.)
 #[inline(always)]
 fn set_triangles(
     triangles: &mut [TrianglesOfFour; 2],
+    feet: &FeetOfFour,
     [f, g]: [&SidesOfFour; 2],
     places: &PlacesOfFour,
     weight: Real,
@@ -252,7 +275,7 @@ fn set_triangles(
     let mut made = [TrianglesOfFour::default(); 2];
     for k in 0..LANES {
         let (f, g, position, radius) = (f.side(k), g.side(k), at(&places.position, k), places.radius[k]);
-        let (foot, square) = foot_of(f, g);
+        let (foot, square) = (at(&feet.foot, k), feet.square[k]);
         let off = off_plain_foot(foot, square, f.square * g.square, center);
         set_triangle(&mut made[0], k, g, foot, off, position, radius, -weight, center);
         set_triangle(&mut made[1], k, f, foot, off, position, radius, weight, center);
@@ -277,12 +300,4 @@ fn set_triangle(
     triangle.area[k] = area;
     set(&mut triangle.moment, k, moment_of_triangle(side, foot, position, center, area));
     triangle.rounding[k] = rounding_of_triangle(side, foot, off, position, radius);
-}
-
-/// The foot on the edge of two half-spaces, and the square of their normals' product.
-#[inline(always)]
-fn foot_of(f: Side, g: Side) -> (V3, Real) {
-    let direction = cross(f.n, g.n);
-    let square = dot(direction, direction);
-    (foot_by(f.n, f.d, g.n, g.d, direction, square), square)
 }

@@ -376,15 +376,15 @@ fn facet_arrays<'b>(units: Units, positions: &[[f64; 3]], row_of: &(impl Fn(usiz
         parts.push((first..last, columns));
     }
     parallel::each(parts, |_, (sites, (neighbor, area, barycenter, distance))| {
-        let mut sorted: Vec<(u32, u32)> = Vec::new();
+        // (Copied first: rows stand anywhere in memory, and what is read in order comes sooner.)
+        let mut row: Vec<(FacetRecord, [f64; 3])> = Vec::new();
         let mut next = 0;
         for i in sites.clone() {
             let Row { records, moments, .. } = row_of(i);
-            sorted.clear();
-            sorted.extend((0..).zip(records).map(|(k, facet)| (facet.neighbor, k)));
-            sorted.sort_unstable();
-            for &(_, k) in &sorted {
-                let (facet, [x, y, z]) = (records[k as usize], moments[k as usize]);
+            row.clear();
+            row.extend(records.iter().copied().zip(moments.iter().copied()));
+            row.sort_unstable_by_key(|(facet, _)| facet.neighbor);
+            for &(facet, [x, y, z]) in &row {
                 neighbor[next] = facet.neighbor;
                 area[next] = units.area(facet.area);
                 barycenter[next] = units.place(positions[i], v3(x, y, z), facet.area);

@@ -185,7 +185,7 @@ fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], prepared: &Prepared, reques
     for &site in cells {
         run_cell(worker, site, prepared, request, &mut result)?;
     }
-    // (They stay until all are.)
+    // (They stay until all cells are computed.)
     result.facets.shrink();
     Ok(result)
 }

@@ -12,8 +12,8 @@ use laguerre_core::{Laplacian, Request, Result};
 /// Cells of the host's whose facets are brought to the device; where there are more, the host does it all.
 const MOST_OF_HOST: usize = 4096;
 
-/// The share of the device's memory from which on what only a diagram with its Laplacian needs is given back for the solver: of 80 million sites it is a fifth
-/// of 141 GB, and the solver needs more than half.
+/// Scratch of a diagram with its Laplacian that is larger than this share of the device's memory is freed before the solver runs: of 80 million sites it is a
+/// fifth of 150 GB, and the solver needs more than half.
 const SHARE_BETWEEN: u64 = 8;
 
 rooms! {
@@ -59,6 +59,7 @@ impl Device {
             let (evaluation, rows) = (self.evaluation, self.shared.params.tree_sites as usize);
             let made = MadeLaplacian { evaluation, rows, entries, is_without_host: of_host.is_empty() };
             self.made = Some(made);
+            self.give_scratch_back();
             let kept = || Ok(Made::Kept(Kept::new(self.order()?, evaluation)));
             let found = if request.keeps_laplacian() { kept() } else { self.read_laplacian(made).map(Made::Read) };
             return found.map(Some);
@@ -66,8 +67,18 @@ impl Device {
         if self.results.are_kept {
             self.read_facets(request)?;
             self.memory.rows.read(&self.queue, sites, &mut self.results.rows)?;
+            self.give_scratch_back();
         }
         Ok(None)
+    }
+
+    /// Frees what only a diagram with its Laplacian needs, where it is large.
+    fn give_scratch_back(&mut self) {
+        let Self { memory, laplacian, memory_size, .. } = self;
+        if memory.facets.bytes() + laplacian.columns.bytes() > *memory_size / SHARE_BETWEEN {
+            memory.facets.free();
+            laplacian.columns.free();
+        }
     }
 
     /// The caller's index of each sorted site.
@@ -138,10 +149,6 @@ impl Device {
         grid_kernels.pack_facets.run(queue, items, GROUP, packing)?;
         let mut ends = Vec::new();
         packed_offsets.read_from(queue, rows, 1, &mut ends)?;
-        if memory.facets.bytes() + ties.columns.bytes() > self.memory_size / SHARE_BETWEEN {
-            memory.facets.free();
-            ties.columns.free();
-        }
         Ok(Some(ends.first().map_or(0, |&end| end as usize)))
     }
 

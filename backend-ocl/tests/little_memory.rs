@@ -15,7 +15,7 @@ use loader::loader;
 
 const SITES: usize = 3000;
 
-/// More than facets of half of them take, and less than those of all.
+/// More than areas of facets of half of them take, and less than those of all. (On devices where lanes share cells, finished cells take more.)
 const LARGE: usize = 600_000;
 
 #[test]

@@ -37,7 +37,7 @@ struct Row {
     request: &'static str,
     seconds: Timing,
     sites_per_second: f64,
-    /// Cycles of all threads together, of the fastest call; none of a device.
+    /// Cycles of all threads together, of the fastest call, at the clock that one core has afterwards; none of a device.
     cycles_per_site: Option<f64>,
 }
 
@@ -47,8 +47,8 @@ pub(crate) fn run(args: &BenchArgs) -> Result<Outcome> {
     }
     let containers = args.domains.iter().map(|name| Ok((name, container(name)?))).collect::<Result<Vec<_>>>()?;
     let backends = backends(args)?;
-    let (machine, threads) = machine();
-    let mut table = Table { machine, threads: args.threads.unwrap_or(threads), rows: Vec::new() };
+    let (machine, cores) = machine();
+    let mut table = Table { machine, threads: args.threads.unwrap_or(cores), rows: Vec::new() };
     if !args.json {
         print(&format!("{}, {} threads\n\n{}", table.machine, table.threads, line(&HEADER.map(str::to_owned))))?;
     }
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<Outcome> {
             for (name, domain) in &containers {
                 let diagram = input(distribution, count, domain.as_ref())?;
                 for (backend, &request) in backends.iter().flat_map(|b| args.requests.iter().map(move |r| (b, r))) {
-                    let row = row(backend.as_ref(), distribution, &diagram, name, request, args, table.threads)?;
+                    let row = row(backend.as_ref(), distribution, &diagram, name, request, args, cores)?;
                     if !args.json {
                         print(&line(&row.cells()))?;
                     }
@@ -90,7 +90,7 @@ fn row(
     domain: &str,
     request: BenchRequest,
     args: &BenchArgs,
-    threads: usize,
+    cores: usize,
 ) -> Result<Row> {
     let (name, asked) = match request {
         BenchRequest::Moments => ("moments", Request::moments()),
@@ -100,6 +100,7 @@ fn row(
     let (seconds, _) = measure(backend, diagram, &asked, args.repetitions)?;
     let info = backend.info();
     let sites = diagram.positions().len();
+    let threads = info.threads.min(cores);
     let cycles = || seconds.min * clock::cycles_per_second() * threads as f64 / sites as f64;
     Ok(Row {
         backend: info.backend,

@@ -197,8 +197,8 @@ impl<'a> Assembler<'a> {
         &self.output.status
     }
 
-    /// Adds finished cells with their facets, where they are asked for: one cell after the other, of each so many. (They stay where they are: a copy of all
-    /// took 3 % of the time of white cells with facets.)
+    /// Adds finished cells, and where they are asked for their facets, one cell after the other: `counts[k]` of cell k. (They stay where they are: a copy of all
+    /// took a tenth of the time of white cells with facets on two threads.)
     pub fn add(&mut self, cells: &[CellRecord], facets: FacetRecords, counts: &[u32]) {
         let (part, mut begin) = (self.facets.parts.len() as u32, 0);
         if self.has_rows && self.facets.places.is_empty() {
@@ -381,6 +381,7 @@ fn facet_arrays<'b>(units: Units, positions: &[[f64; 3]], row_of: &(impl Fn(usiz
         let mut next = 0;
         for i in sites.clone() {
             let Row { records, moments, .. } = row_of(i);
+            debug_assert_eq!(records.len(), moments.len());
             row.clear();
             row.extend(records.iter().copied().zip(moments.iter().copied()));
             row.sort_unstable_by_key(|(facet, _)| facet.neighbor);

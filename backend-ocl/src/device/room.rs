@@ -115,7 +115,7 @@ impl Device {
                 batch /= 2;
                 continue;
             }
-            let is_there = batch <= FEWEST_CELLS
+            let is_there = (batch <= FEWEST_CELLS && all <= batch)
                 || (facets.grow_if_possible(&self.context, room)?
                     && facet_moments.grow_if_possible(&self.context, moments)?
                     && facet_seconds.grow_if_possible(&self.context, seconds)?);

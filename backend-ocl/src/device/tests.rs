@@ -1,4 +1,4 @@
-//! The tree that the device makes over the sites, held to its sites.
+//! The tree that the device makes over the sites, held to its sites; builds that are made ahead; memory that is given back.
 
 use super::Device;
 #[cfg(feature = "test-util")]
@@ -9,6 +9,7 @@ use crate::interface::data::{FEW_SUMS, OUTCOME_STATUS};
 #[cfg(feature = "test-util")]
 use crate::platform::DeviceId;
 use crate::platform::choose;
+use laguerre_core::algebra::Algebra as _;
 #[cfg(feature = "test-util")]
 use laguerre_core::cell::ring::{RINGS, end_of_ring};
 #[cfg(feature = "test-util")]
@@ -230,27 +231,30 @@ fn builds_made_ahead_are_taken() {
     assert_eq!(programs.get(context, *id, far, &shared.params).unwrap().per_cell, 1);
 }
 
-/// What only a diagram with its Laplacian needs is given back where it is much of a device's memory, and the next diagram has it again.
+/// What only a diagram with its Laplacian needs is given back where it is much of a device's memory, and the next diagram has it again; what the solver needs stays.
 #[test]
 fn scratch_of_a_laplacian_is_given_back() {
     let Some(mut backend) = if_available("ocl", Ocl::new(&DeviceChoice::First, Precision::F64)) else { return };
     let sites = spread(3000);
-    let request = Request::moments().with_laplacian();
-    let mut laplacian_of = |weights: &[f64], memory: Option<u64>| {
+    let request = Request::moments().with_laplacian_kept();
+    let mut found_in = |weights: &[f64], memory: Option<u64>| {
         let diagram = PowerDiagram::new(&sites, weights).unwrap().in_box([0.0; 3], [2.0; 3]).unwrap();
         let all = backend.devices.get_mut()[0].memory_size;
         backend.devices.get_mut()[0].memory_size = memory.unwrap_or(all);
         let output = backend.evaluate(&diagram, &request).unwrap();
-        let device = &mut backend.devices.get_mut()[0];
-        device.memory_size = all;
-        (output.laplacian().unwrap().clone(), device.memory.facets.is_made())
+        backend.devices.get_mut()[0].memory_size = all;
+        let kept = output.kept().unwrap();
+        let matrix = backend.laplacian(kept, 0.5).unwrap().unwrap();
+        let found = (backend.read_laplacian(kept).unwrap().unwrap(), backend.rows(&matrix).unwrap());
+        (found, backend.devices.get_mut()[0].memory.facets.is_made())
     };
     let weights: Vec<f64> = sites.iter().map(|p| 1e-3 * p[0]).collect();
     // (A fourth of 4 MB is enough for all facets, and they are more than an eighth.)
     for weights in [&[][..], &weights] {
-        let (right, stays) = laplacian_of(weights, None);
-        let (found, stays_in_little) = laplacian_of(weights, Some(4 << 20));
+        let (right, stays) = found_in(weights, None);
+        let (found, stays_in_little) = found_in(weights, Some(4 << 20));
         assert!(stays && !stays_in_little);
+        assert!(found.0.values().len() > 20_000);
         assert_eq!(found, right);
     }
 }

@@ -57,7 +57,7 @@ __kernel void sort_facets(SORT_FACETS_ARGUMENTS) {
     }
 }
 
-// The value of each entry, NaN where the other side does not see the facet, in the place of the record's area with its number; and how many have one, added to
+// The value of entry k, NaN where the other side does not see the facet, in the area of record k, which nobody needs any more; and how many have one, added to
 // `counts`.
 __kernel void match_facets(MATCH_FACETS_ARGUMENTS) {
     const uint row = ROW_OF_ITEM;

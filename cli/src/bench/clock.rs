@@ -12,7 +12,7 @@ const TIMES: u32 = 5;
 /// Cycles of a step: an addition and an exclusive or of registers take one each on every processor of the last twenty years.
 const CYCLES: f64 = 2.0;
 
-/// Cycles of a second, as the processor runs now.
+/// Cycles of a second of one core, as it runs now. (Many at a time may run slower. A build that is not optimised says too few.)
 pub(super) fn cycles_per_second() -> f64 {
     // (In registers: some processors add what stands in the instruction in no time.)
     let (add, flip) = (black_box(0x9e37_79b9_7f4a_7c15_u64), black_box(0xd1b5_4a32_d192_ed03_u64));

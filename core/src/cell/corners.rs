@@ -213,43 +213,35 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
             }
             let [a, b, c] = &corners;
             let mut are_plain = [true; LANES];
-            let Some(edges) = facets.get_mut(number) else {
-                for (edge, [f, g]) in four.edges.iter_mut().zip([[a, b], [b, c], [c, a]]) {
-                    set_edge(edge, None, f, g, &places, &mut are_plain);
+            let mut triangles = facets.get_mut(number);
+            for (e, [f, g]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
+                let feet = set_edge(&mut four.edges[e], f, g, &places, &mut are_plain);
+                if let Some(edges) = &mut triangles {
+                    set_triangles(&mut edges[e], &feet, [f, g], &places, weight, center);
                 }
-                four.are_plain = are_plain;
-                continue;
-            };
-            let mut feet = [FeetOfFour::default(); 3];
-            for ((edge, feet), [f, g]) in four.edges.iter_mut().zip(&mut feet).zip([[a, b], [b, c], [c, a]]) {
-                set_edge(edge, Some(feet), f, g, &places, &mut are_plain);
             }
             four.are_plain = are_plain;
-            for ((triangles, feet), [f, g]) in edges.iter_mut().zip(&feet).zip([[a, b], [b, c], [c, a]]) {
-                set_triangles(triangles, feet, [f, g], &places, weight, center);
-            }
         }
     }
 }
 
-/// (A loop that becomes one over vectors.)
+/// Sets the tetrahedra of an edge; its feet. (A loop that becomes one over vectors.)
 #[inline(always)]
 fn set_edge(
     edge: &mut EdgesOfFour,
-    feet: Option<&mut FeetOfFour>,
     f: &SidesOfFour,
     g: &SidesOfFour,
     places: &PlacesOfFour,
     are_plain: &mut [bool; LANES],
-) {
-    let (mut made, mut found) = (EdgesOfFour::default(), FeetOfFour::default());
+) -> FeetOfFour {
+    let (mut made, mut feet) = (EdgesOfFour::default(), FeetOfFour::default());
     for (k, all_plain) in are_plain.iter_mut().enumerate() {
         let (f, g, position) = (f.side(k), g.side(k), at(&places.position, k));
         let direction = cross(f.n, g.n);
         let square = dot(direction, direction);
         let foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
-        set(&mut found.foot, k, foot);
-        found.square[k] = square;
+        set(&mut feet.foot, k, foot);
+        feet.square[k] = square;
         *all_plain &= is_plain(square, f.square * g.square);
         let spoke = spoke_of(foot, position);
         made.pieces[0].set(k, piece_of(dot(g.foot, spoke), g.foot, foot, position));
@@ -257,9 +249,7 @@ fn set_edge(
         made.spoke[k] = norm_1(spoke);
     }
     *edge = made;
-    if let Some(feet) = feet {
-        *feet = found;
-    }
+    feet
 }
 
 /// (So does this: of half-space g first, as they are added.)

@@ -376,25 +376,56 @@ fn facet_arrays<'b>(units: Units, positions: &[[f64; 3]], row_of: &(impl Fn(usiz
         parts.push((first..last, columns));
     }
     parallel::each(parts, |_, (sites, (neighbor, area, barycenter, distance))| {
-        // (Copied first: rows stand anywhere in memory, and what is read in order comes sooner.)
-        let mut row: Vec<(FacetRecord, [f64; 3])> = Vec::new();
-        let mut next = 0;
-        for i in sites.clone() {
-            let Row { records, moments, .. } = row_of(i);
-            debug_assert_eq!(records.len(), moments.len());
-            row.clear();
-            row.extend(records.iter().copied().zip(moments.iter().copied()));
-            row.sort_unstable_by_key(|(facet, _)| facet.neighbor);
-            for &(facet, [x, y, z]) in &row {
-                neighbor[next] = facet.neighbor;
-                area[next] = units.area(facet.area);
-                barycenter[next] = units.place(positions[i], v3(x, y, z), facet.area);
-                distance[next] = units.distance(positions[i], positions[facet.neighbor as usize]);
-                next += 1;
+        let (mut near, mut turns, mut next) = (NearRows::default(), Vec::new(), 0);
+        for first in sites.clone().step_by(NEAR_ROWS) {
+            let some = first..(first + NEAR_ROWS).min(sites.end);
+            near.gather(some.clone(), positions, row_of);
+            for (i, &[begin, end]) in some.zip(&near.rows) {
+                turns.clear();
+                turns.extend((begin..end).map(|k| (near.records[k].neighbor, k)));
+                turns.sort_unstable();
+                for &(beyond, k) in &turns {
+                    let (facet, [x, y, z]) = (near.records[k], near.moments[k]);
+                    neighbor[next] = beyond;
+                    area[next] = units.area(facet.area);
+                    barycenter[next] = units.place(positions[i], v3(x, y, z), facet.area);
+                    distance[next] = units.distance(positions[i], near.beyond[k]);
+                    next += 1;
+                }
             }
         }
     });
     list
+}
+
+/// Rows that are brought near at a time.
+const NEAR_ROWS: usize = 64;
+
+/// Some rows of facets, one after the other, and the places of the sites beyond them. What is read here stands anywhere in memory: it comes sooner where
+/// all of it is asked for before any is waited for.
+#[derive(Default)]
+struct NearRows {
+    rows: Vec<[usize; 2]>,
+    records: Vec<FacetRecord>,
+    moments: Vec<[f64; 3]>,
+    beyond: Vec<[f64; 3]>,
+}
+
+impl NearRows {
+    fn gather<'b>(&mut self, sites: Range<usize>, positions: &[[f64; 3]], row_of: &impl Fn(usize) -> Row<'b>) {
+        self.rows.clear();
+        self.records.clear();
+        self.moments.clear();
+        self.beyond.clear();
+        for row in sites.map(row_of) {
+            debug_assert_eq!(row.records.len(), row.moments.len());
+            let begin = self.records.len();
+            self.records.extend_from_slice(row.records);
+            self.moments.extend_from_slice(row.moments);
+            self.rows.push([begin, self.records.len()]);
+        }
+        self.beyond.extend(self.records.iter().map(|facet| positions[facet.neighbor as usize]));
+    }
 }
 
 /// The second moments of the facets of all sites, in the order of [`facet_arrays`].

@@ -93,7 +93,7 @@ impl Device {
 }
 
 impl Ocl {
-    /// Does something with the first device that waits for no thread of a pool (nor reads a megabyte).
+    /// Does something with the first device that waits for no thread of a pool (nor reads or writes a megabyte).
     fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
         of_first(&mut self.devices.lock(), work)
     }
@@ -151,7 +151,7 @@ impl Vector {
 
 impl Algebra for Ocl {
     fn vector(&self, values: &[f64]) -> Result<Held> {
-        self.on_first(|device| {
+        self.on_first_with_threads(|device| {
             let mut made = Vector::unset(device, values.len())?;
             made.numbers.fill(&device.context, &device.queue, values)?;
             Ok(Held::new(OnDevice(made)))
@@ -178,7 +178,7 @@ impl Algebra for Ocl {
     fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
         let x = &mut x.own_mut::<OnDevice<Vector>>()?.0;
         check(values.len() == x.length)?;
-        self.on_first(|device| x.numbers.write_at(&device.queue, 0, values))
+        self.on_first_with_threads(|device| x.numbers.write_at(&device.queue, 0, values))
     }
 
     fn matrix(&self, (offsets, columns, values): Rows) -> Result<Held> {
@@ -186,7 +186,7 @@ impl Algebra for Ocl {
         let most = u32::MAX as usize;
         check(ends && offsets.is_sorted() && columns.len() == values.len() && columns.len().max(offsets.len()) < most)?;
         let width = columns.par_iter().max().map_or(0, |&column| column as usize + 1);
-        self.on_first(|device| {
+        self.on_first_with_threads(|device| {
             let (context, queue) = (&device.context, &device.queue);
             let mut made = Matrix::unset(device, offsets.len() - 1, columns.len(), width)?;
             let begins: Vec<u32> = offsets.iter().map(|&begin| begin as u32).collect();

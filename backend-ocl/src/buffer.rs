@@ -1,14 +1,13 @@
 //! Memory of a device that grows when it must and is kept from call to call.
 
 use crate::handle::Handle;
+use crate::queue::Queue;
 use laguerre_core::{Error, ErrorKind, Result};
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::error_codes::{
     CL_INVALID_BUFFER_SIZE, CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY, CL_OUT_OF_RESOURCES, ClError,
 };
 use opencl3::memory::{Buffer, CL_MEM_READ_WRITE};
-use opencl3::types::CL_BLOCKING;
 use rayon::iter::ParallelIterator as _;
 use std::ptr;
 
@@ -80,33 +79,30 @@ impl<T: Copy + Send + Sync> Room<T> {
     }
 
     /// Makes room for `data` and copies it to the device.
-    pub(crate) fn fill(&mut self, context: &Context, queue: &CommandQueue, data: &[T]) -> Result<()> {
+    pub(crate) fn fill(&mut self, context: &Context, queue: &Queue, data: &[T]) -> Result<()> {
         self.grow(context, data.len())?;
         let what = self.what;
         if let (Some(buffer), false) = (&mut self.buffer, data.is_empty()) {
-            // SAFETY: the buffer has room for `data`, and the call returns when it is copied.
-            unsafe { queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, data, &[]) }
-                .map(Handle::new)
-                .map_err(|e| failed(&format!("copying {what} to the device"), e))?;
+            // SAFETY: the buffer has room for `data`.
+            unsafe { queue.write(buffer, 0, data) }.map_err(|e| failed(&format!("copying {what} to the device"), e))?;
         }
         Ok(())
     }
 
     /// Copies `data` to the device, from `place` on, where there is room for it.
-    pub(crate) fn write_at(&mut self, queue: &CommandQueue, place: usize, data: &[T]) -> Result<()> {
+    pub(crate) fn write_at(&mut self, queue: &Queue, place: usize, data: &[T]) -> Result<()> {
         debug_assert!(place + data.len() <= self.length, "{} end before", self.what);
         let what = self.what;
         if let (Some(buffer), false) = (&mut self.buffer, data.is_empty() || place + data.len() > self.length) {
-            // SAFETY: the buffer has room for `data` there, and the call returns when it is copied.
-            unsafe { queue.enqueue_write_buffer(buffer, CL_BLOCKING, place * size_of::<T>(), data, &[]) }
-                .map(Handle::new)
+            // SAFETY: the buffer has room for `data` there.
+            unsafe { queue.write(buffer, place, data) }
                 .map_err(|e| failed(&format!("copying {what} to the device"), e))?;
         }
         Ok(())
     }
 
     /// Makes room for `length` numbers and sets all of them to `value`.
-    pub(crate) fn fill_with(&mut self, context: &Context, queue: &CommandQueue, value: T, length: usize) -> Result<()> {
+    pub(crate) fn fill_with(&mut self, context: &Context, queue: &Queue, value: T, length: usize) -> Result<()> {
         self.grow(context, length)?;
         let what = self.what;
         if let (Some(buffer), 1..) = (&mut self.buffer, length) {
@@ -120,7 +116,7 @@ impl<T: Copy + Send + Sync> Room<T> {
     }
 
     /// Copies the first `length` to `data` from `place` on, which grows if it must.
-    pub(crate) fn read_at(&self, queue: &CommandQueue, length: usize, data: &mut Vec<T>, place: usize) -> Result<()>
+    pub(crate) fn read_at(&self, queue: &Queue, length: usize, data: &mut Vec<T>, place: usize) -> Result<()>
     where
         T: Default,
     {
@@ -133,7 +129,7 @@ impl<T: Copy + Send + Sync> Room<T> {
     }
 
     /// Copies the first `length` back, into memory that is kept from call to call.
-    pub(crate) fn read(&self, queue: &CommandQueue, length: usize, data: &mut Vec<T>) -> Result<()>
+    pub(crate) fn read(&self, queue: &Queue, length: usize, data: &mut Vec<T>) -> Result<()>
     where
         T: Default,
     {
@@ -141,7 +137,7 @@ impl<T: Copy + Send + Sync> Room<T> {
     }
 
     /// The same for `length` from `first` on.
-    pub(crate) fn read_from(&self, queue: &CommandQueue, first: usize, length: usize, data: &mut Vec<T>) -> Result<()>
+    pub(crate) fn read_from(&self, queue: &Queue, first: usize, length: usize, data: &mut Vec<T>) -> Result<()>
     where
         T: Default,
     {
@@ -152,7 +148,7 @@ impl<T: Copy + Send + Sync> Room<T> {
     }
 
     /// The first.
-    pub(crate) fn first(&self, queue: &CommandQueue) -> Result<T>
+    pub(crate) fn first(&self, queue: &Queue) -> Result<T>
     where
         T: Default,
     {
@@ -161,12 +157,10 @@ impl<T: Copy + Send + Sync> Room<T> {
         Ok(data[0])
     }
 
-    fn read_into(&self, queue: &CommandQueue, first: usize, data: &mut [T]) -> Result<()> {
+    fn read_into(&self, queue: &Queue, first: usize, data: &mut [T]) -> Result<()> {
         if !data.is_empty() {
-            // SAFETY: `data` ends before the buffer does, and the call returns when it is filled; any bits are a `T`, which
-            // is a number or a struct of numbers.
-            unsafe { queue.enqueue_read_buffer(self.get()?, CL_BLOCKING, first * size_of::<T>(), data, &[]) }
-                .map(Handle::new)
+            // SAFETY: `data` ends before the buffer does; any bits are a `T`, which is a number or a struct of numbers.
+            unsafe { queue.read(self.get()?, first, data) }
                 .map_err(|e| failed(&format!("copying {} from the device", self.what), e))?;
         }
         Ok(())

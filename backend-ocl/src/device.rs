@@ -19,6 +19,7 @@ use crate::octree::OctreeMemory;
 use crate::params::Shared;
 use crate::platform::{self, Found};
 use crate::program::{GridKernels, Programs};
+use crate::queue::Queue;
 use crate::results::Results;
 use crate::shells;
 use laguerre_core::assemble::FacetRecord;
@@ -29,7 +30,6 @@ use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
 use laguerre_core::site_tree::MadeTree;
 use laguerre_core::{PassReport, PowerDiagram, Precision, Request, Result};
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ pub(crate) struct Device {
     /// Bytes of its memory.
     pub(crate) memory_size: u64,
     pub(crate) context: Arc<Handle<Context>>,
-    pub(crate) queue: Handle<CommandQueue>,
+    pub(crate) queue: Queue,
     pub(crate) grid_kernels: GridKernels,
     programs: Programs,
     pub(crate) memory: Memory,
@@ -141,7 +141,7 @@ impl Device {
             together,
             precision,
             memory_size: found.info.memory,
-            context: Arc::new(context),
+            context,
             queue,
             grid_kernels,
             programs: Programs::default(),

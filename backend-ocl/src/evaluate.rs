@@ -154,14 +154,20 @@ impl Ocl {
             count = on_all(devices, name, &|_, device| device.take(prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
-        let computed = on_all(devices, name, &|i, device| {
-            let computed = device.compute(request, sites, shares[i].clone(), shares.len())?;
-            device.read_results(request, sites)?;
-            Ok(computed)
-        })?;
+        // The memory of the output is made while the devices compute: of ten million cells that takes 0.02 s (16 cores).
+        let (computed, mut assembler) = rayon::join(
+            || {
+                on_all(devices, name, &|i, device| {
+                    let computed = device.compute(request, sites, shares[i].clone(), shares.len())?;
+                    device.read_results(request, sites)?;
+                    Ok(computed)
+                })
+            },
+            || Assembler::new(diagram, &container, request),
+        );
+        let computed = computed?;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
 
-        let mut assembler = Assembler::new(diagram, &container, request);
         let mut for_host = Vec::new();
         let (mut exact_cells, mut passes) = (0, Vec::new());
         let mut tree = None;

@@ -9,12 +9,12 @@ use crate::interface::kernels::{
 };
 use crate::params::Shared;
 use crate::program::GridKernels;
+use crate::queue::Queue;
 use crate::voxels::Voxels;
 use laguerre_core::cell::ring::RINGS;
 use laguerre_core::diagram::{FARTHEST_SITE, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_tree::{Boxes, MadeTree, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
 use laguerre_core::{PowerDiagram, Result};
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use rayon::prelude::*;
 
@@ -63,7 +63,7 @@ impl Given {
     }
 
     /// Brings the sites of a diagram to the device, as far as they are not there.
-    pub(crate) fn bring(&mut self, context: &Context, queue: &CommandQueue, diagram: &PowerDiagram) -> Result<()> {
+    pub(crate) fn bring(&mut self, context: &Context, queue: &Queue, diagram: &PowerDiagram) -> Result<()> {
         self.count = diagram.positions().len();
         self.has_weights = !diagram.weights().is_empty();
         if !(self.positions_id == diagram.positions_id() && self.positions.is_made()) {
@@ -144,7 +144,7 @@ impl Sites {
     pub(crate) fn sort(
         &mut self,
         context: &Context,
-        queue: &CommandQueue,
+        queue: &Queue,
         kernels: &GridKernels,
         is_in_range: &dyn Fn() -> Result<bool>,
         shared: &mut Shared,
@@ -258,7 +258,7 @@ impl Sites {
     fn put_in_order(
         &mut self,
         context: &Context,
-        queue: &CommandQueue,
+        queue: &Queue,
         kernels: &GridKernels,
         shared: &Shared,
         n: usize,
@@ -298,7 +298,7 @@ impl Sites {
     fn bound_nodes(
         &mut self,
         context: &Context,
-        queue: &CommandQueue,
+        queue: &Queue,
         kernels: &GridKernels,
         shared: &mut Shared,
         sites: usize,
@@ -337,14 +337,7 @@ impl Sites {
 
     /// Makes room for `n` sites in so many voxels and a fourth more, and for any of them that fill half of their box, so that nothing is allocated
     /// where they move.
-    fn reserve(
-        &mut self,
-        context: &Context,
-        queue: &CommandQueue,
-        shared: &Shared,
-        n: usize,
-        voxels: usize,
-    ) -> Result<()> {
+    fn reserve(&mut self, context: &Context, queue: &Queue, shared: &Shared, n: usize, voxels: usize) -> Result<()> {
         let voxels = (voxels + voxels / 4).max((2.0 * n as f64 / SITES_PER_VOXEL) as usize);
         self.voxels.grow(context, voxels)?;
         if !self.turns.is_made() {
@@ -368,7 +361,7 @@ impl Sites {
     }
 
     /// Reads the tree over the sites back.
-    pub(crate) fn read_tree(&self, queue: &CommandQueue, params: &Params) -> Result<MadeTree> {
+    pub(crate) fn read_tree(&self, queue: &Queue, params: &Params) -> Result<MadeTree> {
         let count = params.tree_sites as usize;
         let blocks = level_begins(count).last().copied().unwrap_or(0);
         let mut made = MadeTree {
@@ -392,7 +385,7 @@ impl Sites {
     pub(crate) fn take(
         &mut self,
         context: &Context,
-        queue: &CommandQueue,
+        queue: &Queue,
         prepared: &Prepared,
         shared: &mut Shared,
     ) -> Result<usize> {
@@ -422,7 +415,7 @@ const fn blocks_of_leaves(sites: usize) -> usize {
 /// and so on, which grows if it must.
 pub(crate) fn scan(
     context: &Context,
-    queue: &CommandQueue,
+    queue: &Queue,
     kernels: &GridKernels,
     data: &Room<u32>,
     count: usize,
@@ -443,7 +436,7 @@ pub(crate) fn scan(
 }
 
 fn scan_with(
-    queue: &CommandQueue,
+    queue: &Queue,
     kernels: &GridKernels,
     data: &Room<u32>,
     count: usize,

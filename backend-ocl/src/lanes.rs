@@ -5,8 +5,8 @@ use crate::builds::{Build, Lanes};
 use crate::interface::kernels::TryLanes;
 use crate::launch::Kernel;
 use crate::program::compile;
+use crate::queue::Queue;
 use laguerre_core::Result;
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::device::Device;
 use opencl3::types::cl_device_id;
@@ -25,18 +25,18 @@ const GROUPS: usize = 16;
 const EXTENSIONS: [&str; 2] = ["cl_khr_subgroup_ballot", "cl_khr_subgroup_shuffle"];
 
 /// The largest sub-group of the device that is what the kernels take it for, if there is one.
-pub(crate) fn sub_group(id: cl_device_id, context: &Context, queue: &CommandQueue) -> Option<Lanes> {
+pub(crate) fn sub_group(id: cl_device_id, context: &Context, queue: &Queue) -> Option<Lanes> {
     first_right(SIZES.map(Lanes::SubGroup), id, context, queue)
 }
 
 /// The smallest for tests on a CPU, where fewer lanes take less time, by a compiler that does not optimise.
 #[cfg(feature = "test-util")]
-pub(crate) fn sub_group_as_written(id: cl_device_id, context: &Context, queue: &CommandQueue) -> Option<Lanes> {
+pub(crate) fn sub_group_as_written(id: cl_device_id, context: &Context, queue: &Queue) -> Option<Lanes> {
     let [large, middle, small] = SIZES;
     first_right([small, middle, large].map(Lanes::SubGroupAsWritten), id, context, queue)
 }
 
-fn first_right(lanes: [Lanes; 3], id: cl_device_id, context: &Context, queue: &CommandQueue) -> Option<Lanes> {
+fn first_right(lanes: [Lanes; 3], id: cl_device_id, context: &Context, queue: &Queue) -> Option<Lanes> {
     let device = Device::new(id);
     let extensions = device.extensions().ok()?;
     let has = |name: &&str| extensions.split_whitespace().any(|word| word == *name);
@@ -47,7 +47,7 @@ fn first_right(lanes: [Lanes; 3], id: cl_device_id, context: &Context, queue: &C
     lanes.into_iter().find(|&lanes| are_right(lanes, id, context, queue).unwrap_or(false))
 }
 
-fn are_right(lanes: Lanes, id: cl_device_id, context: &Context, queue: &CommandQueue) -> Result<bool> {
+fn are_right(lanes: Lanes, id: cl_device_id, context: &Context, queue: &Queue) -> Result<bool> {
     let program = compile(context, id, Build::Trial(lanes))?;
     let kernel: Kernel<TryLanes<'static>> = Kernel::new(&program)?;
     let group = CELLS * lanes.count();

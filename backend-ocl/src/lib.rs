@@ -24,6 +24,7 @@ mod params;
 pub mod parity;
 mod platform;
 mod program;
+mod queue;
 mod resident;
 mod results;
 mod shells;

@@ -7,11 +7,11 @@ use crate::interface::data::{
 use crate::interface::kernels::{FindHomes, PlaceLeaves, SplitBoxes};
 use crate::params::Shared;
 use crate::program::GridKernels;
+use crate::queue::Queue;
 use laguerre_core::Result;
 use laguerre_core::cell::search_store::MOST_LEAVES;
 use laguerre_core::power_octree::{Lists, OctreeBox, OctreeBoxes, Place, margin_of, most_listed};
 use laguerre_core::site_tree::WIDTH;
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
 use rayon::prelude::*;
@@ -44,7 +44,7 @@ rooms! {
 pub(crate) struct OfSites<'a> {
     pub(crate) device: cl_device_id,
     pub(crate) context: &'a Context,
-    pub(crate) queue: &'a CommandQueue,
+    pub(crate) queue: &'a Queue,
     pub(crate) kernels: &'a GridKernels,
     pub(crate) shared: &'a Shared,
     pub(crate) sites: &'a Room<[f64; 4]>,

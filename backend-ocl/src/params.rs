@@ -2,6 +2,7 @@
 
 use crate::buffer::Room;
 use crate::interface::data::{ALL_SUMS, FEW_SUMS, MOMENT_SUMS, Params, Range};
+use crate::queue::Queue;
 use crate::voxels::Voxels;
 use laguerre_core::assemble::laplacian_unit;
 use laguerre_core::diagram::FramedContainer;
@@ -9,7 +10,6 @@ use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::site_tree::{self, SiteTree};
 use laguerre_core::{Request, Result};
 use laguerre_core::{cell, frame};
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 
 impl Default for Range {
@@ -127,7 +127,7 @@ impl Shared {
     }
 
     /// Brings the parameters to the device.
-    pub(crate) fn send(&mut self, context: &Context, queue: &CommandQueue) -> Result<()> {
+    pub(crate) fn send(&mut self, context: &Context, queue: &Queue) -> Result<()> {
         self.room.fill(context, queue, &[self.params])
     }
 }

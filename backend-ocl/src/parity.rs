@@ -8,12 +8,13 @@ use crate::interface::parity::Parity as Call;
 use crate::launch::Kernel;
 use crate::platform::{self, choose};
 use crate::program::compile_text;
+use crate::queue::Queue;
 use laguerre_core::cell::parity::{Calls, NEIGHBORS, PLANES, VERTICES, World};
 use laguerre_core::passes::Capacities;
 use laguerre_core::{DeviceChoice, Error, ErrorKind, Precision, Result};
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::program::Program;
+use std::sync::Arc;
 
 /// The generated functions of a cell, as a device gets them.
 pub fn functions() -> String {
@@ -27,8 +28,8 @@ const GROUP: usize = 32;
 pub struct Parity {
     name: String,
     program: Handle<Program>,
-    queue: Handle<CommandQueue>,
-    context: Handle<Context>,
+    queue: Queue,
+    context: Arc<Handle<Context>>,
     params: Room<Params>,
     vertices: Room<[f64; 3]>,
     table: Room<u32>,
@@ -117,7 +118,7 @@ fn params_of(world: &World) -> Params {
 }
 
 /// Memory with `data` in it.
-fn filled<T: Copy + Send + Sync>(context: &Context, queue: &CommandQueue, data: &[T]) -> Result<Room<T>> {
+fn filled<T: Copy + Send + Sync>(context: &Context, queue: &Queue, data: &[T]) -> Result<Room<T>> {
     let mut room = Room::new("the parity kernels");
     room.fill(context, queue, data)?;
     Ok(room)

@@ -2,6 +2,7 @@
 
 use crate::grid::GROUP;
 use crate::handle::Handle;
+use crate::queue::Queue;
 use laguerre_core::{DeviceChoice, DeviceInfo, Error, ErrorKind, Precision, Result};
 use opencl3::command_queue::{CommandQueue, create_command_queue};
 use opencl3::context::Context;
@@ -11,7 +12,7 @@ use opencl3::error_codes::{CL_INVALID_VALUE, ClError};
 use opencl3::platform::get_platforms;
 use opencl3::types::cl_device_id;
 use std::ptr;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A device that was found.
 #[derive(Clone, Debug)]
@@ -132,7 +133,7 @@ fn examine(device: &Device, info: &mut DeviceInfo) -> std::result::Result<Option
 ///
 /// # Errors
 /// `Device` where OpenCL fails.
-pub(crate) fn open(found: &Found) -> Result<(Handle<Context>, Handle<CommandQueue>)> {
+pub(crate) fn open(found: &Found) -> Result<(Arc<Handle<Context>>, Queue)> {
     let failed = |what: &str, code| {
         let message =
             format!("OpenCL failed creating {what}: {} ({code}): use another device, or the CPU", ClError(code));
@@ -143,11 +144,14 @@ pub(crate) fn open(found: &Found) -> Result<(Handle<Context>, Handle<CommandQueu
     let context =
         create_context(&[id], ptr::null(), None, ptr::null_mut()).map_err(|code| failed("a context", code))?;
     // Without a list of devices: see `Handle`.
-    let context = Handle::new(Context::new(context, &[]));
+    let context = Arc::new(Handle::new(Context::new(context, &[])));
     // SAFETY: the context is of this device, and no properties are asked for that it could lack.
     let queue = unsafe { create_command_queue(context.get(), id, 0) }.map_err(|code| failed("a queue", code))?;
     // One dimension is all that is ever asked for.
-    Ok((context, Handle::new(CommandQueue::new(queue, 1))))
+    let queue = Handle::new(CommandQueue::new(queue, 1));
+    let is_apart = found.info.is_gpu && matches!(Device::new(id).host_unified_memory(), Ok(false));
+    let queue = Queue::new(&context, queue, is_apart);
+    Ok((context, queue))
 }
 
 /// The devices of a choice.

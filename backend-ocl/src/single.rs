@@ -14,6 +14,7 @@ use crate::interface::single::{Boxes, OUTCOME_EXACT, OUTCOME_STATUS, Params, Sin
 use crate::launch::Kernel;
 use crate::platform::{self, Found, choose};
 use crate::program::compile;
+use crate::queue::Queue;
 use laguerre_core::assemble::Assembler;
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
@@ -24,7 +25,6 @@ use laguerre_core::{
     Backend, BackendInfo, Capabilities, CellStatus, DeviceChoice, Error, Observer, Output, PassReport, PowerDiagram,
     Precision, Report, Request, Result, Watched,
 };
-use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
 use scene::Scene;
@@ -51,8 +51,8 @@ pub(crate) struct Single {
 struct Device {
     id: cl_device_id,
     name: String,
-    context: Handle<Context>,
-    queue: Handle<CommandQueue>,
+    context: Arc<Handle<Context>>,
+    queue: Queue,
     kernels: HashMap<Capacities, (Kernel<SingleCells<'static>>, usize)>,
     memory: Memory,
     /// The domain's grid whose tables are on the device.

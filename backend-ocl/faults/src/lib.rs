@@ -155,6 +155,9 @@ forward_handle! {
     clCreateProgramWithSource(context: Any, count: u32, texts: Any, lengths: Any), size 0;
     clCreateProgramWithBinary(context: Any, count: u32, devices: Any, lengths: Any, binaries: Any, states: Any), size 0;
     clCreateKernel(program: Any, name: Any), size 0;
+    clEnqueueMapBuffer(
+        queue: Any, buffer: Any, blocking: u32, flags: u64, offset: usize, size: usize, waits: u32, wait_list: Any, event: Any
+    ), size 0;
 }
 
 /// As the real function, but for what a device is not to have.

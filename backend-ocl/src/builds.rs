@@ -13,6 +13,7 @@ const GRID: Text = Text {
         "bound_nodes.cl",
         "power_octree.cl",
         "clearance.cl",
+        "facets.cl",
         "laplacian.cl",
         "algebra.cl",
         "aggregation.cl",

@@ -9,6 +9,7 @@ mod tests;
 use crate::algebra::Answers;
 use crate::buffer::{failed, rooms};
 use crate::builds::Lanes;
+use crate::facets::FacetMemory;
 use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
 use crate::interface::data::{Counters, Params};
@@ -61,6 +62,7 @@ pub(crate) struct Device {
     /// Time that kernels took in this call.
     seconds: f64,
     pub(crate) results: Results,
+    pub(crate) facets: FacetMemory,
     pub(crate) laplacian: LaplacianMemory,
     octree: OctreeMemory,
     /// The number of the last evaluation, which no other device has.
@@ -106,8 +108,8 @@ rooms! {
         pub(crate) sums: f64 = "cells' sums",
         pub(crate) rows: [u64; 2] = "rows of facets",
         pub(crate) facets: FacetRecord = "a batch's facets",
-        facet_moments: [f64; 3] = "a batch's facets",
-        facet_seconds: FacetSecond = "a batch's facets",
+        pub(crate) facet_moments: [f64; 3] = "a batch's facets",
+        pub(crate) facet_seconds: FacetSecond = "a batch's facets",
         integrand: f64 = "the integrand",
     }
 }
@@ -151,6 +153,7 @@ impl Device {
             counters: Counters::default(),
             seconds: 0.0,
             results: Results::default(),
+            facets: FacetMemory::new(),
             laplacian: LaplacianMemory::new(),
             octree: OctreeMemory::new(),
             evaluation: 0,

@@ -189,14 +189,26 @@ impl Ocl {
             fallback::compute(&prepared, request, &for_host, &mut assembler)?;
         }
         let mut order = Vec::new();
-        if let (true, [first, ..]) = (request.laplacian(), &mut *devices) {
+        if let (true, [first, ..]) = (request.needs_facets(), &mut *devices) {
             let first_name = first.name.clone();
-            let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
             let named = |error| on_device(error, &first_name);
-            match first.assemble_laplacian(request, sites, &of_host).map_err(named)? {
-                Some(Made::Kept(kept)) => assembler.keep(kept),
-                Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
-                None => order = first.order().map_err(named)?,
+            if request.facets() {
+                let ordered = match for_host.is_empty() {
+                    true => first.assemble_facets(request, &container, sites).map_err(named)?,
+                    false => None,
+                };
+                match ordered {
+                    Some(ordered) => assembler.take_facets(ordered),
+                    None => first.read_kept_facets(request, sites).map_err(named)?,
+                }
+            }
+            if request.laplacian() {
+                let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
+                match first.assemble_laplacian(request, sites, &of_host).map_err(named)? {
+                    Some(Made::Kept(kept)) => assembler.keep(kept),
+                    Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
+                    None => order = first.order().map_err(named)?,
+                }
             }
         }
         let results: Vec<_> = devices.iter().map(|device| &device.results).collect();

@@ -65,8 +65,7 @@ impl Device {
             return found.map(Some);
         }
         if self.results.are_kept {
-            self.read_facets(request)?;
-            self.memory.rows.read(&self.queue, sites, &mut self.results.rows)?;
+            self.read_kept_facets(request, sites)?;
             self.give_scratch_back();
         }
         Ok(None)

@@ -11,6 +11,7 @@ mod builds;
 mod device;
 mod devices;
 mod evaluate;
+mod facets;
 mod fallback;
 mod grid;
 mod handle;

@@ -5,11 +5,12 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
-    AddBlocks, BalanceRows, BoundNodes, Cells, ChooseRoots, Combine, CountColumns, CountDigits, CountFacets, DotParts,
-    EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites, InvertDiagonal,
-    JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, LookAtRings, MarkVoxels, MatchFacets, MeasureClearances,
-    MoveSites, Multiply, MultiplyRows, PackFacets, PlaceDigits, PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks,
-    SettleRuns, SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs,
+    AddBlocks, BalanceRows, BoundNodes, Cells, ChooseRoots, Combine, CountColumns, CountDigits, CountFacets, CountRows,
+    DotParts, EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites,
+    InvertDiagonal, JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, LookAtRings, MarkVoxels, MatchFacets,
+    MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PlaceDigits, PlaceLeaves, Prolong, RankFree,
+    RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber, SumCells,
+    SumParts, TightenSlabs, WriteRows,
 };
 use crate::launch::Kernel;
 use crate::platform::DeviceId;
@@ -55,6 +56,8 @@ pub(crate) struct GridKernels {
     pub(crate) find_homes: Kernel<FindHomes<'static>>,
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
     pub(crate) look_about: Kernel<LookAbout<'static>>,
+    pub(crate) count_rows: Kernel<CountRows<'static>>,
+    pub(crate) write_rows: Kernel<WriteRows<'static>>,
     pub(crate) count_facets: Kernel<CountFacets<'static>>,
     pub(crate) list_facets: Kernel<ListFacets<'static>>,
     pub(crate) sort_facets: Kernel<SortFacets<'static>>,
@@ -107,6 +110,8 @@ impl GridKernels {
             find_homes: Kernel::new(&program)?,
             measure_clearances: Kernel::new(&program)?,
             look_about: Kernel::new(&program)?,
+            count_rows: Kernel::new(&program)?,
+            write_rows: Kernel::new(&program)?,
             count_facets: Kernel::new(&program)?,
             list_facets: Kernel::new(&program)?,
             sort_facets: Kernel::new(&program)?,

@@ -4,14 +4,15 @@
 //! 360 MB come back in 9 ms instead of 39, and go in 9 instead of 53 (one H100, 16 cores).
 
 use crate::handle::Handle;
-use opencl3::command_queue::CommandQueue;
+use opencl3::command_queue::{CommandQueue, enqueue_read_buffer};
 use opencl3::context::Context;
 use opencl3::error_codes::{CL_MAP_FAILURE, ClError};
 use opencl3::event::Event;
-use opencl3::memory::{Buffer, CL_MAP_READ, CL_MAP_WRITE, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE};
+use opencl3::memory::{Buffer, CL_MAP_READ, CL_MAP_WRITE, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use rayon::prelude::*;
 use std::ffi::c_void;
+use std::mem::MaybeUninit;
 use std::ops::Deref;
 use std::ptr;
 use std::slice;
@@ -48,6 +49,11 @@ impl Queue {
         Self { queue, staging: is_apart.then(|| Mutex::new(staging)) }
     }
 
+    /// Whether so many bytes are copied in parts.
+    pub(crate) fn takes_parts(&self, bytes: usize) -> bool {
+        self.staging.is_some() && bytes >= WORTH_IT
+    }
+
     /// Copies from a buffer, from number `first` on; returns when all is there. Much is copied by threads of the pool that the caller is a task of.
     ///
     /// # Safety
@@ -56,7 +62,7 @@ impl Queue {
         &self,
         buffer: &Buffer<T>,
         first: usize,
-        data: &mut [T],
+        data: &mut [MaybeUninit<T>],
     ) -> Result<()> {
         let is_staged = self.with_staging(size_of_val(data), |memory| {
             let part = PART / size_of::<T>();
@@ -75,14 +81,26 @@ impl Queue {
                 }
                 ways[k].wait()?;
                 // SAFETY: the device has filled this part, and writes no more to it.
-                copy(unsafe { memory.part::<T>(k, there.len()) }, there);
+                copy(unsafe { memory.part::<MaybeUninit<T>>(k, there.len()) }, there);
             }
             Ok(())
         })?;
         if !is_staged {
+            let (place, bytes, to) = (first * size_of::<T>(), size_of_val(data), data.as_mut_ptr());
             // SAFETY: as the caller promises; the call returns when `data` is filled.
-            unsafe { self.queue.enqueue_read_buffer(buffer, CL_BLOCKING, first * size_of::<T>(), data, &[]) }
-                .map(Handle::new)?;
+            unsafe {
+                enqueue_read_buffer(
+                    self.queue.get(),
+                    buffer.get(),
+                    CL_BLOCKING,
+                    place,
+                    bytes,
+                    to.cast(),
+                    0,
+                    ptr::null(),
+                )
+            }
+            .map(|event| Handle::new(Event::new(event)))?;
         }
         Ok(())
     }
@@ -124,7 +142,7 @@ impl Queue {
 
     /// Does something with the memory, where that is worth it for so many bytes and the memory is to be had; says whether.
     fn with_staging(&self, bytes: usize, work: impl FnOnce(&Mapped) -> Result<()>) -> Result<bool> {
-        let Some(staging) = self.staging.as_ref().filter(|_| bytes >= WORTH_IT) else { return Ok(false) };
+        let Some(staging) = self.staging.as_ref().filter(|_| self.takes_parts(bytes)) else { return Ok(false) };
         let mut staging = staging.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(memory) = staging.memory(&self.queue) else { return Ok(false) };
         let done = work(memory);

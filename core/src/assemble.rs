@@ -146,6 +146,8 @@ pub struct Assembler<'a> {
     boundary: Option<Vec<Boundary>>,
     has_rows: bool,
     facets: AddedFacets,
+    /// Those of all cells, in order, where a device has put them so.
+    ordered: Option<FacetArrays>,
     has_seconds: bool,
     has_laplacian: bool,
 }
@@ -170,6 +172,7 @@ impl<'a> Assembler<'a> {
             boundary,
             has_rows: request.needs_facets(),
             facets: AddedFacets::default(),
+            ordered: None,
             has_seconds: request.facet_second_moments(),
             has_laplacian: request.laplacian(),
         }
@@ -190,6 +193,11 @@ impl<'a> Assembler<'a> {
     pub fn take_laplacian(&mut self, laplacian: Laplacian) {
         self.output.laplacian = Some(laplacian);
         self.has_laplacian = false;
+    }
+
+    /// Takes the facets of all cells as a device has put them in order, but for the boundary.
+    pub fn take_facets(&mut self, ordered: FacetArrays) {
+        self.ordered = Some(ordered);
     }
 
     /// How each cell ended that was added; others are empty.
@@ -318,8 +326,10 @@ impl<'a> Assembler<'a> {
             self.output.laplacian = Some(Laplacian::of_areas(order, self.positions.len(), areas, value));
         }
         if let Some(boundary) = self.boundary.take() {
-            let mut arrays = facet_arrays(self.units, self.positions, &row_of);
-            arrays.second_moment = self.has_seconds.then(|| facet_seconds(self.units, self.positions.len(), &row_of));
+            let arrays = self.ordered.take().unwrap_or_else(|| FacetArrays {
+                second_moment: self.has_seconds.then(|| facet_seconds(self.units, self.positions.len(), &row_of)),
+                ..facet_arrays(self.units, self.positions, &row_of)
+            });
             self.output.facets = Some(Facets::of_fitting(FacetArrays { boundary, ..arrays }));
         }
         Output::new(OutputArrays { report, geometry, ..self.output })
@@ -335,6 +345,16 @@ fn check_integrals(integrals: &[f64], sites: usize) -> Result<()> {
         ))
         .of_site(i)),
     }
+}
+
+/// What areas of facets are in units of, where they are of the frame's lengths.
+pub fn area_unit(frame: &Frame, density: f64) -> f64 {
+    density * frame.unit().powi(2)
+}
+
+/// The same of their second moments.
+pub fn facet_second_unit(frame: &Frame, density: f64) -> f64 {
+    density * frame.unit().powi(4)
 }
 
 /// What the Laplacian is in units of, where areas and distances are in the frame's.
@@ -430,7 +450,7 @@ impl NearRows {
 
 /// The second moments of the facets of all sites, in the order of [`facet_arrays`].
 fn facet_seconds<'b>(units: Units, sites: usize, row_of: &(impl Fn(usize) -> Row<'b> + Sync)) -> Vec<[f64; 6]> {
-    let unit = units.density * units.frame.unit().powi(4);
+    let unit = facet_second_unit(&units.frame, units.density);
     let rows_in_order = |range: Range<usize>| {
         let mut all: Vec<[f64; 6]> = Vec::new();
         for i in range {

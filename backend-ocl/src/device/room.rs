@@ -76,6 +76,15 @@ impl Device {
         Ok(())
     }
 
+    /// The same at the end, with where those of each cell stand, if they have stayed on the device.
+    pub(crate) fn read_kept_facets(&mut self, request: &Request, sites: usize) -> Result<()> {
+        if !self.results.are_kept {
+            return Ok(());
+        }
+        self.read_facets(request)?;
+        self.memory.rows.read(&self.queue, sites, &mut self.results.rows)
+    }
+
     /// Cells that are computed at a time where they are too large for local memory.
     pub(super) const fn vast_cells(&self) -> usize {
         let share = self.memory_size / SHARE_OF_MEMORY / (8 * VAST_WORDS as u64);

@@ -63,7 +63,7 @@ impl Device {
         // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
         self.most_cells = sites.div_ceil(of);
         self.clear(request, sites, self.most_cells)?;
-        self.results.are_kept = request.laplacian() && !request.facets() && of == 1;
+        self.results.are_kept = request.needs_facets() && of == 1;
         let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };

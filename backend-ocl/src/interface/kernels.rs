@@ -237,6 +237,33 @@ kernels! {
         output abouts: [i32; 2],
     }
 
+    kernel CountRows = count_rows {
+        value count: u32,
+        input outcome: u32,
+        input rows: [u64; 2],
+        output counts: u32,
+        output is_long: u32,
+    }
+
+    kernel WriteRows = write_rows {
+        input params: Params,
+        value count: u32,
+        input placed: [f64; 4],
+        input rows: [u64; 2],
+        input records: FacetRecord,
+        input moments: [f64; 3],
+        value has_seconds: u32,
+        input seconds: FacetSecond,
+        input offsets: u32,
+        value area_unit: f64,
+        value second_unit: f64,
+        output neighbors: u32,
+        output areas: f64,
+        output barycenters: [f64; 3],
+        output distances: f64,
+        output second_moments: [f64; 6],
+    }
+
     kernel CountFacets = count_facets {
         /// The caller's index of the site of each row.
         input order: u32,

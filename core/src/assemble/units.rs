@@ -1,5 +1,6 @@
 //! Lengths and places of the caller's.
 
+use super::area_unit;
 use crate::Boundary;
 use crate::cell::{CellSums, V3};
 use crate::frame::Frame;
@@ -20,7 +21,7 @@ impl Units {
 
     /// An area.
     pub(super) fn area(&self, area: f64) -> f64 {
-        area * (self.density * self.frame.unit().powi(2))
+        area * area_unit(&self.frame, self.density)
     }
 
     /// The barycenter of the cell of the site at `position` (the caller's).

@@ -130,13 +130,13 @@ impl Entry {
     }
 }
 
-/// What a buffer is made of: vectors of two and four numbers; three are three single ones, since vectors of three have the size of four.
+/// What a buffer is made of: vectors of two and four numbers; three are three single ones, since vectors of three have the size of four, and six are six.
 fn element(unit: &Unit, ty: &Type) -> Result<String, String> {
     let Type::Array(array) = ty else { return type_name(unit, ty) };
     let number = type_name(unit, &array.elem)?;
     match &array.len {
         Expr::Lit(syn::ExprLit { lit: Lit::Int(length), .. }) => match length.base10_digits() {
-            "3" => Ok(number),
+            "3" | "6" => Ok(number),
             digits @ ("2" | "4") => Ok(format!("{number}{digits}")),
             _ => unit.error(array.span(), "such vector"),
         },

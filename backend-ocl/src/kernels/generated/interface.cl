@@ -490,6 +490,31 @@ typedef struct {
     __global const int *windings, \
     __global int2 *abouts
 
+#define COUNT_ROWS_ARGUMENTS \
+    uint count, \
+    __global const uint *outcome, \
+    __global const ulong2 *rows, \
+    __global uint *counts, \
+    __global uint *is_long
+
+#define WRITE_ROWS_ARGUMENTS \
+    __global const Params *params, \
+    uint count, \
+    __global const double4 *placed, \
+    __global const ulong2 *rows, \
+    __global const FacetRecord *records, \
+    __global const double *moments, \
+    uint has_seconds, \
+    __global const FacetSecond *seconds, \
+    __global const uint *offsets, \
+    double area_unit, \
+    double second_unit, \
+    __global uint *neighbors, \
+    __global double *areas, \
+    __global double *barycenters, \
+    __global double *distances, \
+    __global double *second_moments
+
 #define COUNT_FACETS_ARGUMENTS \
     __global const uint *order, \
     uint count, \

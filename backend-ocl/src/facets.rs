@@ -1,0 +1,88 @@
+//! Facets as the caller has them, put in order on one device, where their records are.
+
+use crate::buffer::rooms;
+use crate::device::Device;
+use crate::grid::{self, GROUP};
+use crate::interface::data::PER_ROW;
+use crate::interface::kernels::{CountRows, WriteRows};
+use laguerre_core::assemble::{area_unit, facet_second_unit};
+use laguerre_core::diagram::FramedContainer;
+use laguerre_core::{FacetArrays, Request, Result};
+
+rooms! {
+    pub(crate) struct FacetMemory {
+        offsets: u32 = "rows of facets",
+        is_long: u32 = "rows of facets",
+        neighbors: u32 = "facets",
+        areas: f64 = "facets",
+        barycenters: [f64; 3] = "facets",
+        distances: f64 = "facets",
+        second_moments: [f64; 6] = "facets",
+    }
+}
+
+impl Device {
+    /// The facets of all cells, whose records have stayed on the device; `None` where the host has to put them in order: there is no memory for that here, or a
+    /// row is long.
+    pub(crate) fn assemble_facets(
+        &mut self,
+        request: &Request,
+        container: &FramedContainer,
+        sites: usize,
+    ) -> Result<Option<FacetArrays>> {
+        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, facets: ordered, .. } = self;
+        // As much as for their records, so that nothing is allocated where there are a few more.
+        let most = shared.params.facet_room as usize;
+        let has_seconds = request.facet_second_moments();
+        let fits = self.results.are_kept
+            && ordered.offsets.grow_if_possible(context, sites + 1)?
+            && ordered.neighbors.grow_if_possible(context, most)?
+            && ordered.areas.grow_if_possible(context, most)?
+            && ordered.barycenters.grow_if_possible(context, most)?
+            && ordered.distances.grow_if_possible(context, most)?
+            && ordered.second_moments.grow_if_possible(context, if has_seconds { most } else { 1 })?;
+        if !fits {
+            return Ok(None);
+        }
+        ordered.offsets.fill_with(context, queue, 0, sites + 1)?;
+        ordered.is_long.fill_with(context, queue, 0, 1)?;
+        let FacetMemory { offsets, is_long, neighbors, areas, barycenters, distances, second_moments } = &*ordered;
+        let (count, rows) = (sites as u32, &memory.rows);
+        let counting = CountRows { count, outcome: &memory.outcome, rows, counts: offsets, is_long };
+        grid_kernels.count_rows.run(queue, sites, GROUP, counting)?;
+        if is_long.first(queue)? != 0 {
+            return Ok(None);
+        }
+        grid::scan(context, queue, grid_kernels, offsets, sites + 1, &mut sorted.sums)?;
+        let writing = WriteRows {
+            params: &shared.room,
+            count,
+            placed: &sorted.placed,
+            rows,
+            records: &memory.facets,
+            moments: &memory.facet_moments,
+            has_seconds: u32::from(has_seconds),
+            seconds: &memory.facet_seconds,
+            offsets,
+            area_unit: area_unit(&container.frame, container.density),
+            second_unit: facet_second_unit(&container.frame, container.density),
+            neighbors,
+            areas,
+            barycenters,
+            distances,
+            second_moments,
+        };
+        grid_kernels.write_rows.run(queue, sites * PER_ROW as usize, GROUP, writing)?;
+
+        let mut arrays = FacetArrays::default();
+        let offsets: Vec<u32> = offsets.read_new(queue, sites + 1)?;
+        let all = offsets.last().map_or(0, |&end| end as usize);
+        arrays.offsets = offsets.into_iter().map(|offset| offset as usize).collect();
+        arrays.neighbor = neighbors.read_new(queue, all)?;
+        arrays.area = areas.read_new(queue, all)?;
+        arrays.barycenter = barycenters.read_new(queue, all)?;
+        arrays.distance = distances.read_new(queue, all)?;
+        arrays.second_moment = has_seconds.then(|| second_moments.read_new(queue, all)).transpose()?;
+        Ok(Some(arrays))
+    }
+}

@@ -91,6 +91,21 @@ impl PowerDiagram {
         Ok(())
     }
 
+    /// Other sites in the container of this diagram.
+    ///
+    /// ```
+    /// # use laguerre_core::PowerDiagram;
+    /// let diagram = PowerDiagram::new(&[[0.0; 3], [1.0, 2.0, 3.0]], &[])?;
+    /// assert_eq!(diagram.of_other_sites(&[[0.5; 3]], &[])?.container()?.volume(), 6.0);
+    /// # Ok::<(), laguerre_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`PowerDiagram::new`] and [`PowerDiagram::container`].
+    pub fn of_other_sites(&self, positions: &[[f64; 3]], weights: &[f64]) -> Result<Self> {
+        Ok(Self { container: Some(self.container()?), ..Self::new(positions, weights)? })
+    }
+
     /// Replaces the weights alone; a device to which the positions were brought last is not brought them again.
     ///
     /// # Errors

@@ -208,7 +208,8 @@ fn hard_starts_take_few_steps() {
     let cases = [
         ("a cloud of a ten-thousandth", white(500, [0.5; 3], [0.5001; 3], 32), cube()),
         ("clustered", clustered, cube()),
-        ("a crowd, and some far from it", plummer, cube()),
+        ("a crowd, and some far from it", plummer.clone(), cube()),
+        ("the same in the box that the sites span", plummer, PowerDiagram::new(&[[0.5; 3]], &[]).unwrap()),
         ("outside", white(500, [2.0, 0.0, 0.0], [3.0, 0.3, 1.0], 33), cube()),
         ("two cubes", white(700, [0.0; 3], [3.0, 1.0, 1.0], 34), cube().restricted_to(&apart.domain())),
         ("thin limbs", white(800, lo, hi, 35), cube().restricted_to(&trefoil)),

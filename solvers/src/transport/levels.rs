@@ -68,19 +68,15 @@ fn solved(problem: &mut Problem<'_>, level: &Level, weights: Vec<f64>) -> Result
     // as long, and steps after them were as many.)
     let options = Options::default().of(problem.density.clone()).until(MOST_STEPS, ENOUGH);
     let targets = level.targets.iter().map(|target| target * problem.unit).collect();
-    let mut diagram = problem.diagram.clone();
-    let first = diagram.set_sites(&level.positions, &weights).and_then(|()| {
-        let mut solver = Problem::new(problem.backend, &mut diagram, targets, &options)?;
+    let diagram = problem.diagram.of_other_sites(&level.positions, &weights);
+    let Some(mut diagram) = in_range(diagram)? else { return Ok(None) };
+    let first = Problem::new(problem.backend, &mut diagram, targets, &options).and_then(|mut solver| {
         // (Of which the next level makes its weights.)
         solver.request = solver.request.with_second_moments();
         let state = solver.evaluate(weights)?;
         Ok((mend::mended(&mut solver, state)?, solver))
     });
-    let (state, mut solver) = match first {
-        Ok(first) => first,
-        Err(error) if is_out_of_range(&error) => return Ok(None),
-        Err(error) => return Err(error),
-    };
+    let Some((state, mut solver)) = in_range(first)? else { return Ok(None) };
     if state.least <= 0.0 {
         return Ok(None);
     }
@@ -94,6 +90,14 @@ fn solved(problem: &mut Problem<'_>, level: &Level, weights: Vec<f64>) -> Result
         return Err(Error::new(ErrorKind::Interrupted, "interrupted before there are first weights"));
     }
     Ok(Some(state))
+}
+
+/// What a level came to; `None` where its weights were out of range.
+fn in_range<T>(result: Result<T>) -> Result<Option<T>> {
+    match result {
+        Err(error) if is_out_of_range(&error) => Ok(None),
+        result => result.map(Some),
+    }
 }
 
 /// Weights of sites from what groups of them have; equal where there are none. In `order` neighbors are together.

@@ -2,7 +2,7 @@
 
 mod coarser;
 
-use crate::buffer::Room;
+use crate::buffer::{LARGE, Room};
 use crate::device::Device;
 use crate::devices::on_device;
 use crate::evaluate::Ocl;
@@ -106,6 +106,11 @@ impl Ocl {
         self.devices.with(|devices| of_first(devices, work))
     }
 
+    /// The same where that is worth while for these values.
+    fn on_first_for<T: Send>(&self, values: &[f64], work: impl FnOnce(&mut Device) -> Result<T> + Send) -> Result<T> {
+        if size_of_val(values) < LARGE { self.on_first(work) } else { self.on_first_with_threads(work) }
+    }
+
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
         let (a, x, y) = (matrix(a)?, vector(x)?, vector(y)?);
         check(x.length >= a.width && y.length == a.rows)?;
@@ -151,7 +156,7 @@ impl Vector {
 
 impl Algebra for Ocl {
     fn vector(&self, values: &[f64]) -> Result<Held> {
-        self.on_first_with_threads(|device| {
+        self.on_first_for(values, |device| {
             let mut made = Vector::unset(device, values.len())?;
             made.numbers.fill(&device.context, &device.queue, values)?;
             Ok(Held::new(OnDevice(made)))
@@ -178,7 +183,7 @@ impl Algebra for Ocl {
     fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
         let x = &mut x.own_mut::<OnDevice<Vector>>()?.0;
         check(values.len() == x.length)?;
-        self.on_first_with_threads(|device| x.numbers.write_at(&device.queue, 0, values))
+        self.on_first_for(values, |device| x.numbers.write_at(&device.queue, 0, values))
     }
 
     fn matrix(&self, (offsets, columns, values): Rows) -> Result<Held> {

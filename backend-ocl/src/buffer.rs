@@ -116,7 +116,7 @@ impl<T: Copy + Send + Sync> Room<T> {
         Ok(())
     }
 
-    /// Copies the first `length` to `data` from `place` on, where it ends then.
+    /// Copies the first `length` to `data` from `place` on; `data` ends with them.
     pub(crate) fn read_at(&self, queue: &Queue, length: usize, data: &mut Vec<T>, place: usize) -> Result<()>
     where
         T: Default,
@@ -171,7 +171,8 @@ impl<T: Copy + Send + Sync> Room<T> {
     where
         T: Default,
     {
-        let mut data = Vec::new();
+        self.get()?;
+        let mut data = Vec::with_capacity(1);
         self.read(queue, 1, &mut data)?;
         Ok(data.first().copied().unwrap_or_default())
     }
@@ -186,17 +187,22 @@ impl<T: Copy + Send + Sync> Room<T> {
     }
 }
 
-/// Bytes from which on all threads make room: what is fewer may be read where no thread may be waited for (`Devices::lock`).
-const LARGE: usize = 1 << 20;
+/// Bytes from which on threads of a pool may be waited for: what is fewer may be read and written where none may (`Devices::lock`).
+pub(crate) const LARGE: usize = 1 << 20;
 
-/// Makes room for so many more, on all threads: to one alone new memory costs more than the copy (of 190 MB 0.14 s with it, 0.03 without; 16 cores).
+/// Makes room for so many more, on all threads: to one alone new memory costs more than the copy (of 190 MB 0.14 s with it, 0.03 without; 16 cores). What is copied in
+/// parts is copied by all threads, which then have the memory first.
 fn make_room<T: Copy + Default + Send + Sync>(data: &mut Vec<T>, more: usize, queue: &Queue) {
+    if !data.is_empty() {
+        data.reserve(more);
+        return;
+    }
     let bytes = more * size_of::<T>();
-    if data.is_empty() && more > data.capacity() && bytes >= LARGE && !queue.takes_parts(bytes) {
+    if more > data.capacity() && bytes >= LARGE && !queue.takes_parts(bytes) {
         *data = rayon::iter::repeat_n(T::default(), more).collect();
         data.clear();
     }
-    data.reserve(more);
+    data.reserve_exact(more);
 }
 
 /// A struct of memory, each with what it holds, and its name in messages.

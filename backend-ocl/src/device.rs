@@ -107,9 +107,9 @@ rooms! {
         pub(crate) outcome: u32 = "how cells ended",
         pub(crate) sums: f64 = "cells' sums",
         pub(crate) rows: [u64; 2] = "rows of facets",
-        pub(crate) facets: FacetRecord = "a batch's facets",
-        pub(crate) facet_moments: [f64; 3] = "a batch's facets",
-        pub(crate) facet_seconds: FacetSecond = "a batch's facets",
+        pub(crate) facets: FacetRecord = "facets",
+        pub(crate) facet_moments: [f64; 3] = "facets",
+        pub(crate) facet_seconds: FacetSecond = "facets",
         integrand: f64 = "the integrand",
     }
 }

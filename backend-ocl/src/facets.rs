@@ -5,14 +5,14 @@ use crate::device::Device;
 use crate::grid::{self, GROUP};
 use crate::interface::data::PER_ROW;
 use crate::interface::kernels::{CountRows, WriteRows};
+use crate::laplacian::SHARE_BETWEEN;
 use laguerre_core::assemble::{area_unit, facet_second_unit};
 use laguerre_core::diagram::FramedContainer;
-use laguerre_core::{FacetArrays, Request, Result};
+use laguerre_core::{ErrorKind, FacetArrays, Request, Result};
 
 rooms! {
     pub(crate) struct FacetMemory {
         offsets: u32 = "rows of facets",
-        is_long: u32 = "rows of facets",
         neighbors: u32 = "facets",
         areas: f64 = "facets",
         barycenters: [f64; 3] = "facets",
@@ -21,10 +21,42 @@ rooms! {
     }
 }
 
+impl FacetMemory {
+    fn bytes(&self) -> u64 {
+        let Self { offsets, neighbors, areas, barycenters, distances, second_moments } = self;
+        offsets.bytes()
+            + neighbors.bytes()
+            + areas.bytes()
+            + barycenters.bytes()
+            + distances.bytes()
+            + second_moments.bytes()
+    }
+}
+
 impl Device {
-    /// The facets of all cells, whose records have stayed on the device; `None` where the host has to put them in order: there is no memory for that here, or a
-    /// row is long.
+    /// The facets of all cells, if their records have stayed on the device; `None` where they have not, or the host has to put them in order, as there is no
+    /// memory for that here. Their records are there as before.
     pub(crate) fn assemble_facets(
+        &mut self,
+        request: &Request,
+        container: &FramedContainer,
+        sites: usize,
+    ) -> Result<Option<FacetArrays>> {
+        if !self.results.are_kept {
+            return Ok(None);
+        }
+        let made = match self.order_facets(request, container, sites) {
+            // (Drivers that allocate late say so here.)
+            Err(error) if error.kind() == ErrorKind::Device => None,
+            made => made?,
+        };
+        if made.is_none() {
+            self.facets = FacetMemory::new();
+        }
+        Ok(made)
+    }
+
+    fn order_facets(
         &mut self,
         request: &Request,
         container: &FramedContainer,
@@ -34,8 +66,7 @@ impl Device {
         // As much as for their records, so that nothing is allocated where there are a few more.
         let most = shared.params.facet_room as usize;
         let has_seconds = request.facet_second_moments();
-        let fits = self.results.are_kept
-            && ordered.offsets.grow_if_possible(context, sites + 1)?
+        let fits = ordered.offsets.grow_if_possible(context, sites + 1)?
             && ordered.neighbors.grow_if_possible(context, most)?
             && ordered.areas.grow_if_possible(context, most)?
             && ordered.barycenters.grow_if_possible(context, most)?
@@ -45,14 +76,10 @@ impl Device {
             return Ok(None);
         }
         ordered.offsets.fill_with(context, queue, 0, sites + 1)?;
-        ordered.is_long.fill_with(context, queue, 0, 1)?;
-        let FacetMemory { offsets, is_long, neighbors, areas, barycenters, distances, second_moments } = &*ordered;
+        let FacetMemory { offsets, neighbors, areas, barycenters, distances, second_moments } = &*ordered;
         let (count, rows) = (sites as u32, &memory.rows);
-        let counting = CountRows { count, outcome: &memory.outcome, rows, counts: offsets, is_long };
+        let counting = CountRows { count, outcome: &memory.outcome, rows, counts: offsets };
         grid_kernels.count_rows.run(queue, sites, GROUP, counting)?;
-        if is_long.first(queue)? != 0 {
-            return Ok(None);
-        }
         grid::scan(context, queue, grid_kernels, offsets, sites + 1, &mut sorted.sums)?;
         let writing = WriteRows {
             params: &shared.room,
@@ -84,5 +111,16 @@ impl Device {
         arrays.distance = distances.read_new(queue, all)?;
         arrays.second_moment = has_seconds.then(|| second_moments.read_new(queue, all)).transpose()?;
         Ok(Some(arrays))
+    }
+
+    /// Gives back what facets alone need, where it is large: for a call that asks for none.
+    pub(crate) fn give_facets_back(&mut self) {
+        let Self { memory, facets: ordered, memory_size, .. } = self;
+        let bytes = memory.facet_moments.bytes() + memory.facet_seconds.bytes() + ordered.bytes();
+        if bytes > *memory_size / SHARE_BETWEEN {
+            memory.facet_moments.free();
+            memory.facet_seconds.free();
+            *ordered = FacetMemory::new();
+        }
     }
 }

@@ -14,7 +14,7 @@ const MOST_OF_HOST: usize = 4096;
 
 /// Scratch of a diagram with its Laplacian that is larger than this share of the device's memory is freed before the solver runs: of 80 million sites it is a
 /// fifth of 150 GB, and the solver needs more than half.
-const SHARE_BETWEEN: u64 = 8;
+pub(crate) const SHARE_BETWEEN: u64 = 8;
 
 rooms! {
     pub(crate) struct LaplacianMemory {
@@ -64,10 +64,8 @@ impl Device {
             let found = if request.keeps_laplacian() { kept() } else { self.read_laplacian(made).map(Made::Read) };
             return found.map(Some);
         }
-        if self.results.are_kept {
-            self.read_kept_facets(request, sites)?;
-            self.give_scratch_back();
-        }
+        self.read_kept_facets(request, sites)?;
+        self.give_scratch_back();
         Ok(None)
     }
 

@@ -1,4 +1,4 @@
-//! A device's queue, and how much data goes over it: by way of memory that the device reads and writes itself.
+//! A device's queue, and how large data goes over it: by way of memory that the device reads and writes itself.
 //!
 //! Other memory of the host is copied by the driver, with one thread, to such memory of its own. Here all threads copy, one part while the device has others:
 //! 360 MB come back in 9 ms instead of 39, and go in 9 instead of 53 (one H100, 16 cores).
@@ -7,7 +7,7 @@ use crate::handle::Handle;
 use opencl3::command_queue::{CommandQueue, enqueue_read_buffer};
 use opencl3::context::Context;
 use opencl3::error_codes::{CL_MAP_FAILURE, ClError};
-use opencl3::event::Event;
+use opencl3::event::{CommandExecutionStatus, Event};
 use opencl3::memory::{Buffer, CL_MAP_READ, CL_MAP_WRITE, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use rayon::prelude::*;
@@ -51,10 +51,12 @@ impl Queue {
 
     /// Whether so many bytes are copied in parts.
     pub(crate) fn takes_parts(&self, bytes: usize) -> bool {
-        self.staging.is_some() && bytes >= WORTH_IT
+        let is_there = |staging: &Mutex<Staging>| !staging.lock().unwrap_or_else(PoisonError::into_inner).is_refused;
+        bytes >= WORTH_IT && self.staging.as_ref().is_some_and(is_there)
     }
 
-    /// Copies from a buffer, from number `first` on; returns when all is there. Much is copied by threads of the pool that the caller is a task of.
+    /// Copies from a buffer, from number `first` on; returns when all is there. Large data is copied by the threads of a pool, the caller's own or
+    /// else rayon's global one: not for whom no thread may be waited for (`Devices::lock`).
     ///
     /// # Safety
     /// The buffer has so many from there on, and any bits are a `T`.
@@ -105,10 +107,10 @@ impl Queue {
         Ok(())
     }
 
-    /// Copies to a buffer, from number `first` on; returns when `data` may change. Much is copied as by [`Queue::read`].
+    /// Copies to a buffer, from number `first` on; returns when `data` may change. Large data is copied as by [`Queue::read`].
     ///
     /// # Safety
-    /// The buffer has room for so many from there on.
+    /// The buffer has room for so many from there on, and any bits are a `T`.
     pub(crate) unsafe fn write<T: Copy + Send + Sync>(
         &self,
         buffer: &mut Buffer<T>,
@@ -142,13 +144,14 @@ impl Queue {
 
     /// Does something with the memory, where that is worth it for so many bytes and the memory is to be had; says whether.
     fn with_staging(&self, bytes: usize, work: impl FnOnce(&Mapped) -> Result<()>) -> Result<bool> {
-        let Some(staging) = self.staging.as_ref().filter(|_| self.takes_parts(bytes)) else { return Ok(false) };
+        let Some(staging) = self.staging.as_ref().filter(|_| bytes >= WORTH_IT) else { return Ok(false) };
         let mut staging = staging.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(memory) = staging.memory(&self.queue) else { return Ok(false) };
         let done = work(memory);
-        if done.is_err() {
-            // (Whatever is still on its way has ended before another uses the memory.)
-            let _ = self.queue.finish();
+        // (Whatever is still on its way is to end before another uses the memory.)
+        if done.is_err() && self.queue.finish().is_err() {
+            staging.is_refused = true;
+            std::mem::forget(staging.memory.take());
         }
         done.map(|()| true)
     }
@@ -164,8 +167,12 @@ fn copy<T: Copy + Send + Sync>(from: &[T], to: &mut [T]) {
 struct Way(Handle<Event>);
 
 impl Way {
+    /// Waits until it is there. (Of what failed the event itself says why; of waiting for it OpenCL says no more than that.)
     fn wait(&self) -> Result<()> {
-        self.0.wait()
+        self.0.wait().map_err(|error| match self.0.command_execution_status() {
+            Ok(CommandExecutionStatus(code @ ..0)) => ClError(code),
+            _ => error,
+        })
     }
 }
 
@@ -188,7 +195,7 @@ impl Staging {
 
 /// Memory of the host that the device reads and writes itself, mapped for as long as it is there.
 struct Mapped {
-    /// (Unmapped when it is given back.)
+    /// (Drivers unmap what is given back.)
     _buffer: Handle<Buffer<u8>>,
     at: *mut c_void,
 }

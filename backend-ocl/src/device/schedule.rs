@@ -5,6 +5,7 @@ use super::sample::MAY_FAIL;
 use super::{Computed, Device};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Lanes, Stage, Way};
+use crate::facets::FacetMemory;
 use crate::grid::GROUP;
 use crate::interface::data::{Counters, VAST_WORDS};
 use crate::interface::kernels::{self, LookAbout, World};
@@ -62,6 +63,9 @@ impl Device {
     ) -> Result<Computed> {
         // Coincident sites have no cell; when they have moved apart, no more is to be allocated.
         self.most_cells = sites.div_ceil(of);
+        if !request.facets() {
+            self.give_facets_back();
+        }
         self.clear(request, sites, self.most_cells)?;
         self.results.are_kept = request.needs_facets() && of == 1;
         let together = self.lanes(request);
@@ -303,6 +307,7 @@ impl Device {
                 self.memory.facet_moments.free();
                 self.memory.facet_seconds.free();
                 self.memory.near.free();
+                self.facets = FacetMemory::new();
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }

@@ -242,7 +242,6 @@ kernels! {
         input outcome: u32,
         input rows: [u64; 2],
         output counts: u32,
-        output is_long: u32,
     }
 
     kernel WriteRows = write_rows {

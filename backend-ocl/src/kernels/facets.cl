@@ -1,20 +1,16 @@
-// Facets as the caller has them: rows in the order of the sites, sorted by neighbor, in the caller's lengths. The same values as `core/src/assemble.rs`.
+// Facets as the caller has them: rows in the order of the sites, sorted by neighbor, in the caller's lengths. The same values as `core/src/assemble/facets.rs`.
 
 #import "params.cl"
 #import "generated/cell_types.cl"
 
-// How many facets the cell of each site has, and whether there are many of one.
+// How many facets the cell of each site has.
 __kernel void count_rows(COUNT_ROWS_ARGUMENTS) {
     const uint i = get_global_id(0);
     if (i >= count) {
         return;
     }
     const uint how = outcome[i];
-    const uint facets = ((how == NOT_COMPUTED) || ((how & OUTCOME_STATUS) == EMPTY)) ? 0u : (uint)rows[i].y;
-    counts[i] = facets;
-    if (facets > LONG_ROW) {
-        is_long[0] = 1u;
-    }
+    counts[i] = ((how == NOT_COMPUTED) || ((how & OUTCOME_STATUS) == EMPTY)) ? 0u : (uint)rows[i].y;
 }
 
 // The facets of each row, by PER_ROW work-items: each goes behind those that are before it.

@@ -84,9 +84,14 @@ impl Place {
     }
 
     fn run(&self, fault: &str, args: &[&str]) -> Output {
+        self.command(fault, args).output().unwrap()
+    }
+
+    fn command(&self, fault: &str, args: &[&str]) -> Command {
         let mut command = Command::new(PROGRAM);
         command.current_dir(self.path()).args(args).env("OPENCL_DYLIB_PATH", &self.loader).env("LAGUERRE_FAULT", fault);
-        command.env("RUST_BACKTRACE", "0").env("LAGUERRE_FAULT_FIRED", self.path().join("fired")).output().unwrap()
+        command.env("RUST_BACKTRACE", "0").env("LAGUERRE_FAULT_FIRED", self.path().join("fired"));
+        command
     }
 
     /// Removes what a run has written, and says whether its fault has happened.
@@ -274,6 +279,29 @@ fn memory_that_is_not_there_makes_batches_smaller_and_then_an_error() {
             &line,
             &[&place.device, "OpenCL failed allocating", " bytes for ", "use the CPU, or fewer sites", "--backend cpu"],
         );
+    }
+}
+
+/// Facets that have no room, or no kernel, to be put in order by the device are put so by the host: to the bit the same.
+#[test]
+fn facets_that_the_device_cannot_put_in_order_are_the_hosts() {
+    let Some(place) = Place::new() else { return };
+    let log = place.path().join("calls");
+    assert_eq!(place.command("", &RUN).env("LAGUERRE_FAULT_CALLS", &log).output().unwrap().status.code(), Some(0));
+    let calls = fs::read_to_string(&log).unwrap();
+    fs::remove_file(&log).unwrap();
+    place.clear();
+    // The last of each are theirs: five columns and the rows; what counts these, adds the counts up, and writes the columns.
+    for (function, last) in [("clCreateBuffer", 6), ("clEnqueueNDRangeKernel", 3)] {
+        let count = calls.lines().filter(|call| call.starts_with(function)).count();
+        for call in count - last + 1..=count {
+            let fault = format!("{function}:{call}:{NO_MEMORY}");
+            let output = place.run(&fault, &RUN);
+            assert_eq!(output.status.code(), Some(0), "{fault}: {}", String::from_utf8_lossy(&output.stderr));
+            let mut left = files(place.path());
+            left.remove(&place.path().join("fired"));
+            assert!(place.clear() && left == place.wanted, "{fault}");
+        }
     }
 }
 

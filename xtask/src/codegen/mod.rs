@@ -71,7 +71,7 @@ const INTERFACES: [Interface; 2] = [
         modules: &["data", "kernels", "parity"],
         borrowed: &[
             ("core/src/site_tree.rs", &["WIDTH", "NOWHERE", "Boxes", "WeightBounds", "Slabs"]),
-            ("core/src/assemble.rs", &["FacetRecord"]),
+            ("core/src/assemble/facets.rs", &["FacetRecord"]),
             ("core/src/power_octree.rs", &["OctreeBox"]),
         ],
         target: "interface.cl",

@@ -42,7 +42,7 @@ typedef struct {
     double largest_weight[WIDTH];
 } Slabs;
 
-// core/src/assemble.rs
+// core/src/assemble/facets.rs
 
 // One facet of a finished cell, in the frame of its site. Devices write the same. (16 bytes: with its moment, which the Laplacian has no use for, it took
 // 40, and ten million sites have 155 million facets.)
@@ -494,8 +494,7 @@ typedef struct {
     uint count, \
     __global const uint *outcome, \
     __global const ulong2 *rows, \
-    __global uint *counts, \
-    __global uint *is_long
+    __global uint *counts
 
 #define WRITE_ROWS_ARGUMENTS \
     __global const Params *params, \

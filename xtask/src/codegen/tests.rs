@@ -237,7 +237,7 @@ fn a_kernels_parameters_and_groups_of_them() {
 
 #[test]
 fn what_no_kernel_can_have_is_refused_with_its_line() {
-    for parameter in ["inout x: u32", "group x: Nothing", "input x: [f64; 6]", "input x: &u32"] {
+    for parameter in ["inout x: u32", "group x: Nothing", "input x: [f64; 5]", "input x: &u32"] {
         let error = interface_of(&format!("kernels! {{\n kernel K = k {{ {parameter} }}\n}}")).unwrap_err();
         assert!(error.starts_with("text.rs line 2: "), "{error}");
     }

@@ -106,7 +106,7 @@ impl Ocl {
         self.devices.with(|devices| of_first(devices, work))
     }
 
-    /// The same where that is worth while for these values.
+    /// With threads of the host where the values to be written are so many that those copy them.
     fn on_first_for<T: Send>(&self, values: &[f64], work: impl FnOnce(&mut Device) -> Result<T> + Send) -> Result<T> {
         if size_of_val(values) < LARGE { self.on_first(work) } else { self.on_first_with_threads(work) }
     }

@@ -69,7 +69,7 @@ impl Queue {
         let is_staged = self.with_staging(size_of_val(data), |memory| {
             let part = PART / size_of::<T>();
             let (length, parts) = (data.len(), data.len().div_ceil(part));
-            let mut ways: Vec<Way> = Vec::with_capacity(parts);
+            let mut ways: Vec<Handle<Event>> = Vec::with_capacity(parts);
             for (k, there) in data.chunks_mut(part).enumerate() {
                 for sent in ways.len()..(k + PARTS).min(parts) {
                     let count = part.min(length - sent * part);
@@ -79,9 +79,9 @@ impl Queue {
                         let part = memory.part(sent, count);
                         self.queue.enqueue_read_buffer(buffer, CL_NON_BLOCKING, place, part, &[])
                     }?;
-                    ways.push(Way(Handle::new(event)));
+                    ways.push(Handle::new(event));
                 }
-                ways[k].wait()?;
+                wait(&ways[k])?;
                 // SAFETY: the device has filled this part, and writes no more to it.
                 copy(unsafe { memory.part::<MaybeUninit<T>>(k, there.len()) }, there);
             }
@@ -118,11 +118,11 @@ impl Queue {
         data: &[T],
     ) -> Result<()> {
         let is_staged = self.with_staging(size_of_val(data), |memory| {
-            let mut ways: Vec<Way> = Vec::new();
+            let mut ways: Vec<Handle<Event>> = Vec::new();
             let part = PART / size_of::<T>();
             for (k, from) in data.chunks(part).enumerate() {
                 if let Some(way) = k.checked_sub(PARTS).and_then(|gone| ways.get(gone)) {
-                    way.wait()?;
+                    wait(way)?;
                 }
                 // SAFETY: the device has read what was there.
                 let there = unsafe { memory.part::<T>(k, from.len()) };
@@ -130,9 +130,9 @@ impl Queue {
                 let place = (first + k * part) * size_of::<T>();
                 // SAFETY: as the caller promises; nobody changes the part until the device has read it.
                 let event = unsafe { self.queue.enqueue_write_buffer(buffer, CL_NON_BLOCKING, place, there, &[]) }?;
-                ways.push(Way(Handle::new(event)));
+                ways.push(Handle::new(event));
             }
-            ways.iter().try_for_each(Way::wait)
+            ways.iter().try_for_each(wait)
         })?;
         if !is_staged {
             // SAFETY: as the caller promises; the call returns when `data` is copied.
@@ -163,17 +163,12 @@ fn copy<T: Copy + Send + Sync>(from: &[T], to: &mut [T]) {
     to.par_chunks_mut(some).zip(from.par_chunks(some)).for_each(|(to, from)| to.copy_from_slice(from));
 }
 
-/// A part on its way.
-struct Way(Handle<Event>);
-
-impl Way {
-    /// Waits until it is there. (Of what failed the event itself says why; of waiting for it OpenCL says no more than that.)
-    fn wait(&self) -> Result<()> {
-        self.0.wait().map_err(|error| match self.0.command_execution_status() {
-            Ok(CommandExecutionStatus(code @ ..0)) => ClError(code),
-            _ => error,
-        })
-    }
+/// Waits until a part is there. (Of what failed the event itself says why; of waiting for it OpenCL says no more than that.)
+fn wait(event: &Handle<Event>) -> Result<()> {
+    event.wait().map_err(|error| match event.command_execution_status() {
+        Ok(CommandExecutionStatus(code @ ..0)) => ClError(code),
+        _ => error,
+    })
 }
 
 /// The memory, once it was asked for.

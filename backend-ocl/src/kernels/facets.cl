@@ -3,14 +3,26 @@
 #import "params.cl"
 #import "generated/cell_types.cl"
 
-// How many facets the cell of each site has.
+// How many facets the cell of site i has.
+INLINE uint facets_of_cell(__global const uint *outcome, __global const ulong2 *rows, uint i) {
+    const uint how = outcome[i];
+    return ((how == NOT_COMPUTED) || ((how & OUTCOME_STATUS) == EMPTY)) ? 0u : (uint)rows[i].y;
+}
+
+// The distance of two sites.
+INLINE real distance_between(real4 p, real4 q) {
+    const real x = q.x - p.x;
+    const real y = q.y - p.y;
+    const real z = q.z - p.z;
+    return sqrt(((x * x) + (y * y)) + (z * z));
+}
+
 __kernel void count_rows(COUNT_ROWS_ARGUMENTS) {
     const uint i = get_global_id(0);
     if (i >= count) {
         return;
     }
-    const uint how = outcome[i];
-    counts[i] = ((how == NOT_COMPUTED) || ((how & OUTCOME_STATUS) == EMPTY)) ? 0u : (uint)rows[i].y;
+    counts[i] = facets_of_cell(outcome, rows, i);
 }
 
 // The facets of each row, by PER_ROW work-items: each goes behind those that are before it.
@@ -31,13 +43,9 @@ __kernel void write_rows(WRITE_ROWS_ARGUMENTS) {
             const uint beside = records[first + other].neighbor;
             at += (beside < facet.neighbor) || ((beside == facet.neighbor) && (other < k));
         }
-        const real4 q = placed[facet.neighbor];
-        const real x = q.x - p.x;
-        const real y = q.y - p.y;
-        const real z = q.z - p.z;
         neighbors[at] = facet.neighbor;
         areas[at] = facet.area * area_unit;
-        distances[at] = sqrt(((x * x) + (y * y)) + (z * z)) * params->frame_unit;
+        distances[at] = distance_between(p, placed[facet.neighbor]) * params->frame_unit;
         for (uint axis = 0; axis < 3u; axis++) {
             const real along = site[axis] + (moments[(3ul * (first + k)) + axis] / facet.area);
             barycenters[(3ul * at) + axis] = (along * params->frame_unit) + params->frame_shift[axis];

@@ -1,6 +1,7 @@
 // The Laplacian from the areas of facets: rows in the order of the sites along the curve. The same values as `core/src/laplacian.rs`.
 
 #import "params.cl"
+#import "facets.cl"
 
 // How many facets the cell of each row has, the row of each site, and whether there is a long one.
 __kernel void count_facets(COUNT_FACETS_ARGUMENTS) {
@@ -10,8 +11,7 @@ __kernel void count_facets(COUNT_FACETS_ARGUMENTS) {
     }
     const uint i = order[row];
     place[i] = row;
-    const uint how = outcome[i];
-    const uint facets = ((how == NOT_COMPUTED) || ((how & OUTCOME_STATUS) == EMPTY)) ? 0u : (uint)rows[i].y;
+    const uint facets = facets_of_cell(outcome, rows, i);
     counts[row] = facets;
     if (facets > LONG_ROW) {
         is_long[0] = 1u;
@@ -81,11 +81,7 @@ __kernel void match_facets(MATCH_FACETS_ARGUMENTS) {
             }
         }
         if ((lo < last) && (columns[lo] == row)) {
-            const real4 q = sites[column];
-            const real x = q.x - p.x;
-            const real y = q.y - p.y;
-            const real z = q.z - p.z;
-            const real distance = sqrt(((x * x) + (y * y)) + (z * z));
+            const real distance = distance_between(p, sites[column]);
             records[k].area = (((areas[k] + areas[lo]) / REAL(2.0)) / distance) * params->laplacian_unit;
             matched++;
         } else {

@@ -9,8 +9,8 @@ use crate::evaluate::Ocl;
 use crate::grid::GROUP;
 use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
 use crate::interface::kernels::{
-    Combine, DotParts, FillLaplacian, FindBeyond, FindRisen, GatherCells, InvertDiagonal, Multiply, SubtractNumber,
-    SumParts,
+    Combine, DotParts, FillLaplacian, FindBeyond, FindRisen, GatherCells, InvertDiagonal, Multiply, PartCells,
+    SubtractNumber, SumParts,
 };
 use crate::laplacian::MadeLaplacian;
 use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept};
@@ -113,13 +113,17 @@ impl Ocl {
 
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
         let (a, x, y) = (matrix(a)?, vector(x)?, vector(y)?);
-        check(x.length >= a.width && y.length == a.rows)?;
+        let width = if y.length == 3 * a.rows { 3 } else { 1 };
+        check(x.length >= width * a.width && y.length == width * a.rows && y.length.max(x.length) < u32::MAX as usize)?;
         self.on_first(|device| {
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
-            let (x, y, per_row) = (&x.numbers, &y.numbers, a.items_per_row());
-            let arguments = Multiply { count, per_row, offsets, columns, values, x, y, subtracts };
+            let (x, y, per_row, width) = (&x.numbers, &y.numbers, a.items_per_row(), width as u32);
             let groups = a.rows.div_ceil(GROUP / per_row as usize);
-            device.grid_kernels.multiply.run(&device.queue, groups * GROUP, GROUP, arguments)
+            for which in 0..width {
+                let arguments = Multiply { count, per_row, offsets, columns, values, x, y, width, which, subtracts };
+                device.grid_kernels.multiply.run(&device.queue, groups * GROUP, GROUP, arguments)?;
+            }
+            Ok(())
         })
     }
 
@@ -361,6 +365,18 @@ impl Algebra for Ocl {
             let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
             let arguments = FindRisen { count, offsets, columns, x, cells, share, flattest, is_found };
             device.grid_kernels.find_risen.run(&device.queue, a.rows, GROUP, arguments)
+        })
+    }
+
+    fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held> {
+        let (a, cells) = (matrix(a)?, vector(cells)?);
+        check(cells.length >= CELL * a.rows.max(a.width))?;
+        self.on_first(|device| {
+            let made = Vector::unset(device, a.rows)?;
+            let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
+            let arguments = PartCells { count, offsets, columns, cells: &cells.numbers, depth, changes: &made.numbers };
+            device.grid_kernels.part_cells.run(&device.queue, a.rows, GROUP, arguments)?;
+            Ok(Held::new(OnDevice(made)))
         })
     }
 }

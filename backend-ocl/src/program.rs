@@ -8,9 +8,9 @@ use crate::interface::kernels::{
     AddBlocks, BalanceRows, BoundNodes, Cells, ChooseRoots, Combine, CountColumns, CountDigits, CountFacets, CountRows,
     DotParts, EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites,
     InvertDiagonal, JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, LookAtRings, MarkVoxels, MatchFacets,
-    MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PlaceDigits, PlaceLeaves, Prolong, RankFree,
-    RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber, SumCells,
-    SumParts, TightenSlabs, WriteRows,
+    MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PartCells, PlaceDigits, PlaceLeaves, Prolong,
+    RankFree, RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber,
+    SumCells, SumParts, TightenSlabs, WriteRows,
 };
 use crate::launch::Kernel;
 use crate::platform::DeviceId;
@@ -75,6 +75,7 @@ pub(crate) struct GridKernels {
     pub(crate) invert_diagonal: Kernel<InvertDiagonal<'static>>,
     pub(crate) find_beyond: Kernel<FindBeyond<'static>>,
     pub(crate) find_risen: Kernel<FindRisen<'static>>,
+    pub(crate) part_cells: Kernel<PartCells<'static>>,
     pub(crate) rank_free: Kernel<RankFree<'static>>,
     pub(crate) spread_ranks: Kernel<SpreadRanks<'static>>,
     pub(crate) choose_roots: Kernel<ChooseRoots<'static>>,
@@ -129,6 +130,7 @@ impl GridKernels {
             invert_diagonal: Kernel::new(&program)?,
             find_beyond: Kernel::new(&program)?,
             find_risen: Kernel::new(&program)?,
+            part_cells: Kernel::new(&program)?,
             rank_free: Kernel::new(&program)?,
             spread_ranks: Kernel::new(&program)?,
             choose_roots: Kernel::new(&program)?,

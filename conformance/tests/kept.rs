@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow::{self, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use laguerre::algebra::{CELL, Coarsening, Coarser, rise};
+use laguerre::algebra::{CELL, Coarsening, Coarser, part, rise};
 use laguerre::solvers::density::Density;
 use laguerre::solvers::lloyd::{self, Method, energy_request, equalize, relax};
 use laguerre::solvers::transport::{Cotangent, End, Options, Solution, pull_back_kept_from, solve};
@@ -71,6 +71,16 @@ fn a_device_computes_what_plain_loops_do() {
     assert_eq!(algebra.read(&algebra.zeros(n).unwrap()).unwrap(), vec![0.0; n]);
     algebra.multiply(&matrix, &held(&short), &mut out).unwrap();
     assert_near(&algebra.read(&out).unwrap(), &product);
+    // Of three numbers a row, each of them.
+    let three = numbers(3 * m, &mut random);
+    let mut all = held(&numbers(3 * n, &mut random));
+    algebra.multiply(&matrix, &held(&three), &mut all).unwrap();
+    let all = algebra.read(&all).unwrap();
+    for k in 0..3 {
+        let every_third = |x: &[f64]| -> Vec<f64> { x.iter().skip(k).step_by(3).copied().collect() };
+        algebra.multiply(&matrix, &held(&every_third(&three)), &mut out).unwrap();
+        assert_eq!(every_third(&all), algebra.read(&out).unwrap());
+    }
     algebra.write(&y, &mut out).unwrap();
     algebra.subtract(&matrix, &held(&short), &mut out).unwrap();
     let less: Vec<f64> = y.iter().zip(&product).map(|(y, ax)| y - ax).collect();
@@ -106,7 +116,9 @@ fn a_device_computes_what_plain_loops_do() {
     assert!(
         algebra.dot(&held(&short), &held(&x)).is_err() && algebra.is_within(&held(&x), 1.0, &held(&short)).is_err()
     );
+    assert!(algebra.multiply(&matrix, &held(&three[1..]), &mut held(&vec![0.0; 3 * n])).is_err());
     assert!(algebra.rises_too_far(&matrix, &held(&x), &held(&short), 1.0, 1.0).is_err());
+    assert!(algebra.parted(&matrix, &held(&short), 1.0).is_err());
     assert!(algebra.matrix((vec![], vec![], vec![])).is_err());
     assert!(algebra.matrix((vec![0, 2], vec![1], vec![1.0])).is_err());
 }
@@ -245,6 +257,17 @@ fn a_laplacian_that_is_kept_is_the_one_that_comes_back() {
         algebra.rises_too_far(&matrix, &x, &cells, 0.7, 0.1).unwrap()
     };
     assert!(least > 0.0 && !rises(least * (1.0 - 1e-12)) && rises(least * (1.0 + 1e-12)), "{least}");
+    // What weights change by for barycenters to be in their cells.
+    let changes = algebra.parted(&matrix, &algebra.vector(&cells).unwrap(), 0.1).unwrap();
+    let right = |row: usize| -> f64 {
+        let ties = laplacian.row(row).filter(|&k| laplacian.values()[k] > 0.0);
+        ties.map(|k| part(cell(row), cell(laplacian.columns()[k] as usize), 0.1)).sum()
+    };
+    let changes = algebra.read(&changes).unwrap();
+    assert!(changes.iter().any(|change| *change != 0.0));
+    for (row, change) in changes.into_iter().enumerate() {
+        assert!((change - right(row)).abs() <= 1e-13 * (1.0 + change.abs()), "{row}: {change}");
+    }
     // Another takes its place.
     backend.evaluate(&diagram, &Request::moments().with_laplacian_kept()).unwrap();
     assert!(algebra.laplacian(kept, 1.0).unwrap().is_none() && algebra.cells(kept, 1.0).unwrap().is_none());

@@ -1,12 +1,19 @@
 //! Sparse linear algebra where a backend's memory is.
 
 use std::any::Any;
+use std::fmt::{self, Debug, Formatter};
 
 use crate::rows::Rows;
 use crate::{Error, ErrorKind, Laplacian, Result};
 
 /// A vector or a matrix in some backend's memory.
 pub struct Held(Box<dyn Any + Send + Sync>);
+
+impl Debug for Held {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("Held")
+    }
+}
 
 impl Held {
     /// Holds it.
@@ -84,8 +91,8 @@ pub struct Coarser {
     pub matrix: Held,
 }
 
-/// Numbers of a row's cell that [`Algebra::rises_too_far`] reads: its site, weight, barycenter, and the cube root of its volume. Where the origin is does not
-/// matter.
+/// Numbers of a row's cell that [`Algebra::rises_too_far`] and [`Algebra::parted`] read: its site, weight, barycenter, and the cube root of its volume. Where
+/// the origin is does not matter.
 pub const CELL: usize = 8;
 
 /// Vectors and sparse matrices in a backend's memory, and what an iterative solver does with them. Everything has the same bits whenever it is
@@ -135,7 +142,7 @@ pub trait Algebra: Send + Sync {
     /// The cells of the evaluation whose Laplacian was kept, [`CELL`] numbers a row, volumes being over `density`; `None` where they are not there any more.
     fn cells(&self, kept: &Kept, density: f64) -> Result<Option<Held>>;
 
-    /// `y = A x`.
+    /// `y = A x`. Where y has three numbers a row so has x, and it is of each of the three.
     fn multiply(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()>;
 
     /// `y ← y − A x`.
@@ -162,15 +169,34 @@ pub trait Algebra: Send + Sync {
     /// Whether for some entry (i, j) of `a` site i rises above j, by `x_i − x_j`, so far that their facet goes into the cell of j by more than `share` of the
     /// way to the barycenter, or of `flattest` of that cell's size where it is flatter. `cells` has [`CELL`] numbers a row.
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool>;
+
+    /// By how much each weight has to change for the barycenters of the cells that have entries of `a` in common to be on their own sides of the bisector, `depth`
+    /// away from it, or as far as half of what there is between them: the sums of [`part`] over the rows' entries. `cells` has [`CELL`] numbers a row.
+    fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held>;
 }
 
-/// The weight by which one site may rise above another, of [`Algebra::rises_too_far`]: from the numbers of both cells.
-pub fn rise(own: &[f64], other: &[f64], share: f64, flattest: f64) -> f64 {
+/// The distance of two cells' sites, and from the first along the way to the other the plane where their powers are equal and the barycenter of either cell.
+fn between(own: &[f64], other: &[f64]) -> [f64; 4] {
     let way: [f64; 3] = std::array::from_fn(|k| other[k] - own[k]);
     let along = |to: [f64; 3]| to[0] * way[0] + to[1] * way[1] + to[2] * way[2];
     let distance = along(way).sqrt();
-    // The facet is in the plane where the two powers are equal, and goes by the weights' difference over twice the distance.
-    let facet = (distance * distance + (own[3] - other[3])) / (2.0 * distance);
-    let depth = along(std::array::from_fn(|k| other[4 + k] - own[k])) / distance - facet;
-    2.0 * distance * share * depth.max(flattest * other[7])
+    let plane = (distance * distance + (own[3] - other[3])) / (2.0 * distance);
+    let center = |cell: &[f64]| along(std::array::from_fn(|k| cell[4 + k] - own[k])) / distance;
+    [distance, plane, center(own), center(other)]
+}
+
+/// The weight by which one site may rise above another, of [`Algebra::rises_too_far`]: from the numbers of both cells. (The plane of equal powers goes by the
+/// weights' difference over twice the distance.)
+pub fn rise(own: &[f64], other: &[f64], share: f64, flattest: f64) -> f64 {
+    let [distance, plane, _, center] = between(own, other);
+    2.0 * distance * share * (center - plane).max(flattest * other[7])
+}
+
+/// What one of two cells adds to its weight, of [`Algebra::parted`], half of what the plane between them has to go: from the numbers of both cells. The other
+/// adds as much less.
+pub fn part(own: &[f64], other: &[f64], depth: f64) -> f64 {
+    let [distance, plane, mine, theirs] = between(own, other);
+    let (mine, theirs) = (plane - mine, theirs - plane);
+    let wanted = depth.min((mine + theirs) / 2.0);
+    distance * ((wanted - mine).max(0.0) - (wanted - theirs).max(0.0))
 }

@@ -20,6 +20,7 @@
 //! method. It conserves momentum, never adds energy, and leaves the walls slippery.
 
 mod cells;
+mod neighbors;
 mod scene;
 mod viscosity;
 mod warm;
@@ -32,6 +33,7 @@ use crate::vectors::{copied, for_each, inner, largest, map, total};
 use cells::{Cells, check_places, equal_volumes, within};
 pub use cells::{VOLUME_TOLERANCE, settle};
 pub use scene::{Scene, Start, lattice};
+use warm::Moved;
 
 /// What the fluid is moved by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,10 +177,9 @@ impl Fluid {
         let Start { positions, velocities, densities } = start;
         let weight_rates = vec![0.0; positions.len()];
         let state = State { positions, velocities, densities, weight_rates, ..State::default() };
-        let mut fluid = Self::with(container, state, settings)?;
-        let (cells, _) = equal_volumes(backend, &mut fluid.diagram)?;
+        let find = |diagram: &mut PowerDiagram, _| equal_volumes(backend, diagram).map(|(cells, _)| cells);
+        let mut fluid = Self::with(container, state, settings, find)?;
         fluid.state.weights = fluid.diagram.weights().to_vec();
-        fluid.cells = cells;
         fluid.state.hamiltonian_at_start = fluid.energy().total();
         Ok(fluid)
     }
@@ -193,14 +194,18 @@ impl Fluid {
         if [state.weights.len(), state.weight_rates.len()] != [n; 2] {
             return Err(Error::input(format!("{n} particles: a weight and its rate are needed for each")));
         }
-        let mut fluid = Self::with(container, state, settings)?;
-        fluid.cells = Cells::again(backend, &fluid.diagram, fluid.volume)?;
-        Ok(fluid)
+        Self::with(container, state, settings, |diagram, volume| Cells::again(backend, diagram, volume))
     }
 
-    fn with(container: &Container, state: State, settings: Settings) -> Result<Self> {
+    /// With the cells of that volume that `find` finds.
+    fn with(
+        container: &Container,
+        state: State,
+        settings: Settings,
+        find: impl FnOnce(&mut PowerDiagram, f64) -> Result<Cells>,
+    ) -> Result<Self> {
         check_places(container, &state.positions)?;
-        let diagram = within(PowerDiagram::new(&state.positions, &state.weights)?, container)?;
+        let mut diagram = within(PowerDiagram::new(&state.positions, &state.weights)?, container)?;
         let n = state.positions.len();
         if state.velocities.len() != n || state.densities.len() != n {
             return Err(Error::input(format!("{n} particles: a velocity and a density are needed for each")));
@@ -222,7 +227,8 @@ impl Fluid {
         let volume = diagram.container()?.volume() / n as f64;
         let mean_density = total(n, |i| state.densities[i]) / n as f64;
         let lightest = state.densities.iter().copied().fold(f64::INFINITY, f64::min);
-        Ok(Self { diagram, settings, state, cells: Cells::default(), volume, mean_density, lightest })
+        let cells = find(&mut diagram, volume)?;
+        Ok(Self { diagram, settings, state, cells, volume, mean_density, lightest })
     }
 
     /// One step.
@@ -245,8 +251,9 @@ impl Fluid {
         let State { positions, velocities, weights, weight_rates, .. } = &self.state;
         let moved = |from: &[[f64; 3]]| map(from.len(), |i| along(from[i], h, velocities[i]));
         let (positions, expected) = (moved(positions), moved(&self.cells.barycenters));
-        let mut start = map(weights.len(), |i| weights[i] + h * weight_rates[i]);
-        warm::mend(&mut start, &positions, &expected, &self.cells.laplacian, self.cell_size());
+        let start = map(weights.len(), |i| weights[i] + h * weight_rates[i]);
+        let moved = Moved { positions: &positions, expected: &expected, size: self.cell_size() };
+        let start = moved.mended(&start, backend, &self.diagram, &mut self.cells.neighbors)?;
         check_places(&self.diagram.container()?, &positions)?;
         self.diagram.set_sites(&positions, &start)?;
         let (cells, report) = equal_volumes(backend, &mut self.diagram)?;
@@ -268,8 +275,9 @@ impl Fluid {
             let before = self.energy().kinetic;
             let masses = map(self.state.densities.len(), |i| self.state.densities[i] * self.volume);
             let strength = h * self.mean_density * self.settings.viscosity;
-            viscosity::slow(&self.cells.laplacian, &masses, strength, &mut self.state.velocities)
-                .inspect_err(|_| self.cells = cells_before)?;
+            let place = (backend, &self.diagram);
+            let slowed = viscosity::slowed(place, &mut self.cells.neighbors, &masses, strength, &self.state.velocities);
+            self.state.velocities = slowed.inspect_err(|_| self.cells = cells_before)?;
             self.state.brought_in -= before - self.energy().kinetic;
         }
         Ok(StepReport { time_step: h, ..report })

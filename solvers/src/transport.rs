@@ -27,12 +27,14 @@ mod worst;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use laguerre_core::algebra::{Algebra, Held};
 use laguerre_core::summation::Sum;
-use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, PowerDiagram, Request, Result};
 
 use crate::density::Density;
 use newton::Problem;
 
+pub(crate) use host::HOST;
 #[doc(hidden)]
 pub use implicit::pull_back_kept_from;
 pub use implicit::{Cotangent, Gradient, pull_back};
@@ -54,6 +56,8 @@ pub struct Options {
     pub facets: bool,
     /// Whether it has the Laplacian.
     pub laplacian: bool,
+    /// Whether it is left where it is kept ([`Output::kept`]) where that is not with the host.
+    pub(crate) keeps_laplacian: bool,
     /// Sites from which on linear systems stay in the memory of a backend that has one of its own.
     #[doc(hidden)]
     pub kept_from: usize,
@@ -74,6 +78,7 @@ impl Default for Options {
             second_moments: true,
             facets: false,
             laplacian: false,
+            keeps_laplacian: false,
             kept_from: KEPT_FROM,
             normalize: false,
         }
@@ -282,12 +287,26 @@ pub fn targets(backend: &dyn Backend, diagram: &PowerDiagram, masses: &[f64], op
 
 /// What the diagram of each step is asked for. Where its Laplacian is kept, second moments come with the last one alone: a device takes twice as long with both.
 fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
-    let is_kept = sites >= options.kept_from && backend.algebra().is_some();
     let request = match options.density {
-        Density::Uniform if is_kept => return Request::moments().with_laplacian_kept(),
-        Density::Uniform => Request::moments().with_laplacian(),
+        Density::Uniform => with_laplacian(Request::moments(), backend, sites, options.kept_from),
         Density::Linear { .. } => Request::moments().with_facets(),
         Density::Function(_) => Request::moments().with_facet_second_moments(),
     };
-    if options.second_moments { request.with_second_moments() } else { request }
+    if options.second_moments && !request.keeps_laplacian() { request.with_second_moments() } else { request }
+}
+
+/// The same request with the Laplacian, which a backend keeps that is to do the linear algebra of so many sites.
+fn with_laplacian(request: Request, backend: &dyn Backend, sites: usize, kept_from: usize) -> Request {
+    let is_kept = sites >= kept_from && backend.algebra().is_some();
+    if is_kept { request.with_laplacian_kept() } else { request.with_laplacian() }
+}
+
+/// The same for solvers that use what transport has found.
+pub(crate) fn with_laplacian_as_found(request: Request, backend: &dyn Backend, sites: usize) -> Request {
+    with_laplacian(request, backend, sites, KEPT_FROM)
+}
+
+/// A Laplacian, times `scale`, with its diagonal, in the host's memory.
+pub(crate) fn host_matrix(laplacian: &Laplacian, scale: f64) -> Result<Held> {
+    HOST.matrix(laplacian::of_volumes(laplacian, 0.5 / scale).into_rows())
 }

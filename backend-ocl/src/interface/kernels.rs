@@ -368,6 +368,9 @@ kernels! {
         input values: f64,
         input x: f64,
         output y: f64,
+        /// Numbers of x and y for each row, and which of them.
+        value width: u32,
+        value which: u32,
         value subtracts: u32,
     }
 
@@ -426,6 +429,16 @@ kernels! {
         value share: f64,
         value flattest: f64,
         output is_found: u32,
+    }
+
+    kernel PartCells = part_cells {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        /// As of `FindRisen`.
+        input cells: f64,
+        value depth: f64,
+        output changes: f64,
     }
 
     kernel RankFree = rank_free {

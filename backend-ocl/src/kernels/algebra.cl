@@ -2,7 +2,7 @@
 
 #import "generated/interface.cl"
 
-// y = A x, or y − A x. `per_row` work-items, side by side and a power of two, share out the entries of a row.
+// y = A x, or y − A x, where they have `width` numbers for each row, of which this is number `which`. `per_row` work-items, side by side and a power of two, share out the entries of a row.
 __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void multiply(MULTIPLY_ARGUMENTS) {
     __local real sum[GRID_GROUP];
     const uint own = get_local_id(0);
@@ -13,7 +13,7 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void multiply(M
         real part = REAL(0.0);
         const uint end = offsets[row + 1u];
         for (uint k = offsets[row] + first; k < end; k += per_row) {
-            part += values[k] * x[columns[k]];
+            part += values[k] * x[(columns[k] * width) + which];
         }
         sum[own] = part;
     }
@@ -24,7 +24,8 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void multiply(M
         }
     }
     if ((first == 0u) && (row < count)) {
-        y[row] = (subtracts != 0u) ? (y[row] - sum[own]) : sum[own];
+        const uint place = (row * width) + which;
+        y[place] = (subtracts != 0u) ? (y[place] - sum[own]) : sum[own];
     }
 }
 
@@ -118,16 +119,39 @@ __kernel void find_beyond(FIND_BEYOND_ARGUMENTS) {
     }
 }
 
-// `rise` of core/src/algebra.rs.
-INLINE real allowed_rise(__global const double *own, __global const double *other, real share, real flattest) {
+// How a cell and another stand to each other, along the way from the site of the first: `between` of core/src/algebra.rs.
+typedef struct {
+    real distance;
+    real plane;
+    real own_center;
+    real center;
+} Between;
+
+INLINE Between between(__global const double *own, __global const double *other) {
     const real x = other[0] - own[0];
     const real y = other[1] - own[1];
     const real z = other[2] - own[2];
-    const real distance = sqrt(((x * x) + (y * y)) + (z * z));
-    const real facet = ((distance * distance) + (own[3] - other[3])) / (REAL(2.0) * distance);
-    const real along = (((other[4] - own[0]) * x) + ((other[5] - own[1]) * y)) + ((other[6] - own[2]) * z);
-    const real depth = (along / distance) - facet;
-    return ((REAL(2.0) * distance) * share) * fmax(depth, flattest * other[7]);
+    Between found;
+    found.distance = sqrt(((x * x) + (y * y)) + (z * z));
+    found.plane = ((found.distance * found.distance) + (own[3] - other[3])) / (REAL(2.0) * found.distance);
+    found.own_center = ((((own[4] - own[0]) * x) + ((own[5] - own[1]) * y)) + ((own[6] - own[2]) * z)) / found.distance;
+    found.center = ((((other[4] - own[0]) * x) + ((other[5] - own[1]) * y)) + ((other[6] - own[2]) * z)) / found.distance;
+    return found;
+}
+
+// `rise` there.
+INLINE real allowed_rise(__global const double *own, __global const double *other, real share, real flattest) {
+    const Between to = between(own, other);
+    return ((REAL(2.0) * to.distance) * share) * fmax(to.center - to.plane, flattest * other[7]);
+}
+
+// `part` there.
+INLINE real part_of_pair(__global const double *own, __global const double *other, real depth) {
+    const Between to = between(own, other);
+    const real mine = to.plane - to.own_center;
+    const real theirs = to.center - to.plane;
+    const real wanted = fmin(depth, (mine + theirs) / REAL(2.0));
+    return to.distance * (fmax(wanted - mine, REAL(0.0)) - fmax(wanted - theirs, REAL(0.0)));
 }
 
 // Whether a site rises too far above another.
@@ -142,6 +166,22 @@ __kernel void find_risen(FIND_RISEN_ARGUMENTS) {
             is_found[0] = 1u;
         }
     }
+}
+
+// What each cell adds to its weight for barycenters to be in their cells.
+__kernel void part_cells(PART_CELLS_ARGUMENTS) {
+    const uint row = get_global_id(0);
+    if (row >= count) {
+        return;
+    }
+    real change = REAL(0.0);
+    for (uint k = offsets[row]; k < offsets[row + 1u]; k++) {
+        const uint other = columns[k];
+        if (other != row) {
+            change += part_of_pair(cells + (CELL_NUMBERS * (size_t)row), cells + (CELL_NUMBERS * (size_t)other), depth);
+        }
+    }
+    changes[row] = change;
 }
 
 // The cells in the caller's lengths, but for where the origin is: site, weight, barycenter, and the cube root of the volume over a density, `per_unit` of it

@@ -1,10 +1,11 @@
 //! Cells of equal volume.
 
 use laguerre_core::diagram::Container;
-use laguerre_core::{Backend, Error, ErrorKind, Laplacian, Output, OutputArrays, PowerDiagram, Request, Result};
+use laguerre_core::{Backend, Error, ErrorKind, Output, PowerDiagram, Request, Result};
 use std::ops::ControlFlow::Continue;
 
 use super::StepReport;
+use super::neighbors::Neighbors;
 use crate::density::Density;
 use crate::transport::{self, End, Solution};
 
@@ -40,12 +41,12 @@ pub fn settle(
 }
 
 /// What the forces need of the cells of equal volume.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Cells {
     /// `b_i`.
     pub(super) barycenters: Vec<[f64; 3]>,
     /// Their Laplacian.
-    pub(super) laplacian: Laplacian,
+    pub(super) neighbors: Neighbors,
     /// The cost of transport, `Σ_i ∫_cell i ‖x − p_i‖² dx`.
     pub(super) cost: f64,
     /// Largest relative error of a volume.
@@ -59,7 +60,9 @@ impl Cells {
     /// # Errors
     /// `Input` where the weights do not give cells of `volume`.
     pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram, volume: f64) -> Result<Self> {
-        let output = backend.evaluate(diagram, &Request::moments().with_laplacian().with_second_moments())?;
+        let request = Request::moments().with_second_moments();
+        let request = transport::with_laplacian_as_found(request, backend, diagram.positions().len());
+        let output = backend.evaluate(diagram, &request)?;
         let error = |v: &f64| (v / volume - 1.0).abs();
         if let Some(i) = output.volume().iter().position(|v| error(v) > VOLUME_TOLERANCE + OTHER_BACKEND) {
             return Err(Error::input(format!(
@@ -69,18 +72,15 @@ impl Cells {
         }
         let cost = Density::Uniform.cost(diagram, &output);
         let residual = output.volume().iter().map(error).fold(0.0, f64::max);
-        Self::of(output, cost, residual)
+        Self::of(backend, output, cost, residual)
     }
 
-    fn of(output: Output, cost: Option<f64>, residual: f64) -> Result<Self> {
-        let OutputArrays { barycenter: barycenters, laplacian, .. } = output.into_arrays();
-        let (Some(laplacian), Some(cost)) = (laplacian, cost) else {
-            return Err(Error::new(
-                ErrorKind::Device,
-                "the backend gave no Laplacian or second moments though asked to",
-            ));
-        };
-        Ok(Self { barycenters, laplacian, cost, residual })
+    fn of(backend: &dyn Backend, output: Output, cost: Option<f64>, residual: f64) -> Result<Self> {
+        let missing = || Error::new(ErrorKind::Device, "the backend gave no second moments though asked to");
+        let cost = cost.ok_or_else(missing)?;
+        let mut arrays = output.into_arrays();
+        let neighbors = Neighbors::of(backend, &mut arrays)?;
+        Ok(Self { barycenters: arrays.barycenter, neighbors, cost, residual })
     }
 }
 
@@ -90,6 +90,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
         tolerance: VOLUME_TOLERANCE,
         most_iterations: MOST_ITERATIONS,
         laplacian: true,
+        keeps_laplacian: true,
         ..transport::Options::default()
     };
     let solved = solved(backend, diagram, &options)?;
@@ -105,7 +106,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
             report.residual, report.iterations
         )));
     }
-    Ok((Cells::of(solved.output, solved.cost, report.residual)?, report))
+    Ok((Cells::of(backend, solved.output, solved.cost, report.residual)?, report))
 }
 
 /// Weights for equal volumes; half of the way there is of no use here.

@@ -1,66 +1,72 @@
 //! Viscosity: velocities of neighbouring cells drawn together, by the implicit Euler method.
 
-use laguerre_core::{Error, Laplacian, Result};
+use laguerre_core::algebra::{Algebra, Held};
+use laguerre_core::{Backend, Error, PowerDiagram, Result};
 
-use crate::vectors::{add, copied, dot, for_each, map};
+use super::neighbors::Neighbors;
+use crate::vectors::map;
 
 /// What the residual of the linear system may be, of its right-hand side: what is left is momentum that is not conserved.
 const RELATIVE: f64 = 1e-12;
 /// Iterations of the conjugate gradient; the matrix is a diagonal and little more, and takes a dozen.
 const MOST_ITERATIONS: usize = 1000;
 
-/// Solves `m_i (u_i − v_i) = strength · Σ_j (A_ij / ‖p_i − p_j‖) (u_j − u_i)` and puts `u` in the place of `v`. What one cell loses the other has: the
-/// Laplacian is symmetric.
+/// Solves `m_i (u_i − v_i) = strength · Σ_j (A_ij / ‖p_i − p_j‖) (u_j − u_i)`, for `u`. What one cell loses the other has: the Laplacian is symmetric.
 ///
 /// # Errors
-/// `Input` where the solution is not found, as where the viscosity is so large that squares of momenta overflow.
-pub(super) fn slow(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
-    let order = laplacian.order();
-    let mut u = map(order.len(), |row| v[order[row] as usize]);
-    let masses = map(order.len(), |row| masses[order[row] as usize]);
-    slow_rows(laplacian, &masses, strength, &mut u)?;
-    order.iter().zip(u).for_each(|(&i, u)| v[i as usize] = u);
-    Ok(())
+/// `Input` where the solution is not found, as where the viscosity is so large that squares of momenta overflow; as [`Neighbors::with`], which is given the
+/// diagram of the cells.
+pub(super) fn slowed(
+    (backend, diagram): (&dyn Backend, &PowerDiagram),
+    neighbors: &mut Neighbors,
+    masses: &[f64],
+    strength: f64,
+    v: &[[f64; 3]],
+) -> Result<Vec<[f64; 3]>> {
+    neighbors.with(backend, diagram, |algebra, matrix, order| {
+        let masses = map(order.len(), |row| masses[order[row] as usize]);
+        let rows = map(order.len(), |row| v[order[row] as usize]);
+        let found = slowed_rows(algebra, matrix, &masses, strength, rows.as_flattened())?;
+        let mut slowed = vec![[0.0; 3]; v.len()];
+        order.iter().zip(found.as_chunks().0).for_each(|(&i, u)| slowed[i as usize] = *u);
+        Ok(slowed)
+    })
 }
 
-/// The same in the order of the rows.
-fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64; 3]]) -> Result<()> {
-    let ties = |i: usize| laplacian.values()[laplacian.row(i)].iter().map(|tie| strength * tie);
-    let diagonal = map(masses.len(), |i| masses[i] + ties(i).sum::<f64>());
-    let apply = |u: &[[f64; 3]], image: &mut [[f64; 3]]| {
-        for_each(image, |i, sum| {
-            *sum = u[i].map(|x| diagonal[i] * x);
-            for (tie, &column) in ties(i).zip(&laplacian.columns()[laplacian.row(i)]) {
-                let other = u[column as usize];
-                (0..3).for_each(|c| sum[c] -= tie * other[c]);
-            }
-        });
+/// The same in the order of the rows: three numbers for each.
+fn slowed_rows(algebra: &dyn Algebra, laplacian: &Held, masses: &[f64], strength: f64, v: &[f64]) -> Result<Vec<f64>> {
+    let thrice = |x: &[f64]| algebra.vector(&map(v.len(), |k| x[k / 3]));
+    let inverse = algebra.read(&algebra.inverse_diagonal(laplacian)?)?;
+    // (Of a cell without neighbours it is 0.)
+    let tie = |i: usize| if inverse[i] > 0.0 { strength / inverse[i] } else { 0.0 };
+    let scales = thrice(&map(masses.len(), |i| (masses[i] + tie(i)).recip()))?;
+    let masses = thrice(masses)?;
+    let apply = |u: &Held, image: &mut Held| {
+        algebra.multiply(laplacian, u, image)?;
+        algebra.combine_scaled(1.0, &masses, u, strength, image)
     };
-    let scale = |r: &[[f64; 3]], scaled: &mut [[f64; 3]]| for_each(scaled, |i, s| *s = r[i].map(|x| x / diagonal[i]));
     // The conjugate gradient from `v`, which is `u` but for the residual `−L v`.
-    let right = map(v.len(), |i| v[i].map(|x| masses[i] * x));
-    let bound = RELATIVE * dot(&right, &right).sqrt();
-    let mut image = copied(v);
-    apply(v, &mut image);
-    let mut residual: Vec<[f64; 3]> = right;
-    add(&mut residual, -1.0, &image);
-    let mut better = copied(&residual);
-    scale(&residual, &mut better);
-    let mut direction = copied(&better);
-    let mut slope = dot(&residual, &better);
-    for _ in 0..MOST_ITERATIONS {
-        if dot(&residual, &residual).sqrt() <= bound {
-            return Ok(());
+    let mut u = algebra.vector(v)?;
+    let zeros = || algebra.zeros(v.len());
+    let (mut residual, mut image, mut better, mut direction) = (zeros()?, zeros()?, zeros()?, zeros()?);
+    algebra.combine_scaled(1.0, &masses, &u, 0.0, &mut residual)?;
+    let bound = RELATIVE * algebra.dot(&residual, &residual)?.sqrt();
+    apply(&u, &mut image)?;
+    algebra.combine(-1.0, &image, 1.0, &mut residual)?;
+    let mut slope = 0.0;
+    for iteration in 0..MOST_ITERATIONS {
+        if algebra.dot(&residual, &residual)?.sqrt() <= bound {
+            return algebra.read(&u);
         }
-        apply(&direction, &mut image);
-        let step = slope / dot(&direction, &image);
-        add(v, step, &direction);
-        add(&mut residual, -step, &image);
-        scale(&residual, &mut better);
-        let next = dot(&residual, &better);
-        let turn = next / slope;
+        algebra.combine_scaled(1.0, &scales, &residual, 0.0, &mut better)?;
+        let next = algebra.dot(&residual, &better)?;
+        let turn = if iteration == 0 { 0.0 } else { next / slope };
         slope = next;
-        for_each(&mut direction, |i, d| *d = std::array::from_fn(|c| better[i][c] + turn * d[c]));
+        algebra.combine(1.0, &better, turn, &mut direction)?;
+        apply(&direction, &mut image)?;
+        let step = slope / algebra.dot(&direction, &image)?;
+        algebra.combine(step, &direction, 1.0, &mut u)?;
+        algebra.combine(-step, &image, 1.0, &mut residual)?;
     }
     Err(Error::input("the velocities after viscosity were not found: take a smaller viscosity or time step"))
 }
@@ -69,11 +75,16 @@ fn slow_rows(laplacian: &Laplacian, masses: &[f64], strength: f64, v: &mut [[f64
 mod tests {
     use std::f64::consts::PI;
 
-    use laguerre_core::{Backend, ErrorKind, PowerDiagram, Request};
+    use laguerre_core::{ErrorKind, Request};
     use laguerre_cpu::Cpu;
 
     use super::*;
     use crate::fluid::lattice;
+
+    fn neighbors(backend: &Cpu, diagram: &PowerDiagram) -> Neighbors {
+        let output = backend.evaluate(diagram, &Request::moments().with_laplacian()).unwrap();
+        Neighbors::of(backend, &mut output.into_arrays()).unwrap()
+    }
 
     /// A wave between slippery walls is an eigenvector of the lattice's Laplacian: one implicit step divides it by `1 + τνλ`.
     #[test]
@@ -81,12 +92,13 @@ mod tests {
         let (n, strength) = (8, 0.3);
         let sites = lattice([1.0, 1.0, 0.25], n * n * n / 4);
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0, 1.0, 0.25]).unwrap();
-        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_laplacian()).unwrap();
+        let backend = Cpu::new(Some(1)).unwrap();
+        let mut neighbors = neighbors(&backend, &diagram);
         let h = 1.0 / n as f64;
         let masses = vec![h.powi(3); sites.len()];
         let wave = |p: &[f64; 3]| [(PI * p[1]).cos(), 0.0, 0.5];
-        let mut v: Vec<[f64; 3]> = sites.iter().map(wave).collect();
-        slow(output.laplacian().unwrap(), &masses, strength, &mut v).unwrap();
+        let v: Vec<[f64; 3]> = sites.iter().map(wave).collect();
+        let v = slowed((&backend, &diagram), &mut neighbors, &masses, strength, &v).unwrap();
         let factor = 1.0 + strength * (2.0 - 2.0 * (PI * h).cos()) / (h * h);
         for (p, v) in sites.iter().zip(&v) {
             let [x, y, z] = wave(p);
@@ -98,9 +110,9 @@ mod tests {
     fn what_overflows_is_refused() {
         let sites = lattice([1.0; 3], 27);
         let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
-        let output = Cpu::new(Some(1)).unwrap().evaluate(&diagram, &Request::moments().with_laplacian()).unwrap();
-        let mut v: Vec<[f64; 3]> = sites.clone();
-        let error = slow(output.laplacian().unwrap(), &[1.0 / 27.0; 27], 1e300, &mut v).unwrap_err();
+        let backend = Cpu::new(Some(1)).unwrap();
+        let mut neighbors = neighbors(&backend, &diagram);
+        let error = slowed((&backend, &diagram), &mut neighbors, &[1.0 / 27.0; 27], 1e300, &sites).unwrap_err();
         assert!(error.kind() == ErrorKind::Input && error.to_string().contains("smaller viscosity"), "{error}");
     }
 }

@@ -1,18 +1,18 @@
 //! Linear algebra in the host's memory, on all threads.
 
-use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, rise};
+use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, part, rise};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, Laplacian, Result};
 
 use super::aggregation;
 use super::sparse::{self, Matrix};
-use crate::vectors::{any, for_each};
+use crate::vectors::{any, for_each, map};
 
 /// It: what it holds are [`Matrix`] and lists of numbers.
-pub(super) struct Host;
+pub(crate) struct Host;
 
 /// The one that there is.
-pub(super) static HOST: Host = Host;
+pub(crate) static HOST: Host = Host;
 
 fn numbers(x: &Held) -> Result<&[f64]> {
     Ok(x.own::<Vec<f64>>()?)
@@ -20,6 +20,13 @@ fn numbers(x: &Held) -> Result<&[f64]> {
 
 fn own_matrix(a: &Held) -> Result<&Matrix> {
     a.own()
+}
+
+/// The numbers of the cells of a matrix's rows.
+fn cells_of<'a>(a: &Matrix, cells: &'a Held) -> Result<&'a [[f64; CELL]]> {
+    let cells = numbers(cells)?.as_chunks().0;
+    let are_there = cells.len() >= a.rows();
+    are_there.then_some(cells).ok_or_else(|| Error::input("numbers of the cells are missing"))
 }
 
 impl Algebra for Host {
@@ -71,7 +78,15 @@ impl Algebra for Host {
     }
 
     fn multiply(&self, a: &Held, x: &Held, y: &mut Held) -> Result<()> {
-        own_matrix(a)?.apply(numbers(x)?, y.own_mut::<Vec<f64>>()?, |_, ax, _| ax);
+        let (a, x, y) = (own_matrix(a)?, numbers(x)?, y.own_mut::<Vec<f64>>()?);
+        if y.len() == a.rows() {
+            a.apply(x, y, |_, ax, _| ax);
+            return Ok(());
+        }
+        let (x, y) = (x.as_chunks::<3>().0, y.as_chunks_mut::<3>().0);
+        for_each(y, |i, y| {
+            *y = a.row(i).fold([0.0; 3], |sum, (j, a)| std::array::from_fn(|k| sum[k] + a * x[j][k]));
+        });
         Ok(())
     }
 
@@ -120,12 +135,16 @@ impl Algebra for Host {
     }
 
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool> {
-        let (a, x, cells) = (own_matrix(a)?, numbers(x)?, numbers(cells)?);
-        if cells.len() < CELL * a.rows() {
-            return Err(Error::input("numbers of the cells are missing"));
-        }
-        let cell = |i: usize| &cells[CELL * i..][..CELL];
-        let rises = |i: usize, j: usize| x[i] > x[j] && x[i] - x[j] > rise(cell(i), cell(j), share, flattest);
+        let (a, x) = (own_matrix(a)?, numbers(x)?);
+        let cells = cells_of(a, cells)?;
+        let rises = |i: usize, j: usize| x[i] > x[j] && x[i] - x[j] > rise(&cells[i], &cells[j], share, flattest);
         Ok(any(a.rows(), |i| a.row(i).any(|(j, _)| rises(i, j))))
+    }
+
+    fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held> {
+        let a = own_matrix(a)?;
+        let cells = cells_of(a, cells)?;
+        let others = |i: usize| a.row(i).filter(move |&(j, _)| j != i);
+        Ok(Held::new(map(a.rows(), |i| others(i).map(|(j, _)| part(&cells[i], &cells[j], depth)).sum::<f64>())))
     }
 }

@@ -606,6 +606,8 @@ typedef struct {
     __global const double *values, \
     __global const double *x, \
     __global double *y, \
+    uint width, \
+    uint which, \
     uint subtracts
 
 #define COMBINE_ARGUMENTS \
@@ -656,6 +658,14 @@ typedef struct {
     double share, \
     double flattest, \
     __global uint *is_found
+
+#define PART_CELLS_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *cells, \
+    double depth, \
+    __global double *changes
 
 #define RANK_FREE_ARGUMENTS \
     uint count, \

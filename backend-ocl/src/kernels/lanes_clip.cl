@@ -214,7 +214,7 @@ INLINE uint clip_together(Store *s, Trial trial) {
             status |= place_carefully(cell, slot, &exact);
             s->exact |= exact;
 #elif SETTLES_CLOSELY
-            status |= place_closely(cell, slot);
+            status |= place_closely(cell, slot, 0);
 #else
             status = UNCERTAIN;
 #endif

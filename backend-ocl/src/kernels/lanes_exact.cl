@@ -40,13 +40,15 @@ OUTLINE uint settle_closely(CELL_SPACE Cell *cell, uint v, uint k, uint mark) {
     const int sign = wide_sign(cell->plane[t.a], cell->plane[t.b], cell->plane[t.c], cell->plane[k]);
     return (sign == SIGN_UNKNOWN) ? MARK_UNCERTAIN : ((sign < 0) ? MARK_CONFLICT : MARK_KEEP);
 }
+#endif
 
+#if SETTLES_CLOSELY || WITH_FACETS
 // A new vertex of nearly dependent planes.
-OUTLINE uint place_closely(CELL_SPACE Cell *cell, uint v) {
+OUTLINE uint place_closely(CELL_SPACE Cell *cell, uint v, uint is_fine) {
     Store store;
     store.cell = cell;
     store.view = WHOLE;
-    store.is_fine = 0;
+    store.is_fine = is_fine;
     const Triplet t = unpacked(cell->triplet[v]);
     V3 position;
     real radius;

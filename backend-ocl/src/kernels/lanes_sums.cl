@@ -71,7 +71,10 @@ OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, ui
         V3 position;
         real radius;
 #if WITH_FACETS
-        status |= find_vertex_refined(&share, store_triplet(&share, v), &position, &radius);
+        if (find_vertex_refined(&share, store_triplet(&share, v), &position, &radius) != COMPLETE) {
+            status |= place_closely(cell, (LANES * v) + lane, 1);
+            continue;
+        }
 #else
         status |= find_vertex_once(&share, store_triplet(&share, v), &position, &radius);
 #endif

@@ -114,6 +114,9 @@ pub(crate) enum Stage {
     Single,
     /// All of them; those are given up that need exact signs, or may meet the surface.
     First,
+    /// The same, with signs that double precision or double-double settles: where the table of offsets is gone through and weights differ, of sites most of which
+    /// have one open, as particles that were a lattice.
+    Close,
     /// Those that may meet the surface, finished; those are given up that need exact signs. With facets those that do, with exact signs.
     Surface,
     /// Where facets are asked for all that the stages before have finished; those that the surface cuts are `Surface`'s.
@@ -142,6 +145,8 @@ struct Shape {
     registers: Option<u32>,
     /// `SHORT`, where nothing but volumes, barycenters and facets is asked for (`prelude.cl`; [`Stage::is_short`]).
     short: bool,
+    /// `WITH_CLOSE`.
+    close: bool,
     far: bool,
     exact: bool,
     surface: bool,
@@ -159,6 +164,7 @@ impl Stage {
             cells: 5,
             registers: Some(96),
             short: true,
+            close: false,
             far: false,
             exact: false,
             surface: false,
@@ -170,6 +176,7 @@ impl Stage {
             cells: 4,
             registers: Some(128),
             short: false,
+            close: false,
             far: true,
             exact: true,
             surface: true,
@@ -179,6 +186,7 @@ impl Stage {
         };
         match self {
             Self::Single | Self::First => FIRST,
+            Self::Close => Shape { short: false, close: true, ..FIRST },
             Self::Far => Shape { cells: 1, short: false, far: true, ..FIRST },
             Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, takes: true, ..FIRST },
             Self::Facets => Shape { cells: 4, registers: Some(128), takes: true, ..FIRST },
@@ -196,7 +204,7 @@ impl Stage {
 
     /// Whether what it finishes may be given to another stage: to `Surface`, or where facets are asked for to `Facets`.
     pub(crate) const fn gives(self) -> bool {
-        matches!(self, Self::Single | Self::First | Self::Far)
+        matches!(self, Self::Single | Self::First | Self::Close | Self::Far)
     }
 }
 
@@ -245,7 +253,9 @@ impl Asked {
         let table = match has(|stage| stage.shape().takes) {
             true => equal_weights,
             // (Where weights differ what it does not complete is found by the tree alone.)
-            false if is_shared && !equal_weights => params.has_table != 0 && has(|stage| matches!(stage, Stage::First)),
+            false if is_shared && !equal_weights => {
+                params.has_table != 0 && has(|stage| matches!(stage, Stage::First | Stage::Close))
+            }
             false => params.has_table != 0 && equal_weights && !has(|stage| matches!(stage, Stage::Far | Stage::Large)),
         };
         Self { flags, domain: is_shared && params.has_domain != 0, weights: is_shared && !equal_weights, table }
@@ -270,6 +280,7 @@ enum Flag {
     Domain(bool),
     Weights(bool),
     Table(bool),
+    Close(bool),
     Far(bool),
     Exact(bool),
     Surface(bool),
@@ -297,6 +308,7 @@ impl Flag {
             Self::Domain(is_set) => set("WITH_DOMAIN", is_set),
             Self::Weights(is_set) => set("WITH_WEIGHTS", is_set),
             Self::Table(is_set) => set("WITH_TABLE", is_set),
+            Self::Close(is_set) => set("WITH_CLOSE", is_set),
             Self::Far(is_set) => set("WITH_FAR", is_set),
             Self::Exact(is_set) => set("WITH_EXACT", is_set),
             Self::Surface(is_set) => set("WITH_SURFACE", is_set),
@@ -333,7 +345,7 @@ impl Build {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { cells, far, exact, surface, takes, room, teams, .. } = stage.shape();
+                        let Shape { cells, close, far, exact, surface, takes, room, teams, .. } = stage.shape();
                         // (What of facets is asked for may leave signs open: a cell is to end in the same stage whatever that is, and have the same bits.)
                         let exact = exact || (stage == Stage::Surface && *asked & FACETS != 0);
                         vec![
@@ -344,6 +356,7 @@ impl Build {
                             Flag::Teams(lanes.teams(teams)),
                             Flag::Domain(*domain),
                             Flag::Weights(*weights),
+                            Flag::Close(close),
                             Flag::Far(far),
                             Flag::Exact(exact),
                             Flag::Surface(surface && *domain),
@@ -387,6 +400,7 @@ impl Build {
         let stages = [
             Stage::Single,
             Stage::First,
+            Stage::Close,
             Stage::Surface,
             Stage::Facets,
             Stage::Far,

@@ -67,13 +67,21 @@ impl Device {
     ///
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
     /// not completed with exact signs, either. (Where weights differ both are `Far`'s.)
-    pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<()> {
+    ///
+    /// The stage in which cells begin that go through the table.
+    pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<Stage> {
         let has_weights = self.shared.params.equal_weights == 0;
         if self.shared.params.has_table == 0 || (self.domain.is_some() && !has_weights) || share.len() < WORTH_A_SAMPLE
         {
-            return Ok(());
+            return Ok(Stage::First);
         }
-        let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
+        let all = Todo::Sorted(share);
+        let first = self.sample_of(Way::Together(lanes, Stage::First), &all, SAMPLE_TOGETHER)?;
+        if has_weights && first.later - first.beyond > MOST_OF_SAMPLE {
+            let close = self.sample_of(Way::Together(lanes, Stage::Close), &all, SAMPLE_TOGETHER)?;
+            self.shared.params.has_table = u32::from(close.left + close.later <= WORTH_A_TREE);
+            return Ok(Stage::Close);
+        }
         let mut beyond = first.left + if has_weights { first.later } else { first.beyond };
         if !has_weights && beyond <= WORTH_A_TREE && first.later > WORTH_A_TREE {
             std::mem::swap(&mut self.memory.todo, &mut self.memory.later);
@@ -81,7 +89,7 @@ impl Device {
             beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.left;
         }
         self.shared.params.has_table = u32::from(beyond <= WORTH_A_TREE);
-        Ok(())
+        Ok(Stage::First)
     }
 
     /// Of the cells of a range, where they are many, whether most are not completed by the first stage; and whether so many reach far, where weights differ,

@@ -71,9 +71,7 @@ impl Device {
         let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
-        if let Some(lanes) = together {
-            self.choose_table(lanes, share.clone())?;
-        }
+        let of_table = together.map(|lanes| self.choose_table(lanes, share.clone())).transpose()?;
         let (most_fail, many_reach_far) = match together {
             Some(lanes) if self.shared.params.has_table == 0 => self.failures(lanes, share.clone())?,
             _ => (false, false),
@@ -84,7 +82,9 @@ impl Device {
         let begin = match together {
             Some(lanes) if most_fail || many_reach_far => Some((lanes, Stage::Far)),
             Some(lanes) if self.begins_in_single() => Some((lanes, Stage::Single)),
-            _ => together.map(|lanes| (lanes, Stage::First)),
+            // (Without the table those go on from `First` to `Far`, which settles signs as well.)
+            _ if self.shared.params.has_table == 0 => together.map(|lanes| (lanes, Stage::First)),
+            _ => together.zip(of_table),
         };
         if let Some((lanes, stage)) = begin {
             self.build_ahead(request, lanes, stage, share.len());
@@ -220,7 +220,7 @@ impl Device {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters.full = 0;
             } else if let (Way::Together(lanes, stage), 1..) = (way, counters.later)
-                && matches!(stage, Stage::Single | Stage::First | Stage::Far | Stage::Large)
+                && matches!(stage, Stage::Single | Stage::First | Stage::Close | Stage::Far | Stage::Large)
             {
                 // What most cells need is more than a few more digits.
                 let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
@@ -229,7 +229,7 @@ impl Device {
                 counters.later = 0;
                 let next = match stage {
                     Stage::Single if are_few => Stage::First,
-                    Stage::First if self.is_tree() => Stage::Far,
+                    Stage::First | Stage::Close if self.is_tree() => Stage::Far,
                     Stage::Large => Stage::Wide,
                     _ => Stage::Exact,
                 };

@@ -231,6 +231,33 @@ fn builds_made_ahead_are_taken() {
     assert_eq!(programs.get(context, *id, far, &shared.params).unwrap().per_cell, 1);
 }
 
+/// Cells of a lattice that has moved a little, with weights, begin where signs are settled closely; of a lattice without weights they do not.
+#[cfg(feature = "test-util")]
+#[test]
+fn open_signs_of_a_moved_lattice_are_settled_at_once() {
+    let Some(mut device) = open() else { return };
+    device.share_cells();
+    let at = |n: usize| (n as f64 + 0.5) / 41.0;
+    let sites: Vec<[f64; 3]> = (0..41_usize.pow(3)).map(|n| [n % 41, n / 41 % 41, n / 41 / 41].map(at)).collect();
+    let flow = |p: [f64; 3]| [p[0] + 1e-5 * (5.0 * p[1]).sin(), p[1], p[2]];
+    let moved: Vec<[f64; 3]> = sites.iter().map(|p| flow(*p)).collect();
+    // (What is exactly a tie not even double-double tells.)
+    let noise = |n: usize| (n as f64 * n as f64 * 0.618_033_988_749_894_9).fract();
+    let weights: Vec<f64> = sites.iter().enumerate().map(|(n, p)| 1e-6 * p[0] + 1e-12 * noise(n)).collect();
+    for (sites, weights, right) in [(&moved, &weights[..], Stage::Close), (&sites, &[], Stage::First)] {
+        let diagram = PowerDiagram::new(sites, weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+        let request = Request::moments().with_laplacian();
+        let request = Watched::new(&request, &());
+        device.bring_sites(&diagram).unwrap();
+        device.load(&diagram.framed_container().unwrap(), &request, None).unwrap();
+        let count = device.sort(&|| Ok(false)).unwrap().unwrap();
+        device.clear(&request, count, count).unwrap();
+        device.look_about(count, 0..0).unwrap();
+        assert_eq!(device.choose_table(Lanes::One, 0..count).unwrap(), right);
+        assert_eq!(device.shared.params.has_table, 1, "{right:?}");
+    }
+}
+
 /// What only a diagram with its Laplacian needs is given back where it is much of a device's memory, and the next diagram has it again; what the solver needs stays.
 #[test]
 fn scratch_of_a_laplacian_is_given_back() {

@@ -8,7 +8,7 @@ use crate::bounds::{Planes, SUM, of_digits};
 use crate::checks::facets::have_a_laplacian;
 use crate::compare::{same, same_cells};
 use crate::domains::{Pose, Room, Shape};
-use crate::sites::Sites;
+use crate::sites::{Random, Sites};
 use crate::weights::Weights;
 use crate::{Case, Scene, Verdict};
 
@@ -147,6 +147,37 @@ pub fn clouds(backend: &dyn Backend) -> Verdict {
 pub fn many_sites_in_a_mesh(backend: &dyn Backend) -> Verdict {
     let scene = white(20_000, Weights::Mild, Shape::Trefoil);
     fills(&scene, backend, &scene.evaluate(backend, &Request::moments())?)
+}
+
+/// 68,921 sites of a lattice that a flow along two axes has moved by less than a thousandth of their distance, with weights that are smooth up to 1e-9 of its
+/// square, as a fluid's particles have them: nearly all cells have open signs and vertices of nearly dependent planes. The sums, and the oracle's answer in some
+/// cells.
+pub fn moved_lattice(backend: &dyn Backend) -> Verdict {
+    let side = 41;
+    let width = 1.0 / f64::from(side);
+    let at = |n: i32| (f64::from(n % side) + 0.5) * width;
+    let flow = |x: f64, y: f64| 6e-4 * width * (3.0 * x + 5.0 * y).sin();
+    for shape in [Shape::Box, Shape::Sphere] {
+        let mut random = Random::new(3);
+        let mut scene = white(1, Weights::None, shape);
+        let (lo, hi) = scene.room.bounding_box();
+        let size = hi[0] - lo[0];
+        let (positions, weights) = (0..side.pow(3))
+            .map(|n| {
+                let [x, y, z] = [at(n), at(n / side), at(n / side / side)];
+                let place = [x + flow(x, y), y - flow(y, x), z];
+                let weight = width * width * (0.01 * (4.0 * x).cos() + 1e-9 * random.unit());
+                (std::array::from_fn(|k| lo[k] + size * place[k]), size * size * weight)
+            })
+            .unzip();
+        (scene.positions, scene.weights) = (positions, weights);
+        fills(&scene, backend, &scene.evaluate(backend, &Request::moments())?)?;
+        let output = scene.with_facets(backend)?;
+        fills(&scene, backend, &output)?;
+        as_the_oracle_says(&scene, &output, &(0..scene.len()).step_by(4999).collect::<Vec<_>>())
+            .map_err(|reason| format!("{shape:?}: {reason}"))?;
+    }
+    Ok(())
 }
 
 /// With facets and without them the volumes sum to the container's, and every 31st cell is the oracle's.

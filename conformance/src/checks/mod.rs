@@ -122,6 +122,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(large::hollow),
     given!(large::heavy_site_in_a_lattice),
     given!(large::many_sites_in_a_mesh),
+    given!(large::moved_lattice),
     given!(large::clouds),
     given!(near_degenerate::vertices_lie_on_their_planes),
     given!(near_degenerate::exact_positions_are_rounded_once),

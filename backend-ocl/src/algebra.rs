@@ -40,8 +40,8 @@ struct Matrix {
     width: usize,
 }
 
-/// What is held by who may be on another thread.
-struct OnDevice<T>(T);
+/// What is held by who may be on another thread, and the number of the backend whose it is: to another's device it is nothing.
+struct OnDevice<T>(T, u64);
 
 // SAFETY: OpenCL objects may be used from any thread, and what is done with these, through `Ocl`, is done while its devices are locked.
 unsafe impl Send for OnDevice<Vector> {}
@@ -72,14 +72,6 @@ impl Answers {
     }
 }
 
-fn vector(x: &Held) -> Result<&Vector> {
-    Ok(&x.own::<OnDevice<Vector>>()?.0)
-}
-
-fn matrix(a: &Held) -> Result<&Matrix> {
-    Ok(&a.own::<OnDevice<Matrix>>()?.0)
-}
-
 fn of_first<T>(devices: &mut [Device], work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
     let device = devices.first_mut().ok_or_else(|| Error::new(ErrorKind::Device, "no device is open"))?;
     work(device).map_err(|error| on_device(error, &device.name))
@@ -93,6 +85,20 @@ impl Device {
 }
 
 impl Ocl {
+    fn own<'a, T: 'static>(&self, held: &'a Held) -> Result<&'a T> {
+        let OnDevice(what, backend) = held.own::<OnDevice<T>>()?;
+        let strange = || Error::new(ErrorKind::Device, "a vector or matrix is in the memory of other devices");
+        (*backend == self.number).then_some(what).ok_or_else(strange)
+    }
+
+    fn own_vector<'a>(&self, x: &'a Held) -> Result<&'a Vector> {
+        self.own(x)
+    }
+
+    fn own_matrix<'a>(&self, a: &'a Held) -> Result<&'a Matrix> {
+        self.own(a)
+    }
+
     /// Does something with the first device that waits for no thread of a pool (nor reads or writes a megabyte).
     fn on_first<T>(&self, work: impl FnOnce(&mut Device) -> Result<T>) -> Result<T> {
         of_first(&mut self.devices.lock(), work)
@@ -112,8 +118,8 @@ impl Ocl {
     }
 
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
-        let (a, x, y) = (matrix(a)?, vector(x)?, vector(y)?);
-        let width = if y.length == 3 * a.rows { 3 } else { 1 };
+        let (a, x, y) = (self.own_matrix(a)?, self.own_vector(x)?, self.own_vector(y)?);
+        let width = if subtracts == 0 && y.length == 3 * a.rows { 3 } else { 1 };
         check(x.length >= width * a.width && y.length == width * a.rows && y.length.max(x.length) < u32::MAX as usize)?;
         self.on_first(|device| {
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
@@ -128,9 +134,9 @@ impl Ocl {
     }
 
     fn combined(&self, alpha: f64, scales: Option<&Held>, x: &Held, beta: f64, y: &Held) -> Result<()> {
-        let (x, y) = (vector(x)?, vector(y)?);
+        let (x, y) = (self.own_vector(x)?, self.own_vector(y)?);
         let has_scales = u32::from(scales.is_some());
-        let scales = scales.map_or(Ok(x), vector)?;
+        let scales = scales.map_or(Ok(x), |scales| self.own_vector(scales))?;
         check(x.length == y.length && x.length == scales.length)?;
         self.on_first(|device| {
             let (scales, y) = (&scales.numbers, &y.numbers);
@@ -163,7 +169,7 @@ impl Algebra for Ocl {
         self.on_first_for(values, |device| {
             let mut made = Vector::unset(device, values.len())?;
             made.numbers.fill(&device.context, &device.queue, values)?;
-            Ok(Held::new(OnDevice(made)))
+            Ok(Held::new(OnDevice(made, self.number)))
         })
     }
 
@@ -171,12 +177,12 @@ impl Algebra for Ocl {
         self.on_first(|device| {
             let mut made = Vector::unset(device, length)?;
             made.numbers.fill_with(&device.context, &device.queue, 0.0, length)?;
-            Ok(Held::new(OnDevice(made)))
+            Ok(Held::new(OnDevice(made, self.number)))
         })
     }
 
     fn read(&self, x: &Held) -> Result<Vec<f64>> {
-        let x = vector(x)?;
+        let x = self.own_vector(x)?;
         self.on_first_with_threads(|device| {
             let mut values = Vec::new();
             x.numbers.read(&device.queue, x.length, &mut values)?;
@@ -185,8 +191,8 @@ impl Algebra for Ocl {
     }
 
     fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
+        check(values.len() == self.own_vector(x)?.length)?;
         let x = &mut x.own_mut::<OnDevice<Vector>>()?.0;
-        check(values.len() == x.length)?;
         self.on_first_for(values, |device| x.numbers.write_at(&device.queue, 0, values))
     }
 
@@ -202,12 +208,12 @@ impl Algebra for Ocl {
             made.offsets.fill(context, queue, &begins)?;
             made.columns.fill(context, queue, &columns)?;
             made.values.fill(context, queue, &values)?;
-            Ok(Held::new(OnDevice(made)))
+            Ok(Held::new(OnDevice(made, self.number)))
         })
     }
 
     fn rows(&self, a: &Held) -> Result<Rows> {
-        let a = matrix(a)?;
+        let a = self.own_matrix(a)?;
         self.on_first_with_threads(|device| {
             let (mut begins, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
             a.offsets.read(&device.queue, a.rows + 1, &mut begins)?;
@@ -218,11 +224,11 @@ impl Algebra for Ocl {
     }
 
     fn row_count(&self, a: &Held) -> Result<usize> {
-        Ok(matrix(a)?.rows)
+        Ok(self.own_matrix(a)?.rows)
     }
 
     fn coarser(&self, a: &Held, inverse_diagonal: &Held, how: Coarsening) -> Result<Option<Coarser>> {
-        let (a, inverse) = (matrix(a)?, vector(inverse_diagonal)?);
+        let (a, inverse) = (self.own_matrix(a)?, self.own_vector(inverse_diagonal)?);
         check(a.rows > 0 && a.width <= a.rows && inverse.length == a.rows)?;
         let made = match self.on_first(|device| device.coarser(a, inverse, how)) {
             // (The host may have memory for it.)
@@ -230,9 +236,9 @@ impl Algebra for Ocl {
             made => made?,
         };
         Ok(made.map(|(prolongation, restriction, matrix)| Coarser {
-            prolongation: Held::new(OnDevice(prolongation)),
-            restriction: Held::new(OnDevice(restriction)),
-            matrix: Held::new(OnDevice(matrix)),
+            prolongation: Held::new(OnDevice(prolongation, self.number)),
+            restriction: Held::new(OnDevice(restriction, self.number)),
+            matrix: Held::new(OnDevice(matrix, self.number)),
         }))
     }
 
@@ -253,7 +259,7 @@ impl Algebra for Ocl {
                 values,
             };
             device.grid_kernels.fill_laplacian.run(&device.queue, rows + 1, GROUP, arguments)?;
-            Ok(Some(Held::new(OnDevice(made))))
+            Ok(Some(Held::new(OnDevice(made, self.number))))
         })
     }
 
@@ -281,7 +287,7 @@ impl Algebra for Ocl {
                 cells: &made.numbers,
             };
             grid_kernels.gather_cells.run(queue, rows, GROUP, arguments)?;
-            Ok(Some(Held::new(OnDevice(made))))
+            Ok(Some(Held::new(OnDevice(made, self.number))))
         })
     }
 
@@ -302,7 +308,7 @@ impl Algebra for Ocl {
     }
 
     fn dot(&self, x: &Held, y: &Held) -> Result<f64> {
-        let (x, y) = (vector(x)?, vector(y)?);
+        let (x, y) = (self.own_vector(x)?, self.own_vector(y)?);
         check(x.length == y.length)?;
         let y = &y.numbers;
         self.on_first(|device| {
@@ -317,7 +323,7 @@ impl Algebra for Ocl {
     }
 
     fn center(&self, x: &mut Held) -> Result<()> {
-        let Vector { numbers: x, length } = vector(x)?;
+        let Vector { numbers: x, length } = self.own_vector(x)?;
         let (length, count) = (*length, *length as u32);
         self.on_first(|device| {
             let groups = length.div_ceil(SUMMED);
@@ -335,18 +341,18 @@ impl Algebra for Ocl {
     }
 
     fn inverse_diagonal(&self, a: &Held) -> Result<Held> {
-        let a = matrix(a)?;
+        let a = self.own_matrix(a)?;
         self.on_first(|device| {
             let made = Vector::unset(device, a.rows)?;
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
             let arguments = InvertDiagonal { count, offsets, columns, values, inverse: &made.numbers };
             device.grid_kernels.invert_diagonal.run(&device.queue, a.rows, GROUP, arguments)?;
-            Ok(Held::new(OnDevice(made)))
+            Ok(Held::new(OnDevice(made, self.number)))
         })
     }
 
     fn is_within(&self, x: &Held, factor: f64, bound: &Held) -> Result<bool> {
-        let (x, bound) = (vector(x)?, vector(bound)?);
+        let (x, bound) = (self.own_vector(x)?, self.own_vector(bound)?);
         check(x.length == bound.length)?;
         let bounds = &bound.numbers;
         let found = self.finds(|device, is_found| {
@@ -357,7 +363,7 @@ impl Algebra for Ocl {
     }
 
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool> {
-        let (a, x, cells) = (matrix(a)?, vector(x)?, vector(cells)?);
+        let (a, x, cells) = (self.own_matrix(a)?, self.own_vector(x)?, self.own_vector(cells)?);
         let most = a.rows.max(a.width);
         check(x.length >= most && cells.length >= CELL * most)?;
         let (x, cells) = (&x.numbers, &cells.numbers);
@@ -369,14 +375,14 @@ impl Algebra for Ocl {
     }
 
     fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held> {
-        let (a, cells) = (matrix(a)?, vector(cells)?);
+        let (a, cells) = (self.own_matrix(a)?, self.own_vector(cells)?);
         check(cells.length >= CELL * a.rows.max(a.width))?;
         self.on_first(|device| {
             let made = Vector::unset(device, a.rows)?;
             let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
             let arguments = PartCells { count, offsets, columns, cells: &cells.numbers, depth, changes: &made.numbers };
             device.grid_kernels.part_cells.run(&device.queue, a.rows, GROUP, arguments)?;
-            Ok(Held::new(OnDevice(made)))
+            Ok(Held::new(OnDevice(made, self.number)))
         })
     }
 }

@@ -22,6 +22,7 @@ use laguerre_core::{
     Report, Request, Result, Watched,
 };
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Opens the OpenCL backend in a precision. In single precision cells are computed by the same kernels where several work-items share one; on other
 /// devices by one for single precision alone.
@@ -40,10 +41,15 @@ pub fn open(choice: &DeviceChoice, precision: Precision) -> Result<Box<dyn Backe
     Ok(Box::new(opened))
 }
 
+/// Backends so far.
+static BACKENDS: AtomicU64 = AtomicU64::new(0);
+
 /// The OpenCL backend.
 pub struct Ocl {
     backend: &'static str,
     pub(crate) name: String,
+    /// No other in the process has it.
+    pub(crate) number: u64,
     pub(crate) precision: Precision,
     pub(crate) devices: Devices<Device>,
 }
@@ -60,7 +66,8 @@ impl Ocl {
         let name = names.join(", ");
         let open = |found| Device::open(found, precision).map_err(|error| on_device(error, &found.info.name));
         let devices = Devices::new(chosen.iter().map(open).collect::<Result<Vec<_>>>()?)?;
-        Ok(Self { backend: "ocl", name, precision, devices })
+        let number = BACKENDS.fetch_add(1, Ordering::Relaxed);
+        Ok(Self { backend: "ocl", name, number, precision, devices })
     }
 
     /// Opens devices that compute cells by the kernel for work-items that share a cell, each alone: for tests of that kernel where no

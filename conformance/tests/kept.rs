@@ -8,11 +8,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use laguerre::algebra::{CELL, Coarsening, Coarser, part, rise};
 use laguerre::solvers::density::Density;
+use laguerre::solvers::fluid::{Fluid, Scene, State, lattice};
 use laguerre::solvers::lloyd::{self, Method, energy_request, equalize, relax};
 use laguerre::solvers::transport::{Cotangent, End, Options, Solution, pull_back_kept_from, solve};
 use laguerre::{
-    Backend, BackendInfo, CellStatus, DeviceChoice, Domain, Observer, Output, PowerDiagram, Precision, Request,
-    Resident, Result, Selection, Session, Totals,
+    Backend, BackendInfo, CellStatus, Container, DeviceChoice, Domain, ErrorKind, Observer, Output, PowerDiagram,
+    Precision, Request, Resident, Result, Selection, Session, Totals,
 };
 use laguerre_conformance::sites::Random;
 use laguerre_core::required::if_available;
@@ -314,6 +315,55 @@ fn derivatives_through_the_solve_are_those_of_the_host() {
     let largest = ours.iter().map(|x| x.abs()).fold(0.0, f64::max);
     assert!(ours.iter().zip(&theirs).all(|(a, b)| (a - b).abs() <= 1e-8 * largest));
     assert_eq!(there, run(&*backend));
+}
+
+#[test]
+fn a_fluid_on_a_device_is_that_of_the_host() {
+    let Some(backend) = device() else { return };
+    let host = laguerre::open(Selection::Cpu { threads: None }).unwrap();
+    // As many particles as linear systems stay on a device for.
+    let (lo, hi, side) = ([0.0; 3], [1.0; 3], 32_usize);
+    let densities: Vec<f64> = (0..side.pow(3)).map(|n| if n % 2 == 0 { 1.0 } else { 1.5 }).collect();
+    let scene = Scene::Beltrami;
+    let mut settings = scene.settings(&densities, lo, hi, 1.0 / side as f64, None);
+    settings.viscosity = 1e-2;
+    let start = || scene.start(&lattice(hi, side.pow(3)), densities.clone(), &settings);
+    let container = Container::Box(lo, hi);
+    let begun = |backend: &dyn Backend| Fluid::new(backend, &container, start(), settings).unwrap();
+    let (mut here, mut there) = (begun(&*host), begun(&*backend));
+    here.step(&*host).unwrap();
+    there.step(&*backend).unwrap();
+    let assert_same = |here: &Fluid, there: &Fluid, bound: f64| {
+        let all = |fluid: &Fluid| -> Vec<f64> {
+            let State { positions, velocities, weights, .. } = fluid.state();
+            positions.iter().chain(velocities).flatten().chain(weights).copied().collect()
+        };
+        let (ours, theirs) = (all(here), all(there));
+        let off = ours.iter().zip(&theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off <= bound, "off by {off:e}");
+    };
+    assert_same(&here, &there, 1e-7);
+    // It goes on from its state to the same bits; and with other devices, or the host, which do not have what the first has left.
+    let mut again = Fluid::resume(&*backend, &container, there.state().clone(), settings).unwrap();
+    let (mut elsewhere, mut of_host) = (there.clone(), there.clone());
+    there.step(&*backend).unwrap();
+    again.step(&*backend).unwrap();
+    assert_eq!(again.state(), there.state());
+    elsewhere.step(&*device().unwrap()).unwrap();
+    assert_same(&elsewhere, &there, 1e-9);
+    of_host.step(&*host).unwrap();
+    assert_same(&of_host, &there, 1e-7);
+}
+
+#[test]
+fn what_is_with_other_devices_is_refused() {
+    let (Some(backend), Some(other)) = (device(), device()) else { return };
+    let (algebra, other) = (backend.algebra().unwrap(), other.algebra().unwrap());
+    let (mut x, y) = (algebra.vector(&[1.0, 2.0]).unwrap(), other.vector(&[3.0, 4.0]).unwrap());
+    for error in [other.read(&x).err(), algebra.dot(&x, &y).err(), other.write(&[0.0; 2], &mut x).err()] {
+        assert!(error.is_some_and(|error| error.kind() == ErrorKind::Device));
+    }
+    assert_eq!(algebra.read(&x).unwrap(), [1.0, 2.0]);
 }
 
 /// A backend that keeps no sites, whatever the one that it asks does: the plain loop.

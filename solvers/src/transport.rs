@@ -285,7 +285,7 @@ pub fn targets(backend: &dyn Backend, diagram: &PowerDiagram, masses: &[f64], op
     Ok(scaled)
 }
 
-/// What the diagram of each step is asked for. Where its Laplacian is kept, second moments come with the last one alone: a device takes twice as long with both.
+/// What the diagram of each step is asked for. Where its Laplacian is kept, second moments come with the last ones alone (`newton.rs`).
 fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
     let request = match options.density {
         Density::Uniform => with_laplacian(Request::moments(), backend, sites, options.kept_from),

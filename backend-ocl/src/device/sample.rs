@@ -25,7 +25,7 @@ const SAMPLE_TOGETHER: usize = 4096;
 const SHARE_OF_SCRATCH: u64 = 32;
 
 /// How many of the sample have to reach beyond what the first stage searches, or to need more room, for the tree alone to be searched; and to fail,
-/// where it is, for all cells to begin in the stage of those that reach far.
+/// where it is, for all cells to begin in the stage of those that reach far; or to have open signs, where weights differ, for those that settle them by the table.
 const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
 /// How many have to reach beyond what the first stage searches, or to need more room, where weights differ, for an octree to tell where cells are. (With weights of
@@ -66,7 +66,7 @@ impl Device {
     /// do, or cells of steep or rough weights. (Not asked of a domain, unless weights differ.)
     ///
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
-    /// not completed with exact signs, either. (Where weights differ both are `Far`'s.)
+    /// not completed with exact signs, either. (Where weights differ both are `Close`'s or `Far`'s.)
     ///
     /// The stage in which cells begin that go through the table.
     pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<Stage> {

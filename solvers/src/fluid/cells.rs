@@ -72,14 +72,19 @@ impl Cells {
         }
         let cost = Density::Uniform.cost(diagram, &output);
         let residual = output.volume().iter().map(error).fold(0.0, f64::max);
-        Self::of(backend, output, cost, residual)
+        Self::of((backend, diagram), output, cost, residual)
     }
 
-    fn of(backend: &dyn Backend, output: Output, cost: Option<f64>, residual: f64) -> Result<Self> {
+    fn of(
+        (backend, diagram): (&dyn Backend, &PowerDiagram),
+        output: Output,
+        cost: Option<f64>,
+        residual: f64,
+    ) -> Result<Self> {
         let missing = || Error::new(ErrorKind::Device, "the backend gave no second moments though asked to");
         let cost = cost.ok_or_else(missing)?;
         let mut arrays = output.into_arrays();
-        let neighbors = Neighbors::of(backend, &mut arrays)?;
+        let neighbors = Neighbors::of(backend, diagram, &mut arrays)?;
         Ok(Self { barycenters: arrays.barycenter, neighbors, cost, residual })
     }
 }
@@ -106,7 +111,7 @@ pub(super) fn equal_volumes(backend: &dyn Backend, diagram: &mut PowerDiagram) -
             report.residual, report.iterations
         )));
     }
-    Ok((Cells::of(backend, solved.output, solved.cost, report.residual)?, report))
+    Ok((Cells::of((backend, diagram), solved.output, solved.cost, report.residual)?, report))
 }
 
 /// Weights for equal volumes; half of the way there is of no use here.

@@ -7,7 +7,11 @@ use laguerre_core::{Backend, Error, ErrorKind, Laplacian, OutputArrays, PowerDia
 
 use crate::transport::{HOST, host_matrix};
 
-/// It.
+fn missing() -> Error {
+    Error::new(ErrorKind::Device, "the backend gave no Laplacian though asked to")
+}
+
+/// It: some 200 bytes a particle, until the next step has found its own. (Where memory was too little for it the sums are the host's, which differ by roundings.)
 #[derive(Clone, Debug)]
 pub(super) struct Neighbors {
     /// The particle that each row is of.
@@ -18,18 +22,27 @@ pub(super) struct Neighbors {
 }
 
 impl Neighbors {
-    /// Takes the Laplacian out of an output.
+    /// Takes the Laplacian out of an output of a diagram, which is evaluated once more where the backend kept it and has it no more, or no room for the matrix.
     ///
     /// # Errors
-    /// Those of the device, and `Device` where there is none.
-    pub(super) fn of(backend: &dyn Backend, arrays: &mut OutputArrays) -> Result<Self> {
-        if let Some((kept, algebra)) = arrays.kept.take().zip(backend.algebra())
-            && let Some(matrix) = algebra.laplacian(&kept, 1.0)?
-        {
-            return Ok(Self { order: kept.order().to_vec(), matrix: Arc::new(matrix), is_with_backend: true });
+    /// Those of the evaluation, and `Device` where there is none.
+    pub(super) fn of(backend: &dyn Backend, diagram: &PowerDiagram, arrays: &mut OutputArrays) -> Result<Self> {
+        if let Some((kept, algebra)) = arrays.kept.take().zip(backend.algebra()) {
+            return match algebra.laplacian(&kept, 1.0) {
+                Ok(Some(matrix)) => {
+                    Ok(Self { order: kept.order().to_vec(), matrix: Arc::new(matrix), is_with_backend: true })
+                }
+                Err(error) if error.kind() != ErrorKind::Device => Err(error),
+                _ => Self::evaluated(backend, diagram),
+            };
         }
-        let missing = || Error::new(ErrorKind::Device, "the backend gave no Laplacian though asked to");
         Self::of_host(&arrays.laplacian.take().ok_or_else(missing)?)
+    }
+
+    /// That of the host, by an evaluation of the diagram.
+    fn evaluated(backend: &dyn Backend, diagram: &PowerDiagram) -> Result<Self> {
+        let mut output = backend.evaluate(diagram, &Request::moments().with_laplacian())?;
+        Self::of_host(&output.take_laplacian().ok_or_else(missing)?)
     }
 
     pub(super) fn of_host(laplacian: &Laplacian) -> Result<Self> {
@@ -53,8 +66,7 @@ impl Neighbors {
                 Err(error) if error.kind() == ErrorKind::Device => {}
                 other => return other,
             }
-            let output = backend.evaluate(diagram, &Request::moments().with_laplacian())?;
-            *self = Self::of(backend, &mut output.into_arrays())?;
+            *self = Self::evaluated(backend, diagram)?;
         }
         work(&HOST, &self.matrix, &self.order)
     }

@@ -83,7 +83,7 @@ mod tests {
 
     fn neighbors(backend: &Cpu, diagram: &PowerDiagram) -> Neighbors {
         let output = backend.evaluate(diagram, &Request::moments().with_laplacian()).unwrap();
-        Neighbors::of(backend, &mut output.into_arrays()).unwrap()
+        Neighbors::of(backend, diagram, &mut output.into_arrays()).unwrap()
     }
 
     /// A wave between slippery walls is an eigenvector of the lattice's Laplacian: one implicit step divides it by `1 + τνλ`.

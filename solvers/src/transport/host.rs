@@ -83,6 +83,9 @@ impl Algebra for Host {
             a.apply(x, y, |_, ax, _| ax);
             return Ok(());
         }
+        if y.len() != 3 * a.rows() {
+            return Err(Error::input("linear algebra: the lengths of vectors and matrices do not fit"));
+        }
         let (x, y) = (x.as_chunks::<3>().0, y.as_chunks_mut::<3>().0);
         for_each(y, |i, y| {
             *y = a.row(i).fold([0.0; 3], |sum, (j, a)| std::array::from_fn(|k| sum[k] + a * x[j][k]));

@@ -149,14 +149,15 @@ pub fn many_sites_in_a_mesh(backend: &dyn Backend) -> Verdict {
     fills(&scene, backend, &scene.evaluate(backend, &Request::moments())?)
 }
 
-/// 68,921 sites of a lattice that a flow along two axes has moved by less than a thousandth of their distance, with weights that are smooth up to 1e-9 of its
-/// square, as a fluid's particles have them: nearly all cells have open signs and vertices of nearly dependent planes. The sums, and the oracle's answer in some
-/// cells.
+/// 68,921 sites of a lattice that a flow along two axes has moved by less than a thousandth of their distance, and along the third by 1e-8 to 1e-14 of it, with
+/// weights that are smooth up to as much of its square, as a fluid's particles have them: nearly all cells have open signs and vertices of nearly dependent
+/// planes. The sums, and the oracle's answer in some cells.
 pub fn moved_lattice(backend: &dyn Backend) -> Verdict {
     let side = 41;
     let width = 1.0 / f64::from(side);
     let at = |n: i32| (f64::from(n % side) + 0.5) * width;
     let flow = |x: f64, y: f64| 6e-4 * width * (3.0 * x + 5.0 * y).sin();
+    let noise = |random: &mut Random| 10_f64.powf(-8.0 - 6.0 * random.unit());
     for shape in [Shape::Box, Shape::Sphere] {
         let mut random = Random::new(3);
         let mut scene = white(1, Weights::None, shape);
@@ -165,8 +166,8 @@ pub fn moved_lattice(backend: &dyn Backend) -> Verdict {
         let (positions, weights) = (0..side.pow(3))
             .map(|n| {
                 let [x, y, z] = [at(n), at(n / side), at(n / side / side)];
-                let place = [x + flow(x, y), y - flow(y, x), z];
-                let weight = width * width * (0.01 * (4.0 * x).cos() + 1e-9 * random.unit());
+                let place = [x + flow(x, y), y - flow(y, x), z + width * noise(&mut random)];
+                let weight = width * width * (0.01 * (4.0 * x).cos() + noise(&mut random));
                 (std::array::from_fn(|k| lo[k] + size * place[k]), size * size * weight)
             })
             .unzip();

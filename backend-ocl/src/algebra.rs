@@ -13,7 +13,7 @@ use crate::interface::kernels::{
     SubtractNumber, SumParts,
 };
 use crate::laplacian::MadeLaplacian;
-use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept};
+use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, check_lengths};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, ErrorKind, Laplacian, Result};
 use rayon::prelude::*;
@@ -54,11 +54,6 @@ unsafe impl Sync for OnDevice<Matrix> {}
 
 const _: () = assert!(CELL_NUMBERS as usize == CELL);
 
-/// Kernels are told lengths, and trust them.
-fn check(fits: bool) -> Result<()> {
-    if fits { Ok(()) } else { Err(Error::input("linear algebra: the lengths of vectors and matrices do not fit")) }
-}
-
 /// What sums and questions come back in.
 pub(crate) struct Answers {
     pub(crate) parts: Room<f64>,
@@ -91,12 +86,11 @@ impl Ocl {
         (*backend == self.number).then_some(what).ok_or_else(strange)
     }
 
-    fn own_vector<'a>(&self, x: &'a Held) -> Result<&'a Vector> {
-        self.own(x)
-    }
-
-    fn own_matrix<'a>(&self, a: &'a Held) -> Result<&'a Matrix> {
-        self.own(a)
+    fn hold<T>(&self, what: T) -> Held
+    where
+        OnDevice<T>: Send + Sync + 'static,
+    {
+        Held::new(OnDevice(what, self.number))
     }
 
     /// Does something with the first device that waits for no thread of a pool (nor reads or writes a megabyte).
@@ -118,9 +112,11 @@ impl Ocl {
     }
 
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
-        let (a, x, y) = (self.own_matrix(a)?, self.own_vector(x)?, self.own_vector(y)?);
+        let (a, x, y) = (self.own::<Matrix>(a)?, self.own::<Vector>(x)?, self.own::<Vector>(y)?);
         let width = if subtracts == 0 && y.length == 3 * a.rows { 3 } else { 1 };
-        check(x.length >= width * a.width && y.length == width * a.rows && y.length.max(x.length) < u32::MAX as usize)?;
+        check_lengths(
+            x.length >= width * a.width && y.length == width * a.rows && y.length.max(x.length) < u32::MAX as usize,
+        )?;
         self.on_first(|device| {
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
             let (x, y, per_row, width) = (&x.numbers, &y.numbers, a.items_per_row(), width as u32);
@@ -134,10 +130,10 @@ impl Ocl {
     }
 
     fn combined(&self, alpha: f64, scales: Option<&Held>, x: &Held, beta: f64, y: &Held) -> Result<()> {
-        let (x, y) = (self.own_vector(x)?, self.own_vector(y)?);
+        let (x, y) = (self.own::<Vector>(x)?, self.own::<Vector>(y)?);
         let has_scales = u32::from(scales.is_some());
-        let scales = scales.map_or(Ok(x), |scales| self.own_vector(scales))?;
-        check(x.length == y.length && x.length == scales.length)?;
+        let scales = scales.map_or(Ok(x), |scales| self.own::<Vector>(scales))?;
+        check_lengths(x.length == y.length && x.length == scales.length)?;
         self.on_first(|device| {
             let (scales, y) = (&scales.numbers, &y.numbers);
             let arguments = Combine { count: x.length as u32, alpha, has_scales, scales, x: &x.numbers, beta, y };
@@ -169,7 +165,7 @@ impl Algebra for Ocl {
         self.on_first_for(values, |device| {
             let mut made = Vector::unset(device, values.len())?;
             made.numbers.fill(&device.context, &device.queue, values)?;
-            Ok(Held::new(OnDevice(made, self.number)))
+            Ok(self.hold(made))
         })
     }
 
@@ -177,12 +173,12 @@ impl Algebra for Ocl {
         self.on_first(|device| {
             let mut made = Vector::unset(device, length)?;
             made.numbers.fill_with(&device.context, &device.queue, 0.0, length)?;
-            Ok(Held::new(OnDevice(made, self.number)))
+            Ok(self.hold(made))
         })
     }
 
     fn read(&self, x: &Held) -> Result<Vec<f64>> {
-        let x = self.own_vector(x)?;
+        let x = self.own::<Vector>(x)?;
         self.on_first_with_threads(|device| {
             let mut values = Vec::new();
             x.numbers.read(&device.queue, x.length, &mut values)?;
@@ -191,7 +187,7 @@ impl Algebra for Ocl {
     }
 
     fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
-        check(values.len() == self.own_vector(x)?.length)?;
+        check_lengths(values.len() == self.own::<Vector>(x)?.length)?;
         let x = &mut x.own_mut::<OnDevice<Vector>>()?.0;
         self.on_first_for(values, |device| x.numbers.write_at(&device.queue, 0, values))
     }
@@ -199,7 +195,9 @@ impl Algebra for Ocl {
     fn matrix(&self, (offsets, columns, values): Rows) -> Result<Held> {
         let ends = offsets.first() == Some(&0) && offsets.last() == Some(&columns.len());
         let most = u32::MAX as usize;
-        check(ends && offsets.is_sorted() && columns.len() == values.len() && columns.len().max(offsets.len()) < most)?;
+        check_lengths(
+            ends && offsets.is_sorted() && columns.len() == values.len() && columns.len().max(offsets.len()) < most,
+        )?;
         let width = columns.par_iter().max().map_or(0, |&column| column as usize + 1);
         self.on_first_with_threads(|device| {
             let (context, queue) = (&device.context, &device.queue);
@@ -208,12 +206,12 @@ impl Algebra for Ocl {
             made.offsets.fill(context, queue, &begins)?;
             made.columns.fill(context, queue, &columns)?;
             made.values.fill(context, queue, &values)?;
-            Ok(Held::new(OnDevice(made, self.number)))
+            Ok(self.hold(made))
         })
     }
 
     fn rows(&self, a: &Held) -> Result<Rows> {
-        let a = self.own_matrix(a)?;
+        let a = self.own::<Matrix>(a)?;
         self.on_first_with_threads(|device| {
             let (mut begins, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
             a.offsets.read(&device.queue, a.rows + 1, &mut begins)?;
@@ -224,21 +222,21 @@ impl Algebra for Ocl {
     }
 
     fn row_count(&self, a: &Held) -> Result<usize> {
-        Ok(self.own_matrix(a)?.rows)
+        Ok(self.own::<Matrix>(a)?.rows)
     }
 
     fn coarser(&self, a: &Held, inverse_diagonal: &Held, how: Coarsening) -> Result<Option<Coarser>> {
-        let (a, inverse) = (self.own_matrix(a)?, self.own_vector(inverse_diagonal)?);
-        check(a.rows > 0 && a.width <= a.rows && inverse.length == a.rows)?;
+        let (a, inverse) = (self.own::<Matrix>(a)?, self.own::<Vector>(inverse_diagonal)?);
+        check_lengths(a.rows > 0 && a.width <= a.rows && inverse.length == a.rows)?;
         let made = match self.on_first(|device| device.coarser(a, inverse, how)) {
             // (The host may have memory for it.)
             Err(error) if error.kind() == ErrorKind::Device => None,
             made => made?,
         };
         Ok(made.map(|(prolongation, restriction, matrix)| Coarser {
-            prolongation: Held::new(OnDevice(prolongation, self.number)),
-            restriction: Held::new(OnDevice(restriction, self.number)),
-            matrix: Held::new(OnDevice(matrix, self.number)),
+            prolongation: self.hold(prolongation),
+            restriction: self.hold(restriction),
+            matrix: self.hold(matrix),
         }))
     }
 
@@ -259,7 +257,7 @@ impl Algebra for Ocl {
                 values,
             };
             device.grid_kernels.fill_laplacian.run(&device.queue, rows + 1, GROUP, arguments)?;
-            Ok(Some(Held::new(OnDevice(made, self.number))))
+            Ok(Some(self.hold(made)))
         })
     }
 
@@ -287,7 +285,7 @@ impl Algebra for Ocl {
                 cells: &made.numbers,
             };
             grid_kernels.gather_cells.run(queue, rows, GROUP, arguments)?;
-            Ok(Some(Held::new(OnDevice(made, self.number))))
+            Ok(Some(self.hold(made)))
         })
     }
 
@@ -308,8 +306,8 @@ impl Algebra for Ocl {
     }
 
     fn dot(&self, x: &Held, y: &Held) -> Result<f64> {
-        let (x, y) = (self.own_vector(x)?, self.own_vector(y)?);
-        check(x.length == y.length)?;
+        let (x, y) = (self.own::<Vector>(x)?, self.own::<Vector>(y)?);
+        check_lengths(x.length == y.length)?;
         let y = &y.numbers;
         self.on_first(|device| {
             let groups = x.length.div_ceil(SUMMED);
@@ -323,7 +321,7 @@ impl Algebra for Ocl {
     }
 
     fn center(&self, x: &mut Held) -> Result<()> {
-        let Vector { numbers: x, length } = self.own_vector(x)?;
+        let Vector { numbers: x, length } = self.own::<Vector>(x)?;
         let (length, count) = (*length, *length as u32);
         self.on_first(|device| {
             let groups = length.div_ceil(SUMMED);
@@ -341,19 +339,19 @@ impl Algebra for Ocl {
     }
 
     fn inverse_diagonal(&self, a: &Held) -> Result<Held> {
-        let a = self.own_matrix(a)?;
+        let a = self.own::<Matrix>(a)?;
         self.on_first(|device| {
             let made = Vector::unset(device, a.rows)?;
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
             let arguments = InvertDiagonal { count, offsets, columns, values, inverse: &made.numbers };
             device.grid_kernels.invert_diagonal.run(&device.queue, a.rows, GROUP, arguments)?;
-            Ok(Held::new(OnDevice(made, self.number)))
+            Ok(self.hold(made))
         })
     }
 
     fn is_within(&self, x: &Held, factor: f64, bound: &Held) -> Result<bool> {
-        let (x, bound) = (self.own_vector(x)?, self.own_vector(bound)?);
-        check(x.length == bound.length)?;
+        let (x, bound) = (self.own::<Vector>(x)?, self.own::<Vector>(bound)?);
+        check_lengths(x.length == bound.length)?;
         let bounds = &bound.numbers;
         let found = self.finds(|device, is_found| {
             let arguments = FindBeyond { count: x.length as u32, x: &x.numbers, factor, bounds, is_found };
@@ -363,9 +361,9 @@ impl Algebra for Ocl {
     }
 
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool> {
-        let (a, x, cells) = (self.own_matrix(a)?, self.own_vector(x)?, self.own_vector(cells)?);
+        let (a, x, cells) = (self.own::<Matrix>(a)?, self.own::<Vector>(x)?, self.own::<Vector>(cells)?);
         let most = a.rows.max(a.width);
-        check(x.length >= most && cells.length >= CELL * most)?;
+        check_lengths(x.length >= most && cells.length >= CELL * most)?;
         let (x, cells) = (&x.numbers, &cells.numbers);
         self.finds(|device, is_found| {
             let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
@@ -375,14 +373,14 @@ impl Algebra for Ocl {
     }
 
     fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held> {
-        let (a, cells) = (self.own_matrix(a)?, self.own_vector(cells)?);
-        check(cells.length >= CELL * a.rows.max(a.width))?;
+        let (a, cells) = (self.own::<Matrix>(a)?, self.own::<Vector>(cells)?);
+        check_lengths(cells.length >= CELL * a.rows.max(a.width))?;
         self.on_first(|device| {
             let made = Vector::unset(device, a.rows)?;
             let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
             let arguments = PartCells { count, offsets, columns, cells: &cells.numbers, depth, changes: &made.numbers };
             device.grid_kernels.part_cells.run(&device.queue, a.rows, GROUP, arguments)?;
-            Ok(Held::new(OnDevice(made, self.number)))
+            Ok(self.hold(made))
         })
     }
 }

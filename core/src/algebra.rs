@@ -175,6 +175,15 @@ pub trait Algebra: Send + Sync {
     fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held>;
 }
 
+/// Whether lengths fit each other. (Kernels are told them, and trust them.) For backends.
+///
+/// # Errors
+/// `Input` where they do not.
+#[doc(hidden)]
+pub fn check_lengths(fit: bool) -> Result<()> {
+    if fit { Ok(()) } else { Err(Error::input("linear algebra: the lengths of vectors and matrices do not fit")) }
+}
+
 /// The distance of two cells' sites, and from the first along the way to the other the plane where their powers are equal and the barycenter of either cell.
 fn between(own: &[f64], other: &[f64]) -> [f64; 4] {
     let way: [f64; 3] = std::array::from_fn(|k| other[k] - own[k]);

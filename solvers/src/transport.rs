@@ -296,14 +296,9 @@ fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
 }
 
 /// The same request with the Laplacian, which a backend keeps that is to do the linear algebra of so many sites.
-fn with_laplacian(request: Request, backend: &dyn Backend, sites: usize, kept_from: usize) -> Request {
+pub(crate) fn with_laplacian(request: Request, backend: &dyn Backend, sites: usize, kept_from: usize) -> Request {
     let is_kept = sites >= kept_from && backend.algebra().is_some();
     if is_kept { request.with_laplacian_kept() } else { request.with_laplacian() }
-}
-
-/// The same for solvers that use what transport has found.
-pub(crate) fn with_laplacian_as_found(request: Request, backend: &dyn Backend, sites: usize) -> Request {
-    with_laplacian(request, backend, sites, KEPT_FROM)
 }
 
 /// A Laplacian, times `scale`, with its diagonal, in the host's memory.

@@ -13,7 +13,8 @@
 // sums take registers and text as well: both take finished cells (TAKES_CELLS). WITH_FAR for cells that are completed by their vertices
 // (`lanes_tree.cl`), WITH_EXACT for what is open in either, WITH_ROOM for what needs more room: such a cell has TEAMS of LANES work-items, which ask
 // for its vertices and wait for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
-// WITH_CLOSE for cells of which most have open signs, by the table; WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`).
+// WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`); WITH_CLOSE for cells of which most have open signs,
+// by that table.
 
 #import "lanes_table.cl"
 #import "lanes_near.cl"

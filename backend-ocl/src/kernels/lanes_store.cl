@@ -19,7 +19,8 @@
 
 // Whether signs that single precision leaves open, and vertices of nearly dependent planes, are settled in double precision and double-double: of
 // cells that reach far they are many. Of a million sites on a bumpy surface 99 % went on to the stage WITH_EXACT, for 2.9 s; now none does, and
-// all is done in 1.1 s (one NVIDIA H200). WITH_CLOSE for cells of which most have some, by the table of offsets. And whether half-spaces that no vertex lies on are dropped.
+// all is done in 1.1 s (one NVIDIA H200). WITH_CLOSE for cells of which most have some, by the table of offsets.
+// And whether half-spaces that no vertex lies on are dropped.
 #define SETTLES_CLOSELY ((WITH_FAR || WITH_CLOSE) && !WITH_EXACT)
 #define COMPACTS (WITH_EXACT || SETTLES_CLOSELY)
 

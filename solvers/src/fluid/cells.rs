@@ -60,8 +60,9 @@ impl Cells {
     /// # Errors
     /// `Input` where the weights do not give cells of `volume`.
     pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram, volume: f64) -> Result<Self> {
+        let (sites, kept_from) = (diagram.positions().len(), transport::Options::default().kept_from);
         let request = Request::moments().with_second_moments();
-        let request = transport::with_laplacian_as_found(request, backend, diagram.positions().len());
+        let request = transport::with_laplacian(request, backend, sites, kept_from);
         let output = backend.evaluate(diagram, &request)?;
         let error = |v: &f64| (v / volume - 1.0).abs();
         if let Some(i) = output.volume().iter().position(|v| error(v) > VOLUME_TOLERANCE + OTHER_BACKEND) {

@@ -1,8 +1,8 @@
 //! Linear algebra in the host's memory, on all threads.
 
-use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, part, rise};
+use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, check_lengths, part, rise};
 use laguerre_core::rows::Rows;
-use laguerre_core::{Error, Laplacian, Result};
+use laguerre_core::{Laplacian, Result};
 
 use super::aggregation;
 use super::sparse::{self, Matrix};
@@ -25,8 +25,8 @@ fn own_matrix(a: &Held) -> Result<&Matrix> {
 /// The numbers of the cells of a matrix's rows.
 fn cells_of<'a>(a: &Matrix, cells: &'a Held) -> Result<&'a [[f64; CELL]]> {
     let cells = numbers(cells)?.as_chunks().0;
-    let are_there = cells.len() >= a.rows();
-    are_there.then_some(cells).ok_or_else(|| Error::input("numbers of the cells are missing"))
+    check_lengths(cells.len() >= a.rows())?;
+    Ok(cells)
 }
 
 impl Algebra for Host {
@@ -83,9 +83,7 @@ impl Algebra for Host {
             a.apply(x, y, |_, ax, _| ax);
             return Ok(());
         }
-        if y.len() != 3 * a.rows() {
-            return Err(Error::input("linear algebra: the lengths of vectors and matrices do not fit"));
-        }
+        check_lengths(y.len() == 3 * a.rows())?;
         let (x, y) = (x.as_chunks::<3>().0, y.as_chunks_mut::<3>().0);
         for_each(y, |i, y| {
             *y = a.row(i).fold([0.0; 3], |sum, (j, a)| std::array::from_fn(|k| sum[k] + a * x[j][k]));

@@ -262,7 +262,9 @@ impl Algebra for Ocl {
     }
 
     fn read_laplacian(&self, kept: &Kept) -> Result<Option<Laplacian>> {
-        self.on_first_with_threads(|device| device.kept(kept).map(|made| device.read_laplacian(made)).transpose())
+        self.on_first_with_threads(|device| {
+            device.kept(kept).map(|made| device.read_laplacian(made, Default::default())).transpose()
+        })
     }
 
     fn cells(&self, kept: &Kept, density: f64) -> Result<Option<Held>> {

@@ -10,6 +10,7 @@ use crate::algebra::Answers;
 use crate::buffer::{failed, rooms};
 use crate::builds::Lanes;
 use crate::facets::FacetMemory;
+use crate::fresh::Lengths;
 use crate::grid::{GROUP, Sites};
 use crate::handle::Handle;
 use crate::interface::data::{Counters, Params};
@@ -70,6 +71,8 @@ pub(crate) struct Device {
     /// The Laplacian that is on the device.
     pub(crate) made: Option<MadeLaplacian>,
     pub(crate) answers: Answers,
+    /// How long the last output's lists were.
+    pub(crate) lengths: Lengths,
     /// The domain whose grid is on the device.
     domain: Option<Arc<DomainGrid>>,
     /// Cells of this call at most.
@@ -159,6 +162,7 @@ impl Device {
             evaluation: 0,
             made: None,
             answers: Answers::new(),
+            lengths: Lengths::default(),
             domain: None,
             most_cells: 0,
             first: None,

@@ -5,6 +5,7 @@ use crate::believed::check_volumes;
 use crate::device::Device;
 use crate::devices::{Devices, on_all, on_device};
 use crate::fallback;
+use crate::fresh::Ahead;
 use crate::laplacian::Made;
 use crate::platform::{Found, choose};
 use crate::resident::Stay;
@@ -161,8 +162,9 @@ impl Ocl {
             count = on_all(devices, name, &|_, device| device.take(prepared))?.first().copied();
         }
         let shares = shares(count.unwrap_or(0), devices.len());
-        // The memory of the output is made while the devices compute: of ten million cells that takes 0.02 s (16 cores).
-        let (computed, mut assembler) = rayon::join(
+        // The memory of the output is made while the devices compute: of ten million cells that takes 0.02 s, of a million with facets as much (16 cores).
+        let lengths = devices.first().map(|device| device.lengths).unwrap_or_default();
+        let (computed, (mut assembler, ahead)) = rayon::join(
             || {
                 on_all(devices, name, &|i, device| {
                     let computed = device.compute(request, sites, shares[i].clone(), shares.len())?;
@@ -170,7 +172,7 @@ impl Ocl {
                     Ok(computed)
                 })
             },
-            || Assembler::new(diagram, &container, request),
+            || (Assembler::new(diagram, &container, request), Ahead::new(lengths, request, sites)),
         );
         let computed = computed?;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
@@ -201,7 +203,7 @@ impl Ocl {
             let named = |error| on_device(error, &first_name);
             if request.facets() {
                 let ordered = match for_host.is_empty() {
-                    true => first.assemble_facets(request, &container, sites).map_err(named)?,
+                    true => first.assemble_facets(request, &container, sites, ahead.facets).map_err(named)?,
                     false => None,
                 };
                 match ordered {
@@ -211,7 +213,10 @@ impl Ocl {
             }
             if request.laplacian() {
                 let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
-                match first.assemble_laplacian(request, sites, &of_host).map_err(named)? {
+                match first
+                    .assemble_laplacian(request, sites, &of_host, (ahead.columns, ahead.values))
+                    .map_err(named)?
+                {
                     Some(Made::Kept(kept)) => assembler.keep(kept),
                     Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
                     None => order = first.order().map_err(named)?,

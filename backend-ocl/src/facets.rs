@@ -35,17 +35,18 @@ impl FacetMemory {
 
 impl Device {
     /// The facets of all cells, if their records have stayed on the device; `None` where they have not, or the host has to put them in order, as there is no
-    /// memory for that here. Their records are there as before.
+    /// memory for that here. Their records are there as before. They are put in the memory of `arrays`.
     pub(crate) fn assemble_facets(
         &mut self,
         request: &Request,
         container: &FramedContainer,
         sites: usize,
+        arrays: FacetArrays,
     ) -> Result<Option<FacetArrays>> {
         if !self.results.are_kept {
             return Ok(None);
         }
-        let made = match self.order_facets(request, container, sites) {
+        let made = match self.order_facets(request, container, sites, arrays) {
             // (Drivers that allocate late say so here.)
             Err(error) if error.kind() == ErrorKind::Device => None,
             made => made?,
@@ -61,8 +62,9 @@ impl Device {
         request: &Request,
         container: &FramedContainer,
         sites: usize,
+        mut arrays: FacetArrays,
     ) -> Result<Option<FacetArrays>> {
-        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, facets: ordered, .. } = self;
+        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, facets: ordered, lengths, .. } = self;
         // As much as for their records, so that nothing is allocated where there are a few more.
         let most = shared.params.facet_room as usize;
         let has_seconds = request.facet_second_moments();
@@ -101,15 +103,14 @@ impl Device {
         };
         grid_kernels.write_rows.run(queue, sites * PER_ROW as usize, GROUP, writing)?;
 
-        let mut arrays = FacetArrays::default();
-        let offsets: Vec<u32> = offsets.read_new(queue, sites + 1)?;
-        let all = offsets.last().map_or(0, |&end| end as usize);
-        arrays.offsets = offsets.into_iter().map(|offset| offset as usize).collect();
-        arrays.neighbor = neighbors.read_new(queue, all)?;
-        arrays.area = areas.read_new(queue, all)?;
-        arrays.barycenter = barycenters.read_new(queue, all)?;
-        arrays.distance = distances.read_new(queue, all)?;
-        arrays.second_moment = has_seconds.then(|| second_moments.read_new(queue, all)).transpose()?;
+        arrays.offsets = offsets.read_offsets(queue, sites)?;
+        let all = arrays.offsets.last().copied().unwrap_or(0);
+        lengths.of(sites).facets = all;
+        neighbors.read(queue, all, &mut arrays.neighbor)?;
+        areas.read(queue, all, &mut arrays.area)?;
+        barycenters.read(queue, all, &mut arrays.barycenter)?;
+        distances.read(queue, all, &mut arrays.distance)?;
+        arrays.second_moment.iter_mut().try_for_each(|seconds| second_moments.read(queue, all, seconds))?;
         Ok(Some(arrays))
     }
 

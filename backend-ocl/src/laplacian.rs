@@ -47,12 +47,13 @@ pub(crate) struct MadeLaplacian {
 
 impl Device {
     /// The Laplacian of the cells whose facets have stayed on the device, and of those of the host's, which are few; `None` where the host has to
-    /// make it, for which the facets then have been read back.
+    /// make it, for which the facets then have been read back. One that is read is put in the memory of `lists`.
     pub(crate) fn assemble_laplacian(
         &mut self,
         request: &Request,
         sites: usize,
         of_host: &[(u32, Row<'_>)],
+        lists: (Vec<u32>, Vec<f64>),
     ) -> Result<Option<Made>> {
         let is_made = self.results.are_kept && self.bring(of_host)?;
         if let Some(entries) = if is_made { self.make_laplacian(sites)? } else { None } {
@@ -60,9 +61,13 @@ impl Device {
             let made = MadeLaplacian { evaluation, rows, entries, is_without_host: of_host.is_empty() };
             self.made = Some(made);
             self.give_scratch_back();
-            let kept = || Ok(Made::Kept(Kept::new(self.order()?, evaluation)));
-            let found = if request.keeps_laplacian() { kept() } else { self.read_laplacian(made).map(Made::Read) };
-            return found.map(Some);
+            return Ok(Some(match request.keeps_laplacian() {
+                true => Made::Kept(Kept::new(self.order()?, evaluation)),
+                false => {
+                    self.lengths.of(sites).entries = entries;
+                    Made::Read(self.read_laplacian(made, lists)?)
+                }
+            }));
         }
         self.read_kept_facets(request, sites)?;
         self.give_scratch_back();
@@ -149,14 +154,16 @@ impl Device {
         Ok(Some(ends.first().map_or(0, |&end| end as usize)))
     }
 
-    /// The Laplacian that is on the device, of its last evaluation.
-    pub(crate) fn read_laplacian(&self, made: MadeLaplacian) -> Result<Laplacian> {
-        let (mut offsets, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    /// The Laplacian that is on the device, of its last evaluation, in the memory of the two lists.
+    pub(crate) fn read_laplacian(
+        &self,
+        made: MadeLaplacian,
+        (mut columns, mut values): (Vec<u32>, Vec<f64>),
+    ) -> Result<Laplacian> {
         let LaplacianMemory { packed_offsets, packed_columns, packed_values, .. } = &self.laplacian;
-        packed_offsets.read(&self.queue, made.rows + 1, &mut offsets)?;
+        let offsets = packed_offsets.read_offsets(&self.queue, made.rows)?;
         packed_columns.read(&self.queue, made.entries, &mut columns)?;
         packed_values.read(&self.queue, made.entries, &mut values)?;
-        let offsets = offsets.iter().map(|&offset| offset as usize).collect();
         Ok(Laplacian::of_fitting(self.order()?, (offsets, columns, values)))
     }
 }

@@ -13,6 +13,7 @@ mod devices;
 mod evaluate;
 mod facets;
 mod fallback;
+mod fresh;
 mod grid;
 mod handle;
 mod interface;

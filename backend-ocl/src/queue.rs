@@ -49,12 +49,6 @@ impl Queue {
         Self { queue, staging: is_apart.then(|| Mutex::new(staging)) }
     }
 
-    /// Whether so many bytes are copied in parts.
-    pub(crate) fn takes_parts(&self, bytes: usize) -> bool {
-        let is_there = |staging: &Mutex<Staging>| !staging.lock().unwrap_or_else(PoisonError::into_inner).is_refused;
-        bytes >= WORTH_IT && self.staging.as_ref().is_some_and(is_there)
-    }
-
     /// Copies from a buffer, from number `first` on; returns when all is there. Large data is copied by the threads of a pool, the caller's own or
     /// else rayon's global one: not for whom no thread may be waited for (`Devices::lock`).
     ///

@@ -15,7 +15,7 @@ use laguerre_core::{
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Cells that one task computes: enough to hide the scheduling, few enough to share the work evenly.
+/// Cells that one task computes: enough to hide the scheduling, few enough to share the work evenly; whole blocks of the tree ([`Search::begin_row`]).
 const CHUNK: usize = 256;
 
 /// Cells that are computed before their results are put together: enough that the threads' waiting for each other at its end does not count.
@@ -182,6 +182,7 @@ fn run_batch(room: Capacities, cells: &[u32], prepared: &Prepared, request: &Wat
 
 fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], prepared: &Prepared, request: &Request) -> Result<ChunkResult> {
     let mut result = ChunkResult::default();
+    worker.search.begin_row();
     for &site in cells {
         run_cell(worker, site, prepared, request, &mut result)?;
     }

@@ -45,7 +45,7 @@ pub fn settle_near<S: SearchStore>(s: &mut S, center: V3, proven: Real) {
 
 /// Completes the cell by its vertices, of which some may be settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
 /// are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
-/// more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
+/// twice as many where one stays, as others will, and half where one is cut off, which wastes what was asked for others.
 ///
 /// Of several teams each asks for another vertex at the same time, and the first cuts the cell by what they found.
 #[inline]
@@ -78,7 +78,10 @@ pub fn search_far<S: SearchStore>(s: &mut S, center: V3, first_asked: u32, visit
                 at_once = s.most_asked();
             }
         } else if status == CUT {
-            at_once = 1;
+            at_once = at_once >> 1;
+            if at_once < 1 {
+                at_once = 1;
+            }
         } else {
             return status;
         }

@@ -3,9 +3,9 @@ mod one_lane;
 
 use super::*;
 use crate::PowerDiagram;
-use crate::cell::PlainStore;
 use crate::cell::far::{asked_at, least_at};
 use crate::cell::search_store::{NO_SITE, SearchStore};
+use crate::cell::{PlainStore, Polytope as _};
 
 /// Points that fill the unit cube with no pattern.
 fn point(i: usize) -> [f64; 3] {
@@ -181,5 +181,37 @@ fn the_slope_of_weights_with_mixed_terms_is_known() {
         }
         // What is left about the middle is half the Hessian's, whose eigenvalues are ±0.72.
         assert!(hi - lo <= 0.73 * reach, "{site}: {} {reach}", hi - lo);
+    }
+}
+
+/// Cells of a row are bounded by the sites that bound them alone, and fewer nodes are looked at.
+#[test]
+fn cells_of_a_row_are_what_they_are_alone() {
+    let places: Vec<[f64; 3]> =
+        (0..3000).map(point).map(|[x, y, _]| [x, y, 0.5 + 0.1 * (7.0 * x).sin() * (5.0 * y).cos()]).collect();
+    for weight in [0.0, 1e-3] {
+        let weights: Vec<f64> = places.iter().map(|p| weight * (9.0 * p[0]).sin()).collect();
+        let diagram = PowerDiagram::new(&places, &weights).unwrap().in_box([-0.1; 3], [1.1; 3]).unwrap();
+        let prepared = diagram.prepare().unwrap();
+        let bounds = |search: &mut Search<'_>, site: u32| {
+            let [x, y, z, _] = prepared.sites.site(site);
+            let mut store = PlainStore::new([x, y, z], None);
+            let outcome = search.complete(&mut store, site, None);
+            let meets = (0..store.vertices()).map(|v| store.triplet(v)).flat_map(|t| [t.a, t.b, t.c]);
+            let mut tags: Vec<u32> = meets.map(|f| store.tag(f)).collect();
+            tags.sort_unstable();
+            tags.dedup();
+            ((outcome.status, tags), outcome.opened)
+        };
+        let (mut alone, mut row) = (Search::new(&prepared), Search::new(&prepared));
+        row.begin_row();
+        let mut opened = [0; 2];
+        for site in 0..3000 {
+            let [(one, its), (other, of_row)] = [&mut alone, &mut row].map(|search| bounds(search, site));
+            assert_eq!(one, other, "{site}");
+            opened[0] += its;
+            opened[1] += of_row;
+        }
+        assert!(4 * opened[1] < 3 * opened[0], "{opened:?}");
     }
 }

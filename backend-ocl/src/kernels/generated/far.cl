@@ -18,7 +18,7 @@ HOT void settle_near(Store *s, V3 center, real proven) {
 
 // Completes the cell by its vertices, of which some may be settled: `COMPLETE`, or how it ended; `UNCERTAIN` where more sites than there is room for
 // are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
-// more where one stays, as others will, and one where one is cut off, which wastes what was asked for others.
+// twice as many where one stays, as others will, and half where one is cut off, which wastes what was asked for others.
 //
 // Of several teams each asks for another vertex at the same time, and the first cuts the cell by what they found.
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
@@ -49,7 +49,10 @@ HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
                 at_once = store_most_asked(s);
             }
         } else if (status == CUT) {
-            at_once = 1;
+            at_once = at_once >> 1;
+            if (at_once < 1) {
+                at_once = 1;
+            }
         } else {
             return status;
         }

@@ -193,10 +193,12 @@ pub(crate) const LARGE: usize = 1 << 20;
 
 /// Makes room for so many more.
 fn make_room<T>(data: &mut Vec<T>, more: usize) {
-    match data.is_empty() && more > data.capacity() {
-        true => *data = fresh::room(more),
-        false => data.reserve(more),
+    if data.is_empty() && more > data.capacity() {
+        // (Not both at a time.)
+        *data = Vec::new();
+        *data = fresh::room(more);
     }
+    data.reserve(more);
 }
 
 /// A struct of memory, each with what it holds, and its name in messages.

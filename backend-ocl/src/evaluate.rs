@@ -5,7 +5,7 @@ use crate::believed::check_volumes;
 use crate::device::Device;
 use crate::devices::{Devices, on_all, on_device};
 use crate::fallback;
-use crate::fresh::Ahead;
+use crate::fresh::{Ahead, Lengths};
 use crate::laplacian::Made;
 use crate::platform::{Found, choose};
 use crate::resident::Stay;
@@ -175,6 +175,7 @@ impl Ocl {
             || (Assembler::new(diagram, &container, request), Ahead::new(lengths, request, sites)),
         );
         let computed = computed?;
+        let Ahead { facets: room, columns, values } = ahead;
         let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
 
         let mut for_host = Vec::new();
@@ -203,8 +204,12 @@ impl Ocl {
             let named = |error| on_device(error, &first_name);
             if request.facets() {
                 let ordered = match for_host.is_empty() {
-                    true => first.assemble_facets(request, &container, sites, ahead.facets).map_err(named)?,
-                    false => None,
+                    true => first.assemble_facets(request, &container, sites, room).map_err(named)?,
+                    false => {
+                        drop(room);
+                        first.lengths = Lengths::default();
+                        None
+                    }
                 };
                 match ordered {
                     Some(ordered) => assembler.take_facets(ordered),
@@ -213,10 +218,7 @@ impl Ocl {
             }
             if request.laplacian() {
                 let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
-                match first
-                    .assemble_laplacian(request, sites, &of_host, (ahead.columns, ahead.values))
-                    .map_err(named)?
-                {
+                match first.assemble_laplacian(request, sites, &of_host, (columns, values)).map_err(named)? {
                     Some(Made::Kept(kept)) => assembler.keep(kept),
                     Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
                     None => order = first.order().map_err(named)?,

@@ -2,6 +2,7 @@
 
 use crate::buffer::rooms;
 use crate::device::Device;
+use crate::fresh;
 use crate::grid::{self, GROUP};
 use crate::interface::data::PER_ROW;
 use crate::interface::kernels::{CountRows, WriteRows};
@@ -53,6 +54,7 @@ impl Device {
         };
         if made.is_none() {
             self.facets = FacetMemory::new();
+            self.lengths.of(sites).facets = 0;
         }
         Ok(made)
     }
@@ -106,6 +108,11 @@ impl Device {
         arrays.offsets = offsets.read_offsets(queue, sites)?;
         let all = arrays.offsets.last().copied().unwrap_or(0);
         lengths.of(sites).facets = all;
+        fresh::keep_fitting(&mut arrays.neighbor, all);
+        fresh::keep_fitting(&mut arrays.area, all);
+        fresh::keep_fitting(&mut arrays.barycenter, all);
+        fresh::keep_fitting(&mut arrays.distance, all);
+        arrays.second_moment.iter_mut().for_each(|seconds| fresh::keep_fitting(seconds, all));
         neighbors.read(queue, all, &mut arrays.neighbor)?;
         areas.read(queue, all, &mut arrays.area)?;
         barycenters.read(queue, all, &mut arrays.barycenter)?;

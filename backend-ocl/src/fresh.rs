@@ -1,7 +1,7 @@
 //! New memory of the host for large results.
 //!
-//! The first write to a page waits until the system has cleared it. Copies that come across new pages do that at random, and where pages are huge several
-//! threads at one: 682 MB took 67 to 75 ms, with huge pages 98 to 118 (16 cores). Here each thread has huge pages of its own first: 15 to 20 ms, after which
+//! The first write to a page waits until the system has cleared it. Where copies are the first, threads come to new pages at random, and several to a
+//! huge one: 682 MB took 67 to 75 ms, with huge pages 98 to 118 (16 cores). Here each thread has huge pages of its own first: 15 to 20 ms, after which
 //! the copy takes 16 to 22; and they are given back in 2 ms instead of 40.
 
 use crate::buffer::LARGE;
@@ -10,9 +10,12 @@ use rayon::prelude::*;
 use std::mem::MaybeUninit;
 use std::slice;
 
-/// Bytes of a page, and of a huge one.
+/// Bytes of a page, and of a huge one. (Where pages are larger, `madvise` refuses, and nothing is lost but time.)
 const PAGE: usize = 4 << 10;
 const HUGE: usize = 2 << 20;
+
+/// Bytes from which on pages are to be huge: NumPy's.
+const WORTH_HUGE: usize = 2 * HUGE;
 
 /// Room for so many, whose pages are there if it is large. Large room is gone through by the threads of a pool (`LARGE`).
 pub(crate) fn room<T>(length: usize) -> Vec<T> {
@@ -21,13 +24,22 @@ pub(crate) fn room<T>(length: usize) -> Vec<T> {
     if bytes >= LARGE {
         // SAFETY: these bytes are the vector's, and hold no value yet.
         let bytes = unsafe { slice::from_raw_parts_mut(data.as_mut_ptr().cast::<MaybeUninit<u8>>(), bytes) };
-        ask_for_huge_pages(bytes);
+        if bytes.len() >= WORTH_HUGE {
+            ask_for_huge_pages(bytes);
+        }
         let before = bytes.as_ptr().align_offset(HUGE).min(bytes.len());
         let (first, rest) = bytes.split_at_mut(before);
         touch(first);
         rest.par_chunks_mut(HUGE).for_each(touch);
     }
     data
+}
+
+/// Gives room that is not for so many back: where it is too small, or so large that it would be a waste to keep it.
+pub(crate) fn keep_fitting<T>(data: &mut Vec<T>, length: usize) {
+    if data.capacity() < length || data.capacity() > length + length / 8 {
+        *data = Vec::new();
+    }
 }
 
 /// (The system may have none: pages are small then.)
@@ -60,7 +72,7 @@ pub(crate) struct Lengths {
 }
 
 impl Lengths {
-    /// Those of so many sites, to be set anew.
+    /// Those of so many sites, none where these are others than the last ones.
     pub(crate) fn of(&mut self, sites: usize) -> &mut Self {
         if self.sites != sites {
             *self = Self { sites, ..Self::default() };

@@ -2,6 +2,7 @@
 
 use crate::buffer::rooms;
 use crate::device::Device;
+use crate::fresh;
 use crate::grid::{self, GROUP};
 use crate::interface::data::PER_ROW;
 use crate::interface::kernels::{CountFacets, ListFacets, MatchFacets, PackFacets, SortFacets};
@@ -69,6 +70,8 @@ impl Device {
                 }
             }));
         }
+        drop(lists);
+        self.lengths.of(sites).entries = 0;
         self.read_kept_facets(request, sites)?;
         self.give_scratch_back();
         Ok(None)
@@ -161,6 +164,8 @@ impl Device {
         (mut columns, mut values): (Vec<u32>, Vec<f64>),
     ) -> Result<Laplacian> {
         let LaplacianMemory { packed_offsets, packed_columns, packed_values, .. } = &self.laplacian;
+        fresh::keep_fitting(&mut columns, made.entries);
+        fresh::keep_fitting(&mut values, made.entries);
         let offsets = packed_offsets.read_offsets(&self.queue, made.rows)?;
         packed_columns.read(&self.queue, made.entries, &mut columns)?;
         packed_values.read(&self.queue, made.entries, &mut values)?;

@@ -33,7 +33,7 @@ pub struct CellCounts {
     pub triangles: u32,
 }
 
-/// The counts of some sorted sites of a diagram, in their order, on the calling thread's pool. `K` is that of the search on the host.
+/// The counts of some sorted sites of a diagram, in their order, on the calling thread's pool. `K` is that of the search on the host, of each cell by itself.
 pub fn count_cells(prepared: &Prepared, request: &Request, sites: &[u32]) -> Vec<CellCounts> {
     let count = |range: Range<usize>| -> Vec<CellCounts> {
         let mut search = Search::new(prepared);

@@ -27,9 +27,6 @@ use one_cell::Cell;
 use pulp::{Arch, NullaryFnOnce};
 use store::{MOST_ASKED, Room, Searched};
 
-/// Sites that a cell visits before it is completed by its vertices.
-const MOST_NEAR: u32 = 200;
-
 /// Chunks that a group lists at most.
 const MOST_CHUNKS: usize = 12;
 
@@ -67,8 +64,8 @@ pub struct Search<'a> {
     room: Box<Room>,
     reaches: Vec<Reaches>,
     candidates: Vec<Candidate>,
-    /// Of the cells before, as far as they are of this block and were completed by their vertices, the sites that bound them far off: those of the last one first.
-    /// What completes a cell there completes those beside it.
+    /// The sites that bound the cells before far off, as far as these are of this block and were completed by their vertices: the last cell's first. What completes a
+    /// cell there completes those beside it.
     kept: Vec<u32>,
     kept_of: usize,
     is_row: bool,
@@ -106,8 +103,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// From here on cells of one block that are completed one after the other share what bounds them far off. For who begins a task, which always has the same cells,
-    /// in the same order: so threads change nothing.
+    /// From here on cells of one block that are completed one after the other share what bounds them far off. For a task that always has the same cells
+    /// in the same order, so that the number of threads changes nothing.
     pub fn begin_row(&mut self) {
         self.is_row = true;
         self.kept_of = usize::MAX;
@@ -161,7 +158,7 @@ impl<'a> Search<'a> {
                 return None;
             }
             if cell.is_idle
-                || cell.outcome.visited > MOST_NEAR
+                || cell.outcome.visited > cell.most_near
                 || (chunk >= SURE_CHUNKS && needed > WORTH_A_CHUNK * proven_square)
             {
                 break;
@@ -179,7 +176,7 @@ impl<'a> Search<'a> {
         if !self.visit_kept(cell, above) {
             return;
         }
-        // Where many sites in a row have not cut a simple cell, few will; nor where it was cut by those that cut the cells beside it.
+        // Where many sites in a row have not cut a simple cell, few will; nor, likely, where there were those that cut the cells beside it.
         let is_simple = cell.is_idle && cell.store.vertices() as usize <= 2 * MOST_ASKED;
         let center = cell.center;
         let Prepared { sites, octree, .. } = self.prepared;
@@ -197,13 +194,13 @@ impl<'a> Search<'a> {
     /// of its vertices instead of 25, and takes two thirds of the time.)
     fn visit_kept<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, above: Real) -> bool {
         let block = cell.site as usize / SHARING;
-        // (Where sites are left out that are not near, none is visited for nothing: the cell would be said to lack it.)
+        // (With `epsilon` none is visited: a site that is left out would make the cell uncertified, though it may not cut it.)
         if self.kept_of != block || !self.is_row || cell.enlarged.is_some() {
             self.kept.clear();
             self.kept_of = block;
         }
         self.kept.iter().all(|&j| {
-            let may_cut = (above..cell.reach_square).contains(&self.reach(cell, j));
+            let may_cut = j != cell.site && (above..cell.reach_square).contains(&self.reach(cell, j));
             let is_there = || (0..cell.store.planes()).any(|f| cell.store.tag(f) == j);
             !may_cut || is_there() || cell.visit(self.prepared.sites.site(j), j)
         })
@@ -211,6 +208,9 @@ impl<'a> Search<'a> {
 
     /// Keeps the sites that bound a cell and reach at least `above`.
     fn keep<S: CellStore>(&mut self, cell: &Cell<'_, S>, above: Real) {
+        if !self.is_row || cell.enlarged.is_some() {
+            return;
+        }
         let tags = (0..cell.store.planes()).map(|f| cell.store.tag(f));
         let far: Vec<u32> = tags.filter(|&tag| tag < TAG_BOX && self.reach(cell, tag) >= above).collect();
         self.kept.retain(|j| !far.contains(j));
@@ -360,7 +360,7 @@ fn visit_all<S: CellStore, const ALL: bool>(
                 (cuts, since) = (cell.outcome.cuts, cell.outcome.visited);
             }
             let is_idle = cell.outcome.visited - since >= MOST_IDLE && cell.farthest * cell.farthest > far_square;
-            if is_idle || (!ALL && cell.outcome.visited > MOST_NEAR) {
+            if is_idle || (!ALL && cell.outcome.visited > cell.most_near) {
                 // What is left reaches at least as near as its first.
                 cell.left_square = cell.left_square.min(0.25 * from_order((some[0] >> 32) as u32));
                 cell.is_idle = is_idle;

@@ -6,6 +6,11 @@ use crate::cell::{self, CellStore, Real, UNIT_ROUNDOFF, V3, bisector, v3};
 /// Distances to the twentieth nearest site beyond which what of a cell is outside the domain is cut off.
 const CAP_FROM: Real = 1.4;
 
+/// Sites that a cell visits before it is completed by its vertices, and the same where weights differ. (With 200 instead of 120 a jittered sphere and scanned sites
+/// take 9 % more instructions, a Lévy flight 6; where weights differ wavy ones take 9 % more with 120 instead of 200, lognormal ones 6.)
+const MOST_NEAR: u32 = 120;
+const MOST_NEAR_WEIGHTED: u32 = 200;
+
 /// One cell on its way.
 pub(super) struct Cell<'a, S> {
     pub(super) store: &'a mut S,
@@ -26,6 +31,8 @@ pub(super) struct Cell<'a, S> {
     pub(super) enlarged: Option<Real>,
     /// The square of the radius about `y` within which the candidates that were not visited cannot cut the cell.
     pub(super) left_square: Real,
+    /// Sites that it visits before it is completed by its vertices.
+    pub(super) most_near: u32,
     /// Whether many sites in a row have not cut it, which has far to go.
     pub(super) is_idle: bool,
     pub(super) outcome: Outcome,
@@ -54,6 +61,7 @@ impl<'a, S: CellStore> Cell<'a, S> {
             last_in_order: 0,
             enlarged: epsilon.map(|e| 1.0 + e),
             left_square: Real::INFINITY,
+            most_near: if slope.is_some() { MOST_NEAR_WEIGHTED } else { MOST_NEAR },
             is_idle: false,
             outcome: Outcome { status: cell::COMPLETE, ..Outcome::default() },
         }

@@ -15,8 +15,8 @@ use laguerre_core::{
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Cells that one task computes: enough to hide the scheduling, few enough to share the work evenly; whole blocks of the tree in the first pass ([`Search::begin_row`]; but for
-/// functions that are called in batches).
+/// Cells that one task computes: enough to hide the scheduling, few enough to share the work evenly. In the first pass they are whole blocks
+/// of the tree, whose cells share what they find ([`Search::begin_row`]), but for functions that are called in batches.
 const CHUNK: usize = 256;
 
 /// Cells that are computed before their results are put together: enough that the threads' waiting for each other at its end does not count.

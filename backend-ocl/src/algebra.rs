@@ -213,11 +213,10 @@ impl Algebra for Ocl {
     fn rows(&self, a: &Held) -> Result<Rows> {
         let a = self.own::<Matrix>(a)?;
         self.on_first_with_threads(|device| {
-            let (mut begins, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-            a.offsets.read(&device.queue, a.rows + 1, &mut begins)?;
+            let (mut columns, mut values) = (Vec::new(), Vec::new());
             a.columns.read(&device.queue, a.entries, &mut columns)?;
             a.values.read(&device.queue, a.entries, &mut values)?;
-            Ok((begins.iter().map(|&begin| begin as usize).collect(), columns, values))
+            Ok((a.offsets.read_offsets(&device.queue, a.rows)?, columns, values))
         })
     }
 

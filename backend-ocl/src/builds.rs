@@ -13,6 +13,7 @@ const GRID: Text = Text {
         "bound_nodes.cl",
         "power_octree.cl",
         "clearance.cl",
+        "leaders.cl",
         "facets.cl",
         "laplacian.cl",
         "algebra.cl",
@@ -124,6 +125,9 @@ pub(crate) enum Stage {
     /// Those that are completed by their vertices, where the tree is searched or weights differ, or reach far outside the domain; those are given up that
     /// double-double does not decide.
     Far,
+    /// Of them, where their weights are equal, those that begin with what bounds others far off, and end with one look at all that can still cut them; those are given
+    /// up for which that tells too little.
+    Sweep,
     /// Those that need exact signs, or where equal weights go through the table of offsets sites beyond it, or that then reach far outside the domain.
     Exact,
     /// Those that need more room, where the tree is searched; those are given up that double-double does not decide.
@@ -148,6 +152,8 @@ struct Shape {
     /// `WITH_CLOSE`.
     close: bool,
     far: bool,
+    /// `WITH_SWEEP`.
+    sweep: bool,
     exact: bool,
     surface: bool,
     /// `TAKES_CELLS`.
@@ -166,6 +172,7 @@ impl Stage {
             short: true,
             close: false,
             far: false,
+            sweep: false,
             exact: false,
             surface: false,
             takes: false,
@@ -178,6 +185,7 @@ impl Stage {
             short: false,
             close: false,
             far: true,
+            sweep: false,
             exact: true,
             surface: true,
             takes: false,
@@ -188,6 +196,7 @@ impl Stage {
             Self::Single | Self::First => FIRST,
             Self::Close => Shape { short: false, close: true, ..FIRST },
             Self::Far => Shape { cells: 1, short: false, far: true, ..FIRST },
+            Self::Sweep => Shape { cells: 1, short: false, sweep: true, ..FIRST },
             Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, takes: true, ..FIRST },
             Self::Facets => Shape { cells: 4, registers: Some(128), takes: true, ..FIRST },
             Self::Exact => EXACT,
@@ -204,7 +213,7 @@ impl Stage {
 
     /// Whether what it finishes may be given to another stage: to `Surface`, or where facets are asked for to `Facets`.
     pub(crate) const fn gives(self) -> bool {
-        matches!(self, Self::Single | Self::First | Self::Close | Self::Far)
+        matches!(self, Self::Single | Self::First | Self::Close | Self::Far | Self::Sweep)
     }
 }
 
@@ -256,7 +265,11 @@ impl Asked {
             false if is_shared && !equal_weights => {
                 params.has_table != 0 && has(|stage| matches!(stage, Stage::First | Stage::Close))
             }
-            false => params.has_table != 0 && equal_weights && !has(|stage| matches!(stage, Stage::Far | Stage::Large)),
+            false => {
+                params.has_table != 0
+                    && equal_weights
+                    && !has(|stage| matches!(stage, Stage::Far | Stage::Sweep | Stage::Large))
+            }
         };
         Self { flags, domain: is_shared && params.has_domain != 0, weights: is_shared && !equal_weights, table }
     }
@@ -282,6 +295,7 @@ enum Flag {
     Table(bool),
     Close(bool),
     Far(bool),
+    Sweep(bool),
     Exact(bool),
     Surface(bool),
     Takes(bool),
@@ -310,6 +324,7 @@ impl Flag {
             Self::Table(is_set) => set("WITH_TABLE", is_set),
             Self::Close(is_set) => set("WITH_CLOSE", is_set),
             Self::Far(is_set) => set("WITH_FAR", is_set),
+            Self::Sweep(is_set) => set("WITH_SWEEP", is_set),
             Self::Exact(is_set) => set("WITH_EXACT", is_set),
             Self::Surface(is_set) => set("WITH_SURFACE", is_set),
             Self::Takes(is_set) => set("TAKES_CELLS", is_set),
@@ -345,7 +360,7 @@ impl Build {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
-                        let Shape { cells, close, far, exact, surface, takes, room, teams, .. } = stage.shape();
+                        let Shape { cells, close, far, sweep, exact, surface, takes, room, teams, .. } = stage.shape();
                         // (What of facets is asked for may leave signs open: a cell is to end in the same stage whatever that is, and have the same bits.)
                         let exact = exact || (stage == Stage::Surface && *asked & FACETS != 0);
                         vec![
@@ -358,6 +373,7 @@ impl Build {
                             Flag::Weights(*weights),
                             Flag::Close(close),
                             Flag::Far(far),
+                            Flag::Sweep(sweep),
                             Flag::Exact(exact),
                             Flag::Surface(surface && *domain),
                             Flag::Takes(takes),
@@ -404,6 +420,7 @@ impl Build {
             Stage::Surface,
             Stage::Facets,
             Stage::Far,
+            Stage::Sweep,
             Stage::Exact,
             Stage::Large,
             Stage::Wide,

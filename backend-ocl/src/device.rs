@@ -107,6 +107,8 @@ rooms! {
         /// Records of finished cells (`lanes_near.cl`).
         near: [u32; 4] = "finished cells",
         vast: u64 = "cells that need much room",
+        leaders: u32 = "cells that others begin with",
+        kept: u32 = "what bounds cells far off",
         pub(crate) outcome: u32 = "how cells ended",
         pub(crate) sums: f64 = "cells' sums",
         pub(crate) rows: [u64; 2] = "rows of facets",

@@ -5,12 +5,12 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::data::Params;
 use crate::interface::kernels::{
-    AddBlocks, BalanceRows, BoundNodes, Cells, ChooseRoots, Combine, CountColumns, CountDigits, CountFacets, CountRows,
-    DotParts, EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels, GatherCells, GatherSites,
-    InvertDiagonal, JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, LookAtRings, MarkVoxels, MatchFacets,
-    MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PartCells, PlaceDigits, PlaceLeaves, Prolong,
-    RankFree, RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets, SplitBoxes, SpreadRanks, SubtractNumber,
-    SumCells, SumParts, TightenSlabs, WriteRows,
+    AddBlocks, BalanceRows, BoundNodes, Cells, ChooseLeaders, ChooseRoots, Combine, CountColumns, CountDigits,
+    CountFacets, CountRows, DotParts, EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels,
+    GatherCells, GatherSites, InvertDiagonal, JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, LookAtRings,
+    MarkVoxels, MatchFacets, MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PartCells, PlaceDigits,
+    PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets, SplitBoxes,
+    SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs, WriteRows,
 };
 use crate::launch::Kernel;
 use crate::platform::DeviceId;
@@ -55,6 +55,7 @@ pub(crate) struct GridKernels {
     pub(crate) place_leaves: Kernel<PlaceLeaves<'static>>,
     pub(crate) find_homes: Kernel<FindHomes<'static>>,
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
+    pub(crate) choose_leaders: Kernel<ChooseLeaders<'static>>,
     pub(crate) look_about: Kernel<LookAbout<'static>>,
     pub(crate) count_rows: Kernel<CountRows<'static>>,
     pub(crate) write_rows: Kernel<WriteRows<'static>>,
@@ -110,6 +111,7 @@ impl GridKernels {
             place_leaves: Kernel::new(&program)?,
             find_homes: Kernel::new(&program)?,
             measure_clearances: Kernel::new(&program)?,
+            choose_leaders: Kernel::new(&program)?,
             look_about: Kernel::new(&program)?,
             count_rows: Kernel::new(&program)?,
             write_rows: Kernel::new(&program)?,

@@ -12,14 +12,14 @@ macro_rules! files {
 const FILES: &[(&str, &str)] = files![
     "aggregation.cl" "algebra.cl" "bound_nodes.cl" "clearance.cl" "evaluate.cl" "facets.cl" "further.cl" "grid.cl" "laplacian.cl" "lanes_cap.cl" "lanes_clip.cl" "lanes_evaluate.cl"
     "lanes_exact.cl" "lanes_integrate.cl" "lanes_near.cl" "lanes_reach.cl" "lanes_search.cl" "lanes_store.cl" "lanes_sums.cl"
-    "lanes_surface.cl" "lanes_table.cl" "lanes_talk.cl" "lanes_tree.cl" "marks.cl" "node_source.cl" "octree_store.cl" "one_lane.cl" "order.cl" "output.cl"
+    "lanes_surface.cl" "lanes_table.cl" "lanes_talk.cl" "lanes_tree.cl" "leaders.cl" "marks.cl" "node_source.cl" "octree_store.cl" "one_lane.cl" "order.cl" "output.cl"
     "params.cl" "power_octree.cl" "prelude.cl" "rough.cl" "search.cl" "single.cl" "single_prelude.cl" "single_store.cl" "sites.cl" "store.cl"
     "surface_table.cl" "table_store.cl" "ties.cl" "totals.cl" "tree_alone.cl" "tree_store.cl" "world.cl"
     "generated/around.cl" "generated/bound.cl" "generated/boxes.cl" "generated/candidate_search.cl" "generated/candidates.cl" "generated/cap.cl" "generated/cell.cl" "generated/cell_alone.cl"
     "generated/cell_types.cl" "generated/clip.cl" "generated/cone.cl" "generated/expansion.cl" "generated/facet.cl"
     "generated/far.cl" "generated/first.cl" "generated/integrate.cl" "generated/interface.cl" "generated/near.cl" "generated/node.cl"
     "generated/nodes.cl" "generated/octree.cl" "generated/part.cl" "generated/plane.cl" "generated/quadratic.cl" "generated/quadrature.cl" "generated/restrict.cl" "generated/ring.cl"
-    "generated/search.cl" "generated/settle.cl" "generated/single_interface.cl" "generated/table.cl" "generated/table_search.cl" "generated/tree.cl"
+    "generated/search.cl" "generated/settle.cl" "generated/single_interface.cl" "generated/sweep.cl" "generated/table.cl" "generated/table_search.cl" "generated/tree.cl"
     "generated/tree_search.cl" "generated/tree_types.cl" "generated/vector.cl" "generated/vertex.cl" "generated/wide.cl"
 ];
 

@@ -17,6 +17,12 @@ pub(crate) const SAMPLE: u32 = 512;
 /// Room for a cell that is too large for local memory, in units of 8 bytes.
 pub(crate) const VAST_WORDS: u32 = 77_000;
 
+/// Room for the sites that bound a cell far off, kept for others of its block of leaves, and for their number.
+pub(crate) const MOST_KEPT: u32 = 32;
+
+/// The turns of cells where some keep these sites for others: 0 is theirs, 1 that of the others. Where none does all have this one.
+pub(crate) const ALL_TURNS: u32 = 2;
+
 /// Work-items that go over the leaves of a box of the octree over the container: a box lists some sixty where it is split last.
 pub(crate) const OCTREE_GROUP: u32 = 64;
 
@@ -156,4 +162,7 @@ pub(crate) struct Counters {
     pub(crate) near: u32,
     /// Of those for later, those that reach beyond what was searched.
     pub(crate) beyond: u32,
+    /// Cells that kept what bounds them far off, and how many sites these were.
+    pub(crate) showing: u32,
+    pub(crate) shown: u32,
 }

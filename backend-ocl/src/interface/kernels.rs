@@ -55,6 +55,11 @@ kernels! {
         value apart: u32,
         value count: u32,
         value interior_only: u32,
+        /// Those of them that are to be computed, where some keep for others what bounds them far off (`leaders.cl`); who these are; and what bounds them,
+        /// `MOST_KEPT` numbers a block of leaves.
+        value turn_of: u32,
+        input leaders: u32,
+        output kept: u32,
         /// Results, by the caller's index.
         output outcome: u32,
         output sums: f64,
@@ -225,6 +230,15 @@ kernels! {
         input surface_table: u32,
         value count: u32,
         output clearances: u8,
+    }
+
+    kernel ChooseLeaders = choose_leaders {
+        /// The cells of a list, or without one those from `first` on.
+        input list: u32,
+        value has_list: u32,
+        value first: u32,
+        value count: u32,
+        atomic leaders: u32,
     }
 
     kernel LookAbout = look_about {

@@ -39,8 +39,19 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #else
     const uint site = (has_list != 0u) ? list[turn] : turn;
 #endif
+#if KEEPS_FAR
+    const uint block = site / (WIDTH * WIDTH);
+    __global uint *kept_of_block = kept + (MOST_KEPT * block);
+    if ((turn_of != ALL_TURNS) && (turn_of != ((site != leaders[block]) ? 1u : 0u))) {
+        return;
+    }
+#endif
     Store store;
     Store *s = &store;
+#if WITH_SWEEP
+    s->kept_count = lanes_alike(kept_of_block[0]);
+    s->kept = kept_of_block + 1u;
+#endif
     s->world = WORLD_OF_ARGUMENTS;
     s->tried = 0;
     s->last_tried = 0;
@@ -104,7 +115,17 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #elif WITH_TABLE
     uint status = complete_by_table(s, vantage, shells, &visited, &extent);
 #else
-    uint status = complete_by_tree(s, vantage, &visited, &extent);
+    real above = REAL(0.0);
+    uint status = complete_by_tree(s, vantage, &visited, &extent, &above);
+#if KEEPS_FAR && !WITH_SWEEP
+    if ((turn_of == 0u) && ((status == COMPLETE) && (above > REAL(0.0)))) {
+        const uint count = keep_far(s, vantage.slope, above, kept_of_block);
+        if (s->lane == 0u) {
+            atomic_inc(&counters->showing);
+            atomic_add(&counters->shown, count);
+        }
+    }
+#endif
 #endif
     // (The others have done what they are for.)
     if (!IS_FIRST_TEAM) {

@@ -36,6 +36,8 @@ INLINE uint store_cut_by(Store *s, uint j) {
     return status;
 }
 
+INLINE bool store_was_tried(Store *s, uint j) { return has_cut(s, j); }
+
 #if WITH_TABLE
 // Each lane holds two candidates. (No index, so that they stay in registers.) The last bits of a key are the lane's number, so that the least one says
 // whose it is: without that white noise takes 1 % longer, one NVIDIA H200.
@@ -60,7 +62,7 @@ INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) 
 #endif
 
 // (Of cells that are completed by their vertices few sites are visited before: those of sites in a plane took 12 % longer with it.)
-INLINE bool store_drops_candidates(Store *s) { return (LANES > 1u) && (WITH_FAR == 0); }
+INLINE bool store_drops_candidates(Store *s) { return (LANES > 1u) && !(WITH_FAR || WITH_SWEEP); }
 // (As `clip_together` would find them. In loops that stay loops: the text is in the inner one.)
 INLINE void store_drop_held(Store *s, uint count) {
     ROLLED

@@ -15,13 +15,13 @@
 #define GIVES_CELLS (!TAKES_CELLS && !WITH_EXACT && !WITH_ROOM)
 
 // Whether what of a cell is far outside the domain is cut off.
-#define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || WITH_FAR))
+#define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || (WITH_FAR || WITH_SWEEP)))
 
 // Whether signs that single precision leaves open, and vertices of nearly dependent planes, are settled in double precision and double-double: of
 // cells that reach far they are many. Of a million sites on a bumpy surface 99 % went on to the stage WITH_EXACT, for 2.9 s; now none does, and
 // all is done in 1.1 s (one NVIDIA H200). WITH_CLOSE for cells of which most have some, by the table of offsets.
 // And whether half-spaces that no vertex lies on are dropped.
-#define SETTLES_CLOSELY ((WITH_FAR || WITH_CLOSE) && !WITH_EXACT)
+#define SETTLES_CLOSELY (((WITH_FAR || WITH_SWEEP) || WITH_CLOSE) && !WITH_EXACT)
 #define COMPACTS (WITH_EXACT || SETTLES_CLOSELY)
 
 // Whether the tree is searched: where there is no table of offsets, or for what is beyond it; few cells reach so far, and without a domain hardly
@@ -35,6 +35,10 @@
 
 // Whether open blocks and leaves have keys: in the stages that search far, but for that with exact signs, which has no room.
 #define KEEPS_KEYS (WITH_FAR && (!WITH_EXACT || WITH_ROOM))
+
+// Whether some cells are computed before others, for which they keep what bounds them far off: in the stage that completes most cells by their vertices, and in that WITH_SWEEP,
+// for the others.
+#define KEEPS_FAR (WITH_SWEEP || (SEARCHES_TREE && ((WITH_FAR && !WITH_EXACT) && !WITH_ROOM)))
 
 // Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more, in local memory (1) and in global (2).
 // What needs still more is left to the kernel that computes a cell with one work-item. (Of each directed edge the vertex is kept.)
@@ -174,6 +178,11 @@ typedef struct {
     Asked asked;
 #if TEAMS > 1
     uint team;
+#endif
+#if WITH_SWEEP
+    // What bounds another cell far off: how many sites, and where these are.
+    uint kept_count;
+    __global const uint *kept;
 #endif
 #if WITH_TABLE
     // Of the search of the table: it, the site's voxel, and the candidates that the lane holds.

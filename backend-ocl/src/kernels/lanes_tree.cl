@@ -1,6 +1,7 @@
 // The search of the tree (`tree_search.cl`), where LANES work-items compute a cell together.
 
 #import "lanes_search.cl"
+#import "output.cl"
 
 // Where what a team has begins of what all have; and whether it is the first.
 #if TEAMS > 1
@@ -102,7 +103,6 @@ INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     return status;
 #endif
 }
-INLINE bool store_was_tried(Store *s, uint j) { return has_cut(s, j); }
 INLINE bool store_touches(Store *s, uint v, uint j) {
     const Triplet t = store_triplet(s, v);
     return (s->cell->source[t.a] == j) || (s->cell->source[t.b] == j) || (s->cell->source[t.c] == j);
@@ -140,15 +140,50 @@ OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
 }
 #endif
 
+#if KEEPS_FAR && !WITH_SWEEP
+// Keeps for other cells which sites bound this one that reach at least `above`; returns how many do.
+INLINE uint keep_far(Store *s, V3 slope, real above, __global uint *kept) {
+    uint count = 0;
+    for (uint from = 0; from < s->planes; from += LANES) {
+        const uint f = from + s->lane;
+        const uint site = (f < s->planes) ? s->cell->source[f] : TAG_BOX;
+        const bool is_far = (site < TAG_BOX) && (reach_of_site(s, slope, site) >= above);
+        const uint all = lanes_with(is_far);
+        const uint at = count + popcount(all & ((1u << s->lane) - 1u));
+        if (is_far && (at < (MOST_KEPT - 1u))) {
+            kept[1u + at] = site;
+        }
+        count += popcount(all);
+    }
+    if (s->lane == 0u) {
+        kept[0] = min(count, MOST_KEPT - 1u);
+    }
+    return count;
+}
+#endif
+
 // Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
-INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *extent) {
+// Where its vertices tell which, `above` becomes the square of twice the radius within which others than these can not.
+INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *extent, real *above) {
     uint status = UNTOUCHED;
+#if WITH_SWEEP
+    // (One place that searches, for the text's size.)
+    for (uint what = NEAR; (what <= SWEEP) && (status == UNTOUCHED); what++) {
+        if ((what == KEPT) && (s->kept_count == 0u)) {
+            break;
+        }
+        status = search_from(s, vantage, what, visited, above);
+        if ((what == NEAR) && (status == UNTOUCHED)) {
+            settle_near(s, vantage.center, *above);
+        }
+    }
+    status = (status == UNTOUCHED) ? BATCH_FULL : ((status == UNCERTAIN) ? OPEN : status);
+#else
     if (IS_FIRST_TEAM) {
-        real proven;
-        status = search_from(s, vantage, visited, &proven);
+        status = search_from(s, vantage, NEAR, visited, above);
 #if WITH_FAR
         if (status == UNTOUCHED) {
-            settle_near(s, vantage.center, proven);
+            settle_near(s, vantage.center, *above);
         }
 #endif
     }
@@ -167,6 +202,7 @@ INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *ex
         status = BEYOND;
 #endif
     }
+#endif
     if (IS_FIRST_TEAM) {
         *extent = extent_of(farthest_of(s));
     }

@@ -123,7 +123,7 @@ INLINE uint complete_cell(Store *s, __global const uchar4 *shells, uint site, ui
     status = search_table(s, vantage, &reach, visited);
 #else
     real proven;
-    status = search_near(s, vantage, visited, &proven);
+    status = search_near(s, vantage, NEAR, visited, &proven);
     if (status == UNTOUCHED) {
         settle_near(s, vantage.center, proven);
     }

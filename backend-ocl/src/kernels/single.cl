@@ -120,7 +120,7 @@ OUTLINE uint complete_cell(Store *s, uint site, uint is_widened, uint *visited) 
     s->farthest = farthest_vertex(s);
     const Vantage vantage = vantage_of(s);
     real proven;
-    status = search_near(s, vantage, visited, &proven);
+    status = search_near(s, vantage, NEAR, visited, &proven);
     if (status == UNTOUCHED) {
         settle_near(s, vantage.center, proven);
         status = search_far(s, vantage.center, 1u, visited);

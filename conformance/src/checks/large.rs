@@ -100,6 +100,36 @@ pub fn hollow(backend: &dyn Backend) -> Verdict {
     Ok(())
 }
 
+/// 4,000 sites on a bumpy surface, on a sphere whose radius varies, or in clusters along a way, in a corner of the box: cells of most reach far, and many sites are nearly as far from a
+/// vertex as its own. The sums, and the oracle's answer in every 31st cell.
+pub fn surfaces_in_a_corner(backend: &dyn Backend) -> Verdict {
+    let bumpy = |[x, y, _]: [f64; 3]| [x, y, 0.5 + 0.1 * (9.0 * x).sin() * (7.0 * y).cos()];
+    let round = |[x, y, z]: [f64; 3]| {
+        let (height, turn) = (2.0 * x - 1.0, std::f64::consts::TAU * y);
+        let (flat, radius) = ((1.0 - height * height).sqrt(), 0.45 + 0.02 * z);
+        [flat * turn.cos(), flat * turn.sin(), height].map(|c| 0.5 + radius * c)
+    };
+    let along = |[x, y, z]: [f64; 3]| {
+        let at = (20.0 * x).floor();
+        [
+            (0.37 * at).fract() + 0.01 * y,
+            (0.61 * at).fract() + 0.01 * z,
+            0.5 + 0.4 * (3.0 * at).sin() + 0.01 * (20.0 * x - at),
+        ]
+    };
+    type Place = fn([f64; 3]) -> [f64; 3];
+    for (name, place) in [("bumpy", bumpy as Place), ("round", round), ("along", along)] {
+        let mut scene = white(4000, Weights::None, Shape::Box);
+        let (lo, hi) = scene.room.bounding_box();
+        for p in &mut scene.positions {
+            let part = place(std::array::from_fn(|k| (p[k] - lo[k]) / (hi[k] - lo[k])));
+            *p = std::array::from_fn(|k| lo[k] + (hi[k] - lo[k]) * (0.01 + 0.05 * part[k]));
+        }
+        fills_and_is_the_oracles(&scene, backend).map_err(|reason| format!("{name}: {reason}"))?;
+    }
+    Ok(())
+}
+
 /// 8,000 sites with weights that are a smooth function with a step, or grow with the square of the place: cells three spacings from their sites, as
 /// optimal transport has them, or shrunk to half. The sums, and the oracle's answer in every 31st cell.
 pub fn cells_far_from_their_sites(backend: &dyn Backend) -> Verdict {

@@ -120,6 +120,7 @@ pub const CHECKS: &[(&str, Check)] = &[
     given!(large::many_at_one_place),
     given!(large::cells_far_from_their_sites),
     given!(large::hollow),
+    given!(large::surfaces_in_a_corner),
     given!(large::heavy_site_in_a_lattice),
     given!(large::many_sites_in_a_mesh),
     given!(large::moved_lattice),

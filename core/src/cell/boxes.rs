@@ -7,7 +7,7 @@
 
 use super::candidates::{CUTS_BEFORE_LOOK, Held, key_limit, nearest_held, take_held};
 use super::far::next_unsettled;
-use super::search::{Vantage, Wanted, gather, search_near};
+use super::search::{NEAR, Vantage, Wanted, gather, search_near};
 use super::search_store::{
     HOME_KNOWN, HOME_NOWHERE, LEAVES_AT_ONCE, MOST_CANDIDATES, MOST_OPEN, NO_SITE, OctreeNode, OctreeStore,
     SearchStore, WIDTH,
@@ -71,17 +71,20 @@ pub fn search_boxes<S: SearchStore + OctreeStore>(s: &mut S, vantage: Vantage, v
 pub fn search_from<S: SearchStore + OctreeStore>(
     s: &mut S,
     vantage: Vantage,
+    what: u32,
     visited: &mut u32,
     proven: &mut Real,
 ) -> u32 {
-    *proven = 0.0;
-    if vantage.home == HOME_NOWHERE {
-        return EMPTY;
+    if what == NEAR {
+        *proven = 0.0;
+        if vantage.home == HOME_NOWHERE {
+            return EMPTY;
+        }
+        if vantage.home == HOME_KNOWN {
+            return search_boxes(s, vantage, visited);
+        }
     }
-    if vantage.home == HOME_KNOWN {
-        return search_boxes(s, vantage, visited);
-    }
-    return search_near(s, vantage, visited, proven);
+    return search_near(s, vantage, what, visited, proven);
 }
 
 /// A box, without an end where the container has none beyond it.

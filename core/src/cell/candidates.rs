@@ -58,7 +58,7 @@ pub(super) fn take_held<S: SearchStore>(s: &mut S, held: Held, least: u32) -> u3
 }
 
 /// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
-/// after.
+/// after. Where it `checks`, it is instead by those that can cut it as it is then, whatever they reach.
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub(super) fn visit_candidates<S: SearchStore>(
@@ -66,24 +66,40 @@ pub(super) fn visit_candidates<S: SearchStore>(
     center: V3,
     count: u32,
     below: u32,
+    checks: bool,
     reach: &mut Rough,
     visited: &mut u32,
 ) -> u32 {
-    let mut limit: u32 = key_limit(s, *reach, below);
+    let mut limit: u32 = below;
+    if !checks {
+        limit = key_limit(s, *reach, below);
+    }
+    let mut is_new: bool = checks;
     // (What remains when some were visited before is looked at soon.)
     let mut cuts: u32 = *visited;
     loop {
+        if is_new {
+            s.drop_held(count);
+            is_new = false;
+        }
         let held: Held = nearest_held(s, count);
         let least: u32 = s.least_of_lanes(held.key);
         if least >= limit {
             return UNTOUCHED;
         }
         let j: u32 = take_held(s, held, least);
-        *visited += 1;
-        let status: u32 = s.cut_by(j);
+        let mut status: u32 = UNTOUCHED;
+        if !checks || !s.was_tried(j) {
+            *visited += 1;
+            status = s.cut_by(j);
+        }
         if status == CUT {
-            *reach = s.square_of_reach(center);
-            limit = key_limit(s, *reach, below);
+            if checks {
+                is_new = true;
+            } else {
+                *reach = s.square_of_reach(center);
+                limit = key_limit(s, *reach, below);
+            }
             cuts += 1;
         } else if status != UNTOUCHED {
             return status;

@@ -56,6 +56,7 @@ pub mod search_store;
 mod settle;
 mod status;
 mod store;
+mod sweep;
 pub mod table;
 pub(crate) mod tree;
 mod vector;

@@ -19,7 +19,8 @@ use super::search_store::{
     HOME_KNOWN, HOME_UNKNOWN, LEAVES_AT_ONCE, MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH,
 };
 use super::status::{COMPLETE, CUT, UNTOUCHED};
-use super::tree::{Open, Question, open_blocks, open_path};
+use super::sweep::gather_kept;
+use super::tree::{Open, Question, open_blocks, open_path, open_top};
 use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, larger, scale, smaller, sub, v3};
 
 /// All sites are visited first that are within [`NEAR_SQUARE`] times, as a square, the distance of the `NEAR_SITES`th of the own leaf's block: of white
@@ -41,6 +42,17 @@ const LEAST_TO_SHARE: Real = 1e-30;
 const FAR_SQUARE: Real = 100.0;
 const MOST_NEAR_LEAVES: u32 = 400;
 const MOST_NEAR_SITES: u32 = 400;
+
+/// What is searched: all near a cell, and then what it reaches; the sites that bound another cell beside it far off; and all that can still cut it at a vertex (`sweep.rs`).
+pub const NEAR: u32 = 0;
+/// The second.
+pub const KEPT: u32 = 1;
+/// The third.
+pub const SWEEP: u32 = 2;
+
+/// Leaves that are looked at before a sweep is given up, and sites visited: bounds in single precision may tell little apart.
+const MOST_SWEPT_LEAVES: u32 = 400;
+const MOST_SWEPT_SITES: u32 = 200;
 
 /// Room for the roundings of a limit.
 const SAFE: Real = 1.0 + (16.0 * UNIT_ROUNDOFF);
@@ -127,15 +139,33 @@ pub(super) struct Wanted {
 /// `proven` becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
 #[inline]
 #[cfg_attr(opencl, hot)]
-pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u32, proven: &mut Real) -> u32 {
+pub fn search_near<S: SearchStore>(
+    s: &mut S,
+    vantage: Vantage,
+    what: u32,
+    visited: &mut u32,
+    proven: &mut Real,
+) -> u32 {
     let mut near: Real = 0.0;
-    *proven = 0.0;
-    let mut wanted: Wanted = Wanted { above: 0, below: near_key(s, vantage, &mut near) };
+    let mut wanted: Wanted = Wanted { above: 0, below: NO_SITE };
+    let mut open: Open = Open { blocks: 0, leaves: 0 };
+    let mut count: u32 = 0;
+    let mut most_leaves: u32 = MOST_NEAR_LEAVES;
+    let mut most_sites: u32 = MOST_NEAR_SITES;
+    if what == NEAR {
+        *proven = 0.0;
+        wanted.below = near_key(s, vantage, &mut near);
+        open = open_path(s);
+    } else if what == KEPT {
+        count = gather_kept(s, vantage);
+    } else {
+        open = open_top(s, 0);
+        most_leaves = MOST_SWEPT_LEAVES;
+        most_sites = *visited + MOST_SWEPT_SITES;
+    }
     let mut reach: Rough = s.square_of_reach(vantage.center);
     let mut is_rest: bool = false;
-    let mut open: Open = open_path(s);
     let mut looked: u32 = 0;
-    let mut count: u32 = 0;
     loop {
         let is_batch: bool = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
         if is_batch && ((count + (LEAVES_AT_ONCE * WIDTH)) <= MOST_CANDIDATES) {
@@ -144,10 +174,13 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
                 some = open.leaves;
             }
             open.leaves -= some;
-            let limit: u32 = key_limit(s, reach, wanted.below);
+            let mut limit: u32 = wanted.below;
+            if what == NEAR {
+                limit = key_limit(s, reach, limit);
+            }
             count = gather(s, vantage, open.leaves, some, Wanted { above: wanted.above, below: limit }, count);
             looked += some;
-            if looked > MOST_NEAR_LEAVES {
+            if looked > most_leaves {
                 return UNTOUCHED;
             }
         } else if !is_batch && (open.blocks > 0) {
@@ -160,19 +193,21 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
                 slope: vantage.slope,
                 limit: ((0.25 * within) / vantage.lambda) * SAFE,
                 vertices: 0,
+                sweeps: what == SWEEP,
             };
             open = open_blocks(s, question, open);
         } else if count > 0 {
-            let status: u32 = visit_candidates(s, vantage.center, count, wanted.below, &mut reach, visited);
+            let status: u32 =
+                visit_candidates(s, vantage.center, count, wanted.below, what != NEAR, &mut reach, visited);
             if status != UNTOUCHED {
                 return status;
             }
             s.lanes_wait();
             count = 0;
-            if *visited > MOST_NEAR_SITES {
+            if *visited > most_sites {
                 return UNTOUCHED;
             }
-        } else if !is_rest {
+        } else if (what == NEAR) && !is_rest {
             if near > LEAST_TO_SHARE {
                 *proven = SHARE_OF_KEY * near;
             }
@@ -190,6 +225,8 @@ pub fn search_near<S: SearchStore>(s: &mut S, vantage: Vantage, visited: &mut u3
             wanted.above = wanted.below;
             wanted.below = NO_SITE;
             open = open_path(s);
+        } else if what == KEPT {
+            return UNTOUCHED;
         } else {
             return COMPLETE;
         }

@@ -80,6 +80,20 @@ pub struct Asked {
     pub limit: Real,
 }
 
+/// A vertex in the precision of bounds.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RoughVertex {
+    /// Its place, from the cell's site.
+    pub x: Rough,
+    /// The same.
+    pub y: Rough,
+    /// The same.
+    pub z: Rough,
+    /// How far along each axis it is off that place at most.
+    pub radius: Rough,
+}
+
 /// What is found at an asked vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
@@ -249,6 +263,14 @@ pub trait SearchStore: Lanes {
     /// Sets it.
     fn set_asked(&mut self, i: u32, asked: Asked);
 
+    /// How many sites are kept that bound another cell beside this one far off: no more than there is room for candidates.
+    fn kept_count(&self) -> u32 {
+        0
+    }
+    /// Such a site: not alike.
+    fn kept_site(&self, _i: u32) -> u32 {
+        NO_SITE
+    }
     /// Teams of lanes, which call [`search_far`](super::far::search_far) at the same time. All else the first does alone.
     fn teams(&self) -> u32 {
         1
@@ -292,6 +314,11 @@ pub trait SearchStore: Lanes {
     fn position(&self, v: u32) -> V3;
     /// How far along each axis it is off that place at most.
     fn radius(&self, v: u32) -> Real;
+    /// The same two.
+    fn rough_vertex(&self, v: u32) -> RoughVertex {
+        let p = self.position(v);
+        RoughVertex { x: p.x, y: p.y, z: p.z, radius: self.radius(v) }
+    }
     /// Its place and its error radius in double precision: `COMPLETE`, or `UNCERTAIN`.
     fn fine_position(&self, v: u32, position: &mut V3, radius: &mut Real) -> u32;
     /// Whether vertex `v` is known to be cut off by no site.

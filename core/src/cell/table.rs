@@ -259,7 +259,7 @@ pub fn search_table<S: TableStore>(s: &mut S, vantage: Vantage, reach: &mut Roug
                 }
                 s.hold(c, site, key);
             }
-            let status: u32 = visit_candidates(s, center, count, NO_SITE, reach, visited);
+            let status: u32 = visit_candidates(s, center, count, NO_SITE, false, reach, visited);
             if status != UNTOUCHED {
                 return status;
             }

@@ -3,6 +3,7 @@
 use super::bound::{Seer, least_of_node, least_power_of_node};
 use super::octree::{middle_of, part_hi, part_lo};
 use super::search_store::{Asked, HAS_PARTS, NO_SITE, OctreeNode, OctreeStore, SearchStore, UNLISTED, WIDTH};
+use super::sweep::may_cut;
 use super::vector::{Real, V3, dot, sub};
 
 /// Bits of an open block that say which of its level it is; those above say its level.
@@ -24,6 +25,8 @@ pub(super) struct Question {
     pub(super) limit: Real,
     /// 0 where no vertex is asked for.
     pub(super) vertices: u32,
+    /// Whether it is instead whether a site may cut the cell at a vertex that is not settled.
+    pub(super) sweeps: bool,
 }
 
 /// The open blocks and the leaves at hand.
@@ -241,7 +244,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
     let first: u32 = (block & BLOCK_MASK) * WIDTH;
     // Of the nodes of the level, that which holds the own leaf's block.
     let mut own: u32 = 0xFFFF_FFFF;
-    if question.vertices == 0 {
+    if (question.vertices == 0) && !question.sweeps {
         own = (s.own_site() / WIDTH) >> (3 * level);
     }
     let mut best: u32 = NO_SITE;
@@ -256,6 +259,8 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
             if question.vertices != 0 {
                 asks = s.asks_of_node(level, node, of_block, &mut key);
                 is_wanted = asks != 0;
+            } else if question.sweeps {
+                is_wanted = may_cut(s, level, node);
             } else {
                 let least: Real = least_of_node(
                     seer_of(s),

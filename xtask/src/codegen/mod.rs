@@ -37,7 +37,8 @@ const FILES: [&str; 16] = [
 const ALONE_FILES: [&str; 2] = ["clip", "restrict"];
 
 /// The files of the search for the sites that cut a cell.
-const SEARCH_FILES: [&str; 8] = ["search_store", "quadratic", "bound", "octree", "tree", "search", "far", "boxes"];
+const SEARCH_FILES: [&str; 9] =
+    ["search_store", "quadratic", "bound", "octree", "tree", "search", "sweep", "far", "boxes"];
 
 /// The files of what either search asks and does with the sites that it finds; the last two have types of their own.
 const CANDIDATE_FILES: [&str; 4] = ["quadratic", "bound", "ring", "candidates"];

@@ -44,15 +44,17 @@ HOT uint search_boxes(Store *s, Vantage vantage, uint *visited) {
 
 // Begins the search for the sites that cut the cell, which [`search_far`](super::far::search_far) ends where that is `UNTOUCHED`: box by box where the
 // cell's home is known, or else as [`search_near`].
-HOT uint search_from(Store *s, Vantage vantage, uint *visited, real *proven) {
-    *proven = REAL(0.0);
-    if (vantage.home == HOME_NOWHERE) {
-        return EMPTY;
+HOT uint search_from(Store *s, Vantage vantage, uint what, uint *visited, real *proven) {
+    if (what == NEAR) {
+        *proven = REAL(0.0);
+        if (vantage.home == HOME_NOWHERE) {
+            return EMPTY;
+        }
+        if (vantage.home == HOME_KNOWN) {
+            return search_boxes(s, vantage, visited);
+        }
     }
-    if (vantage.home == HOME_KNOWN) {
-        return search_boxes(s, vantage, visited);
-    }
-    return search_near(s, vantage, visited, proven);
+    return search_near(s, vantage, what, visited, proven);
 }
 
 // A box, without an end where the container has none beyond it.

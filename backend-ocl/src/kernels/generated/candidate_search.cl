@@ -18,7 +18,7 @@ INLINE real less_slope(real excess, V3 slope, V3 way, real *size);
 INLINE real reach_of_site(Store *s, V3 slope, uint j);
 INLINE Held nearest_held(Store *s, uint count);
 INLINE uint take_held(Store *s, Held held, uint least);
-HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *reach, uint *visited);
+HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool checks, float *reach, uint *visited);
 INLINE uint key_limit(Store *s, float reach, uint below);
 
 #import "generated/quadratic.cl"

@@ -33,23 +33,38 @@ INLINE uint take_held(Store *s, Held held, uint least) {
 }
 
 // Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
-// after.
-HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, float *reach, uint *visited) {
-    uint limit = key_limit(s, *reach, below);
+// after. Where it `checks`, it is instead by those that can cut it as it is then, whatever they reach.
+HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool checks, float *reach, uint *visited) {
+    uint limit = below;
+    if (!checks) {
+        limit = key_limit(s, *reach, below);
+    }
+    bool is_new = checks;
     // (What remains when some were visited before is looked at soon.)
     uint cuts = *visited;
     for (;;) {
+        if (is_new) {
+            store_drop_held(s, count);
+            is_new = 0;
+        }
         const Held held = nearest_held(s, count);
         const uint least = store_least_of_lanes(s, held.key);
         if (least >= limit) {
             return UNTOUCHED;
         }
         const uint j = take_held(s, held, least);
-        *visited += 1;
-        const uint status = store_cut_by(s, j);
+        uint status = UNTOUCHED;
+        if (!checks || !store_was_tried(s, j)) {
+            *visited += 1;
+            status = store_cut_by(s, j);
+        }
         if (status == CUT) {
-            *reach = store_square_of_reach(s, center);
-            limit = key_limit(s, *reach, below);
+            if (checks) {
+                is_new = 1;
+            } else {
+                *reach = store_square_of_reach(s, center);
+                limit = key_limit(s, *reach, below);
+            }
             cuts += 1;
         } else if (status != UNTOUCHED) {
             return status;

@@ -88,6 +88,12 @@ typedef struct {
 // Room for a cell that is too large for local memory, in units of 8 bytes.
 #define VAST_WORDS ((uint)(77000))
 
+// Room for the sites that bound a cell far off, kept for others of its block of leaves, and for their number.
+#define MOST_KEPT ((uint)(32))
+
+// The turns of cells where some keep these sites for others: 0 is theirs, 1 that of the others. Where none does all have this one.
+#define ALL_TURNS ((uint)(2))
+
 // Work-items that go over the leaves of a box of the octree over the container: a box lists some sixty where it is split last.
 #define OCTREE_GROUP ((uint)(64))
 
@@ -231,6 +237,9 @@ typedef struct {
     uint near;
     // Of those for later, those that reach beyond what was searched.
     uint beyond;
+    // Cells that kept what bounds them far off, and how many sites these were.
+    uint showing;
+    uint shown;
 } Counters;
 
 // backend-ocl/src/interface/kernels.rs
@@ -337,6 +346,9 @@ typedef struct {
     uint apart, \
     uint count, \
     uint interior_only, \
+    uint turn_of, \
+    __global const uint *leaders, \
+    __global uint *kept, \
     __global uint *outcome, \
     __global double *sums, \
     __global ulong2 *rows, \
@@ -480,6 +492,13 @@ typedef struct {
     __global const uint *surface_table, \
     uint count, \
     __global uchar *clearances
+
+#define CHOOSE_LEADERS_ARGUMENTS \
+    __global const uint *list, \
+    uint has_list, \
+    uint first, \
+    uint count, \
+    volatile __global uint *leaders
 
 #define LOOK_ABOUT_ARGUMENTS \
     __global const Params *params, \
@@ -801,4 +820,4 @@ typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 16) ? 1 : -1];
 typedef char size_of_OctreeBox[(sizeof(OctreeBox) == 56) ? 1 : -1];
 typedef char size_of_Params[(sizeof(Params) == 360) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
-typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];
+typedef char size_of_Counters[(sizeof(Counters) == 44) ? 1 : -1];

@@ -47,15 +47,27 @@ INLINE real size_around(Store *s) {
 // own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
 //
 // `proven` becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
-HOT uint search_near(Store *s, Vantage vantage, uint *visited, real *proven) {
+HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *proven) {
     real near = REAL(0.0);
-    *proven = REAL(0.0);
-    Wanted wanted = (Wanted){ .above = 0, .below = near_key(s, vantage, &near) };
+    Wanted wanted = (Wanted){ .above = 0, .below = NO_SITE };
+    Open open = (Open){ .blocks = 0, .leaves = 0 };
+    uint count = 0;
+    uint most_leaves = MOST_NEAR_LEAVES;
+    uint most_sites = MOST_NEAR_SITES;
+    if (what == NEAR) {
+        *proven = REAL(0.0);
+        wanted.below = near_key(s, vantage, &near);
+        open = open_path(s);
+    } else if (what == KEPT) {
+        count = gather_kept(s, vantage);
+    } else {
+        open = open_top(s, 0);
+        most_leaves = MOST_SWEPT_LEAVES;
+        most_sites = *visited + MOST_SWEPT_SITES;
+    }
     float reach = store_square_of_reach(s, vantage.center);
     bool is_rest = 0;
-    Open open = open_path(s);
     uint looked = 0;
-    uint count = 0;
     for (;;) {
         const bool is_batch = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
         if (is_batch && ((count + (LEAVES_AT_ONCE * WIDTH)) <= MOST_CANDIDATES)) {
@@ -64,10 +76,13 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited, real *proven) {
                 some = open.leaves;
             }
             open.leaves -= some;
-            const uint limit = key_limit(s, reach, wanted.below);
+            uint limit = wanted.below;
+            if (what == NEAR) {
+                limit = key_limit(s, reach, limit);
+            }
             count = gather(s, vantage, open.leaves, some, (Wanted){ .above = wanted.above, .below = limit }, count);
             looked += some;
-            if (looked > MOST_NEAR_LEAVES) {
+            if (looked > most_leaves) {
                 return UNTOUCHED;
             }
         } else if (!is_batch && (open.blocks > 0)) {
@@ -75,19 +90,19 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited, real *proven) {
             if (!is_rest) {
                 within = smaller(reach, near);
             }
-            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = ((REAL(0.25) * within) / vantage.lambda) * SAFE, .vertices = 0 };
+            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = ((REAL(0.25) * within) / vantage.lambda) * SAFE, .vertices = 0, .sweeps = what == SWEEP };
             open = open_blocks(s, question, open);
         } else if (count > 0) {
-            const uint status = visit_candidates(s, vantage.center, count, wanted.below, &reach, visited);
+            const uint status = visit_candidates(s, vantage.center, count, wanted.below, what != NEAR, &reach, visited);
             if (status != UNTOUCHED) {
                 return status;
             }
             store_lanes_wait(s);
             count = 0;
-            if (*visited > MOST_NEAR_SITES) {
+            if (*visited > most_sites) {
                 return UNTOUCHED;
             }
-        } else if (!is_rest) {
+        } else if ((what == NEAR) && !is_rest) {
             if (near > LEAST_TO_SHARE) {
                 *proven = SHARE_OF_KEY * near;
             }
@@ -105,6 +120,8 @@ HOT uint search_near(Store *s, Vantage vantage, uint *visited, real *proven) {
             wanted.above = wanted.below;
             wanted.below = NO_SITE;
             open = open_path(s);
+        } else if (what == KEPT) {
+            return UNTOUCHED;
         } else {
             return COMPLETE;
         }

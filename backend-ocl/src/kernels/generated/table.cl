@@ -156,7 +156,7 @@ HOT uint search_table(Store *s, Vantage vantage, float *reach, uint *visited) {
                 }
                 store_hold(s, c, site, key);
             }
-            const uint status = visit_candidates(s, center, count, NO_SITE, reach, visited);
+            const uint status = visit_candidates(s, center, count, NO_SITE, 0, reach, visited);
             if (status != UNTOUCHED) {
                 return status;
             }

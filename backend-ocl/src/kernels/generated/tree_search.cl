@@ -30,9 +30,18 @@ INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint 
 HOT Open open_blocks(Store *s, Question question, Open given);
 HOT Vantage vantage_of(Store *s);
 INLINE real size_around(Store *s);
-HOT uint search_near(Store *s, Vantage vantage, uint *visited, real *proven);
+HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *proven);
 HOT uint near_key(Store *s, Vantage vantage, real *near);
 HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint count);
+INLINE uint gather_kept(Store *s, Vantage vantage);
+INLINE bool may_cut(Store *s, uint level, uint node);
+INLINE RoughPlace rough_place(V3 p);
+INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab);
+INLINE float lower(float x);
+INLINE float upper(float x);
+INLINE float above_nothing(float x);
+INLINE float rough_gap(float lo, float hi, float place, float off);
+INLINE bool may_cut_at(RoughNode node, RoughVertex p);
 HOT void settle_near(Store *s, V3 center, real proven);
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited);
 HOT Answer ask_at(Store *s, uint v, uint at_once);
@@ -46,7 +55,7 @@ HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay);
 INLINE uint ask_site(Store *s, uint j, uint asks, uint left, uint *found, uint *ties);
 INLINE uint larger_count(uint a, uint b);
 HOT uint search_boxes(Store *s, Vantage vantage, uint *visited);
-HOT uint search_from(Store *s, Vantage vantage, uint *visited, real *proven);
+HOT uint search_from(Store *s, Vantage vantage, uint what, uint *visited, real *proven);
 INLINE OctreePlace open_ended(Store *s, OctreePlace at);
 INLINE bool is_in_box(Store *s, OctreePlace at, V3 place, real radius);
 INLINE uint take_fresh(Store *s, OctreeNode node, uint *looked);
@@ -57,5 +66,6 @@ HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint
 #import "generated/octree.cl"
 #import "generated/tree.cl"
 #import "generated/search.cl"
+#import "generated/sweep.cl"
 #import "generated/far.cl"
 #import "generated/boxes.cl"

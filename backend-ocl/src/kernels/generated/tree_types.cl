@@ -70,6 +70,18 @@ typedef struct {
     real limit;
 } Asked;
 
+// A vertex in the precision of bounds.
+typedef struct {
+    // Its place, from the cell's site.
+    float x;
+    // The same.
+    float y;
+    // The same.
+    float z;
+    // How far along each axis it is off that place at most.
+    float radius;
+} RoughVertex;
+
 // What is found at an asked vertex.
 typedef struct {
     // Its number in the store, or `NO_SITE` where none was asked for.
@@ -166,6 +178,8 @@ typedef struct {
     real limit;
     // 0 where no vertex is asked for.
     uint vertices;
+    // Whether it is instead whether a site may cut the cell at a vertex that is not settled.
+    bool sweeps;
 } Question;
 
 // The open blocks and the leaves at hand.
@@ -211,6 +225,20 @@ typedef struct {
 
 #define MOST_NEAR_SITES ((uint)(400))
 
+// What is searched: all near a cell, and then what it reaches; the sites that bound another cell beside it far off; and all that can still cut it at a vertex (`sweep.rs`).
+#define NEAR ((uint)(0))
+
+// The second.
+#define KEPT ((uint)(1))
+
+// The third.
+#define SWEEP ((uint)(2))
+
+// Leaves that are looked at before a sweep is given up, and sites visited: bounds in single precision may tell little apart.
+#define MOST_SWEPT_LEAVES ((uint)(400))
+
+#define MOST_SWEPT_SITES ((uint)(200))
+
 // Room for the roundings of a limit.
 #define SAFE ((real)(REAL(1.0) + (REAL(16.0) * UNIT_ROUNDOFF)))
 
@@ -234,6 +262,38 @@ typedef struct {
     uint above;
     uint below;
 } Wanted;
+
+// core/src/cell/sweep.rs
+
+// What single precision rounds off, of the size of what is added, at most: sixteen roundings.
+#define ROUNDINGS ((float)(REAL(1e-6)))
+
+// Where its squares underflow.
+#define LEAST_SQUARE ((float)(REAL(1e-30)))
+
+#define ONE ((float)(REAL(1.0)))
+
+#define EIGHT ((float)(REAL(8.0)))
+
+#define SIXTEEN ((float)(REAL(16.0)))
+
+#define NOTHING ((float)(REAL(0.0)))
+
+// A place in single precision, from the cell's site.
+typedef struct {
+    float x;
+    float y;
+    float z;
+} RoughPlace;
+
+// What holds a node's sites, from the cell's: a box, and a slab `below ≤ n·x ≤ above`.
+typedef struct {
+    RoughPlace lo;
+    RoughPlace hi;
+    RoughPlace normal;
+    float below;
+    float above;
+} RoughNode;
 
 // core/src/cell/far.rs
 

@@ -4,7 +4,7 @@ use super::super::store::{MOST_ASKED, Room, Searched};
 use super::super::*;
 use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::far::{asked_at, search_far, settle_near};
-use crate::cell::search::{search_near, vantage_of};
+use crate::cell::search::{KEPT, NEAR, SWEEP, search_near, vantage_of};
 use crate::cell::search_store::SearchStore;
 use crate::cell::tree::asks_by_powers;
 use crate::cell::{
@@ -99,7 +99,7 @@ fn searched(tree: &SiteTree, site: u32, far: Option<u32>) -> Option<f64> {
     let (mut visited, mut proven) = (0, 0.0);
     let mut status = UNTOUCHED;
     if far.is_none() {
-        status = search_near(&mut search, vantage, &mut visited, &mut proven);
+        status = search_near(&mut search, vantage, NEAR, &mut visited, &mut proven);
     }
     if status == UNTOUCHED {
         settle_near(&mut search, vantage.center, proven);
@@ -107,6 +107,44 @@ fn searched(tree: &SiteTree, site: u32, far: Option<u32>) -> Option<f64> {
     }
     assert_ne!(status, UNCERTAIN);
     (status == COMPLETE).then(|| volume(&mut store))
+}
+
+/// Begun with the sites that bound another cell, and ended by a look at all that can still cut it; `None` where that is given up.
+fn swept(tree: &SiteTree, site: u32) -> Option<Option<f64>> {
+    let mut store = begun(tree, site);
+    let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
+    let mut room = Room::default();
+    let mut search = Searched::new(&mut cell, tree, None, &mut room, 0.0);
+    let vantage = vantage_of(&search);
+    let (mut visited, mut proven) = (0, 0.0);
+    let mut status = search_near(&mut search, vantage, NEAR, &mut visited, &mut proven);
+    if status == UNTOUCHED {
+        settle_near(&mut search, vantage.center, proven);
+        status = search_near(&mut search, vantage, KEPT, &mut visited, &mut proven);
+    }
+    if status == UNTOUCHED {
+        status = search_near(&mut search, vantage, SWEEP, &mut visited, &mut proven);
+    }
+    assert_ne!(status, UNCERTAIN);
+    (status != UNTOUCHED).then(|| (status == COMPLETE).then(|| volume(&mut store)))
+}
+
+#[test]
+fn a_sweep_finds_all_sites_that_cut() {
+    let mut given_up = 0;
+    for (name, positions, _) in inputs().into_iter().filter(|(_, _, weights)| weights.is_empty()) {
+        let tree = SiteTree::new(&positions, &[]);
+        for site in (0..tree.len() as u32).step_by(3) {
+            match swept(&tree, site) {
+                Some(found) => {
+                    let (found, all) = (found.unwrap_or(0.0), cut_by_all(&tree, site).unwrap_or(0.0));
+                    assert!((found - all).abs() <= 1e-14 * all + 1e-17, "{name}, {site}: {found} instead of {all}");
+                }
+                None => given_up += 1,
+            }
+        }
+    }
+    assert!(given_up < 30, "{given_up}");
 }
 
 #[test]

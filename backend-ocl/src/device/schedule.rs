@@ -11,6 +11,7 @@ use crate::interface::data::{ALL_TURNS, Counters, MOST_KEPT, VAST_WORDS};
 use crate::interface::kernels::{self, ChooseLeaders, LookAbout, World};
 use crate::platform::DeviceId;
 use crate::program::MOST_PLANES;
+use laguerre_core::cell::FACETS;
 use laguerre_core::cell::search_store::WIDTH;
 use laguerre_core::output::Substep;
 use laguerre_core::passes::{Capacities, Cells, PassOutcome, run_passes};
@@ -395,31 +396,37 @@ impl Device {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         };
         let are_many = turns.len() >= WORTH_SHOWING && (IN_TESTS || matches!(cells, Todo::Sorted(_)));
-        // (In a domain not measured.)
-        if !are_many || self.shared.params.equal_weights == 0 || self.domain.is_some() {
+        let params = &self.shared.params;
+        // (In a domain not measured. With facets batches, and room for records, would decide which cells do.)
+        let may_show = params.equal_weights != 0 && params.flags & FACETS == 0 && self.domain.is_none();
+        if !(are_many && may_show && stride == 1 && self.choose_leaders(cells, turns.clone())?) {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         }
-        self.choose_leaders(cells, turns.clone())?;
         if let Some(late) = self.launch(way, cells, stride, turns.clone(), interior_only, 0)? {
             return Ok(Some(late));
         }
         let Counters { showing, shown, .. } = self.counters;
         (self.counters.showing, self.counters.shown) = (0, 0);
-        let others = if shown < MANY_FAR * showing { way } else { Way::Together(lanes, Stage::Sweep) };
+        let show_many = showing > 0 && shown >= MANY_FAR * showing;
+        let others = if show_many { Way::Together(lanes, Stage::Sweep) } else { way };
         self.launch(others, cells, stride, turns, interior_only, 1)?.map_or(Ok(None), Err)
     }
 
-    /// Finds the first of some cells in each block of leaves of the tree.
-    fn choose_leaders(&mut self, cells: &Todo, turns: Range<usize>) -> Result<()> {
+    /// Finds the first of some cells in each block of leaves of the tree, where there is room for what bounds them; says whether.
+    fn choose_leaders(&mut self, cells: &Todo, turns: Range<usize>) -> Result<bool> {
         let Self { context, queue, memory, grid_kernels, shared, .. } = self;
         let blocks = (shared.params.tree_sites as usize).div_ceil((WIDTH * WIDTH) as usize);
+        let room = blocks * MOST_KEPT as usize;
+        if !memory.leaders.grow_if_possible(context, blocks)? || !memory.kept.grow_if_possible(context, room)? {
+            return Ok(false);
+        }
         memory.leaders.fill_with(context, queue, u32::MAX, blocks)?;
-        memory.kept.fill_with(context, queue, 0, blocks * MOST_KEPT as usize)?;
+        memory.kept.fill_with(context, queue, 0, room)?;
         let (has_list, start) = cells.place();
         let (list, leaders) = (&memory.todo, &memory.leaders);
         let (first, count) = ((start + turns.start) as u32, turns.len() as u32);
         let arguments = ChooseLeaders { list, has_list, first, count, leaders };
-        grid_kernels.choose_leaders.run(queue, turns.len(), GROUP, arguments)
+        grid_kernels.choose_leaders.run(queue, turns.len(), GROUP, arguments).map(|()| true)
     }
 
     /// Launches the kernel over those that have a turn (`ALL_TURNS`: over all): as [`run`](Self::run).

@@ -14,7 +14,7 @@
 // (`lanes_tree.cl`), WITH_EXACT for what is open in either, WITH_ROOM for what needs more room: such a cell has TEAMS of LANES work-items, which ask
 // for its vertices and wait for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
 // WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`); WITH_CLOSE for cells of which most have open signs,
-// by that table.
+// by that table; WITH_SWEEP for cells that begin with what bounds others far off (`leaders.cl`).
 
 #import "lanes_table.cl"
 #import "lanes_near.cl"

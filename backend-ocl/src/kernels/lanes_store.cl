@@ -15,7 +15,7 @@
 #define GIVES_CELLS (!TAKES_CELLS && !WITH_EXACT && !WITH_ROOM)
 
 // Whether what of a cell is far outside the domain is cut off.
-#define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || (WITH_FAR || WITH_SWEEP)))
+#define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || WITH_FAR))
 
 // Whether signs that single precision leaves open, and vertices of nearly dependent planes, are settled in double precision and double-double: of
 // cells that reach far they are many. Of a million sites on a bumpy surface 99 % went on to the stage WITH_EXACT, for 2.9 s; now none does, and

@@ -162,8 +162,8 @@ INLINE uint keep_far(Store *s, V3 slope, real above, __global uint *kept) {
 }
 #endif
 
-// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
-// Where its vertices tell which, `above` becomes the square of twice the radius within which others than these can not.
+// Cuts the cell by all sites that can cut it: `COMPLETE`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`; WITH_SWEEP `BATCH_FULL` where it is given up, for the same list. `above` becomes
+// the square of twice the radius within which no other site can cut it than those that were near, 0 where that was not found.
 INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *extent, real *above) {
     uint status = UNTOUCHED;
 #if WITH_SWEEP

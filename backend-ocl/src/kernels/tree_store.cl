@@ -21,9 +21,6 @@ INLINE NodeSlab store_node_slab(Store *s, uint level, uint node) {
     };
 }
 
-// One vertex is asked for at a time, by each team. (Four, each in open blocks and leaves of its own, so that all 32 lanes have some, took a million sites on a bumpy
-// surface 1.2 instead of 0.68 s, in a plane 0.11 instead of 0.09, one NVIDIA H200: a step of the tree costs the instructions it takes, then 310, of which
-// 73 are in double precision, of two cycles each. It takes 500 where lanes differ in what they ask, and four times as many blocks are open as are taken at a time.)
 #if LANES && WITH_SWEEP
 INLINE RoughVertex store_rough_vertex(Store *s, uint v) {
     const float4 p = s->cell->rough[v];
@@ -36,6 +33,9 @@ INLINE RoughVertex store_rough_vertex(Store *s, uint v) { return (RoughVertex){ 
 INLINE uint store_kept_count(Store *s) { return 0u; }
 INLINE uint store_kept_site(Store *s, uint i) { return NO_SITE; }
 #endif
+// One vertex is asked for at a time, by each team. (Four, each in open blocks and leaves of its own, so that all 32 lanes have some, took a million sites on a bumpy
+// surface 1.2 instead of 0.68 s, in a plane 0.11 instead of 0.09, one NVIDIA H200: a step of the tree costs the instructions it takes, then 310, of which
+// 73 are in double precision, of two cycles each. It takes 500 where lanes differ in what they ask, and four times as many blocks are open as are taken at a time.)
 INLINE uint store_most_asked(Store *s) { return 1u; }
 INLINE Asked store_asked(Store *s, uint i) { return s->asked; }
 INLINE void store_set_asked(Store *s, uint i, Asked asked) { s->asked = asked; }

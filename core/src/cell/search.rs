@@ -131,12 +131,13 @@ pub(super) struct Wanted {
     pub(super) below: u32,
 }
 
-/// Cuts the cell by the sites that it reaches: `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended.
+/// Cuts the cell by the sites that it reaches (`what` is `NEAR`): `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended. By those that are `KEPT`: `UNTOUCHED`, or how
+/// it ended. By all that can cut it at a vertex that is not settled (`SWEEP`): as the first.
 ///
-/// First come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
+/// Near, first come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
 /// own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
 ///
-/// `proven` becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
+/// `proven` then becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub fn search_near<S: SearchStore>(

@@ -13,6 +13,7 @@ use super::vector::{Real, Rough, V3, dot, sub};
 
 /// What single precision rounds off, of the size of what is added, at most: sixteen roundings.
 const ROUNDINGS: Rough = 1e-6;
+const OUTWARD: Real = 1e-6;
 /// Where its squares underflow.
 const LEAST_SQUARE: Rough = 1e-30;
 const ONE: Rough = 1.0;
@@ -71,34 +72,30 @@ pub(super) fn may_cut<S: SearchStore>(s: &S, level: u32, node: u32) -> bool {
     return may;
 }
 
-#[inline(always)]
-fn rough_place(p: V3) -> RoughPlace {
-    return RoughPlace { x: p.x as Rough, y: p.y as Rough, z: p.z as Rough };
-}
-
+/// (A node that is not there is farther than single precision reaches, and stays there: what is rounded outward is still in double precision.)
 #[inline(always)]
 fn seen_roughly(site: V3, bounds: NodeBox, slab: NodeSlab) -> RoughNode {
-    let lo: RoughPlace = rough_place(sub(bounds.lo, site));
-    let hi: RoughPlace = rough_place(sub(bounds.hi, site));
+    let lo: V3 = sub(bounds.lo, site);
+    let hi: V3 = sub(bounds.hi, site);
     let height: Real = dot(slab.normal, site);
-    let size: Real = (site.x.abs() + site.y.abs()) + site.z.abs();
+    let lost: Real = 1e-14 * ((site.x.abs() + site.y.abs()) + site.z.abs());
     return RoughNode {
         lo: RoughPlace { x: lower(lo.x), y: lower(lo.y), z: lower(lo.z) },
         hi: RoughPlace { x: upper(hi.x), y: upper(hi.y), z: upper(hi.z) },
-        normal: rough_place(slab.normal),
-        below: lower(((slab.lo - height) - (1e-14 * size)) as Rough),
-        above: upper(((slab.hi - height) + (1e-14 * size)) as Rough),
+        normal: RoughPlace { x: slab.normal.x as Rough, y: slab.normal.y as Rough, z: slab.normal.z as Rough },
+        below: lower((slab.lo - height) - lost),
+        above: upper((slab.hi - height) + lost),
     };
 }
 
 #[inline(always)]
-fn lower(x: Rough) -> Rough {
-    return x - (ROUNDINGS * x.abs());
+fn lower(x: Real) -> Rough {
+    return (x - (OUTWARD * x.abs())) as Rough;
 }
 
 #[inline(always)]
-fn upper(x: Rough) -> Rough {
-    return x + (ROUNDINGS * x.abs());
+fn upper(x: Real) -> Rough {
+    return (x + (OUTWARD * x.abs())) as Rough;
 }
 
 #[inline(always)]
@@ -128,5 +125,5 @@ fn may_cut_at(node: RoughNode, p: RoughVertex) -> bool {
     let z: Rough = rough_gap(node.lo.z, node.hi.z, p.z - (across * node.normal.z), off);
     let square: Rough = (((x * x) + (y * y)) + (z * z)) + (across * across);
     let more: Rough = p.radius * ((EIGHT * size) + (SIXTEEN * p.radius));
-    return square <= ((own * (ONE + (EIGHT * ROUNDINGS))) + (more + LEAST_SQUARE));
+    return !(square > ((own * (ONE + (EIGHT * ROUNDINGS))) + (more + LEAST_SQUARE)));
 }

@@ -237,7 +237,7 @@ typedef struct {
     uint near;
     // Of those for later, those that reach beyond what was searched.
     uint beyond;
-    // Cells that kept what bounds them far off, and how many sites these were.
+    // Cells that kept what bounds them far off, and how many sites do, which may be more than there is room for.
     uint showing;
     uint shown;
 } Counters;

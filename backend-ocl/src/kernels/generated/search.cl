@@ -41,12 +41,13 @@ INLINE real size_around(Store *s) {
     return size;
 }
 
-// Cuts the cell by the sites that it reaches: `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended.
+// Cuts the cell by the sites that it reaches (`what` is `NEAR`): `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended. By those that are `KEPT`: `UNTOUCHED`, or how
+// it ended. By all that can cut it at a vertex that is not settled (`SWEEP`): as the first.
 //
-// First come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
+// Near, first come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
 // own leaf's block before, one at the block's edge would be open to the other side, and be tried with all that there is.
 //
-// `proven` becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
+// `proven` then becomes the square of twice the radius about the vantage's center within which no other site can cut the cell.
 HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *proven) {
     real near = REAL(0.0);
     Wanted wanted = (Wanted){ .above = 0, .below = NO_SITE };

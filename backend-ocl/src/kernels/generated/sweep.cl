@@ -29,24 +29,21 @@ INLINE bool may_cut(Store *s, uint level, uint node) {
     return may;
 }
 
-INLINE RoughPlace rough_place(V3 p) {
-    return (RoughPlace){ .x = (float)p.x, .y = (float)p.y, .z = (float)p.z };
-}
-
+// (A node that is not there is farther than single precision reaches, and stays there: what is rounded outward is still in double precision.)
 INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab) {
-    const RoughPlace lo = rough_place(sub(bounds.lo, site));
-    const RoughPlace hi = rough_place(sub(bounds.hi, site));
+    const V3 lo = sub(bounds.lo, site);
+    const V3 hi = sub(bounds.hi, site);
     const real height = v3_dot(slab.normal, site);
-    const real size = (fabs(site.x) + fabs(site.y)) + fabs(site.z);
-    return (RoughNode){ .lo = (RoughPlace){ .x = lower(lo.x), .y = lower(lo.y), .z = lower(lo.z) }, .hi = (RoughPlace){ .x = upper(hi.x), .y = upper(hi.y), .z = upper(hi.z) }, .normal = rough_place(slab.normal), .below = lower((float)((slab.lo - height) - (REAL(1e-14) * size))), .above = upper((float)((slab.hi - height) + (REAL(1e-14) * size))) };
+    const real lost = REAL(1e-14) * ((fabs(site.x) + fabs(site.y)) + fabs(site.z));
+    return (RoughNode){ .lo = (RoughPlace){ .x = lower(lo.x), .y = lower(lo.y), .z = lower(lo.z) }, .hi = (RoughPlace){ .x = upper(hi.x), .y = upper(hi.y), .z = upper(hi.z) }, .normal = (RoughPlace){ .x = (float)slab.normal.x, .y = (float)slab.normal.y, .z = (float)slab.normal.z }, .below = lower((slab.lo - height) - lost), .above = upper((slab.hi - height) + lost) };
 }
 
-INLINE float lower(float x) {
-    return x - (ROUNDINGS * fabs(x));
+INLINE float lower(real x) {
+    return (float)(x - (OUTWARD * fabs(x)));
 }
 
-INLINE float upper(float x) {
-    return x + (ROUNDINGS * fabs(x));
+INLINE float upper(real x) {
+    return (float)(x + (OUTWARD * fabs(x)));
 }
 
 INLINE float above_nothing(float x) {
@@ -73,5 +70,5 @@ INLINE bool may_cut_at(RoughNode node, RoughVertex p) {
     const float z = rough_gap(node.lo.z, node.hi.z, p.z - (across * node.normal.z), off);
     const float square = (((x * x) + (y * y)) + (z * z)) + (across * across);
     const float more = p.radius * ((EIGHT * size) + (SIXTEEN * p.radius));
-    return square <= ((own * (ONE + (EIGHT * ROUNDINGS))) + (more + LEAST_SQUARE));
+    return !(square > ((own * (ONE + (EIGHT * ROUNDINGS))) + (more + LEAST_SQUARE)));
 }

@@ -268,6 +268,8 @@ typedef struct {
 // What single precision rounds off, of the size of what is added, at most: sixteen roundings.
 #define ROUNDINGS ((float)(REAL(1e-6)))
 
+#define OUTWARD ((real)(REAL(1e-6)))
+
 // Where its squares underflow.
 #define LEAST_SQUARE ((float)(REAL(1e-30)))
 

@@ -109,7 +109,7 @@ fn searched(tree: &SiteTree, site: u32, far: Option<u32>) -> Option<f64> {
     (status == COMPLETE).then(|| volume(&mut store))
 }
 
-/// Begun with the sites that bound another cell, and ended by a look at all that can still cut it; `None` where that is given up.
+/// Near, and ended by a look at all that can still cut it; `None` where that is given up. (None are kept of another cell here.)
 fn swept(tree: &SiteTree, site: u32) -> Option<Option<f64>> {
     let mut store = begun(tree, site);
     let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);

@@ -117,6 +117,24 @@ mod tests {
     use crate::builds::Build;
     use std::collections::BTreeSet;
 
+    /// In C the one that comes last would be all of them.
+    #[test]
+    fn generated_constants_of_one_name_are_the_same() {
+        use std::collections::BTreeMap;
+        let mut values = BTreeMap::<&str, BTreeSet<Vec<&str>>>::new();
+        for (_, text) in FILES.iter().filter(|(file, _)| file.starts_with("generated/")) {
+            let mut here = BTreeMap::<&str, Vec<&str>>::new();
+            for line in text.lines().filter_map(|line| line.strip_prefix("#define ")) {
+                here.entry(line.split([' ', '(']).next().unwrap_or_default()).or_default().push(line);
+            }
+            here.into_iter().for_each(|(name, lines)| {
+                values.entry(name).or_default().insert(lines);
+            });
+        }
+        let differ: Vec<_> = values.iter().filter(|(_, values)| values.len() > 1).collect();
+        assert!(differ.is_empty(), "{differ:?}");
+    }
+
     #[test]
     fn every_file_is_in_a_build_and_none_imports_itself() {
         let mut used = BTreeSet::new();

@@ -12,14 +12,14 @@ use super::search_store::{NO_SITE, NodeBox, NodeSlab, RoughVertex, SearchStore};
 use super::vector::{Real, Rough, V3, dot, sub};
 
 /// What single precision rounds off, of the size of what is added, at most: sixteen roundings.
-const ROUNDINGS: Rough = 1e-6;
-const OUTWARD: Real = 1e-6;
+const SWEEP_ROUNDINGS: Rough = 1e-6;
+const SWEEP_OUTWARD: Real = 1e-6;
 /// Where its squares underflow.
-const LEAST_SQUARE: Rough = 1e-30;
-const ONE: Rough = 1.0;
-const EIGHT: Rough = 8.0;
-const SIXTEEN: Rough = 16.0;
-const NOTHING: Rough = 0.0;
+const SWEEP_LEAST_SQUARE: Rough = 1e-30;
+const SWEEP_ONE: Rough = 1.0;
+const SWEEP_EIGHT: Rough = 8.0;
+const SWEEP_SIXTEEN: Rough = 16.0;
+const SWEEP_NOTHING: Rough = 0.0;
 
 /// A place in single precision, from the cell's site.
 #[repr(C)]
@@ -90,17 +90,17 @@ fn seen_roughly(site: V3, bounds: NodeBox, slab: NodeSlab) -> RoughNode {
 
 #[inline(always)]
 fn lower(x: Real) -> Rough {
-    return (x - (OUTWARD * x.abs())) as Rough;
+    return (x - (SWEEP_OUTWARD * x.abs())) as Rough;
 }
 
 #[inline(always)]
 fn upper(x: Real) -> Rough {
-    return (x + (OUTWARD * x.abs())) as Rough;
+    return (x + (SWEEP_OUTWARD * x.abs())) as Rough;
 }
 
 #[inline(always)]
 fn above_nothing(x: Rough) -> Rough {
-    return x.max(NOTHING);
+    return x.max(SWEEP_NOTHING);
 }
 
 /// How far a place is from a range, at least, where it is off by `off`.
@@ -116,7 +116,7 @@ fn rough_gap(lo: Rough, hi: Rough, place: Rough, off: Rough) -> Rough {
 #[inline(always)]
 fn may_cut_at(node: RoughNode, p: RoughVertex) -> bool {
     let size: Rough = (p.x.abs() + p.y.abs()) + p.z.abs();
-    let off: Rough = ROUNDINGS * size;
+    let off: Rough = SWEEP_ROUNDINGS * size;
     let own: Rough = ((p.x * p.x) + (p.y * p.y)) + (p.z * p.z);
     let height: Rough = ((node.normal.x * p.x) + (node.normal.y * p.y)) + (node.normal.z * p.z);
     let across: Rough = above_nothing((height - node.above) - off) - above_nothing((node.below - height) - off);
@@ -124,6 +124,6 @@ fn may_cut_at(node: RoughNode, p: RoughVertex) -> bool {
     let y: Rough = rough_gap(node.lo.y, node.hi.y, p.y - (across * node.normal.y), off);
     let z: Rough = rough_gap(node.lo.z, node.hi.z, p.z - (across * node.normal.z), off);
     let square: Rough = (((x * x) + (y * y)) + (z * z)) + (across * across);
-    let more: Rough = p.radius * ((EIGHT * size) + (SIXTEEN * p.radius));
-    return !(square > ((own * (ONE + (EIGHT * ROUNDINGS))) + (more + LEAST_SQUARE)));
+    let more: Rough = p.radius * ((SWEEP_EIGHT * size) + (SWEEP_SIXTEEN * p.radius));
+    return !(square > ((own * (SWEEP_ONE + (SWEEP_EIGHT * SWEEP_ROUNDINGS))) + (more + SWEEP_LEAST_SQUARE)));
 }

@@ -39,15 +39,15 @@ INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab) {
 }
 
 INLINE float lower(real x) {
-    return (float)(x - (OUTWARD * fabs(x)));
+    return (float)(x - (SWEEP_OUTWARD * fabs(x)));
 }
 
 INLINE float upper(real x) {
-    return (float)(x + (OUTWARD * fabs(x)));
+    return (float)(x + (SWEEP_OUTWARD * fabs(x)));
 }
 
 INLINE float above_nothing(float x) {
-    return fmax(x, NOTHING);
+    return fmax(x, SWEEP_NOTHING);
 }
 
 // How far a place is from a range, at least, where it is off by `off`.
@@ -61,7 +61,7 @@ INLINE float rough_gap(float lo, float hi, float place, float off) {
 // seen from the foot on the slab.
 INLINE bool may_cut_at(RoughNode node, RoughVertex p) {
     const float size = (fabs(p.x) + fabs(p.y)) + fabs(p.z);
-    const float off = ROUNDINGS * size;
+    const float off = SWEEP_ROUNDINGS * size;
     const float own = ((p.x * p.x) + (p.y * p.y)) + (p.z * p.z);
     const float height = ((node.normal.x * p.x) + (node.normal.y * p.y)) + (node.normal.z * p.z);
     const float across = above_nothing((height - node.above) - off) - above_nothing((node.below - height) - off);
@@ -69,6 +69,6 @@ INLINE bool may_cut_at(RoughNode node, RoughVertex p) {
     const float y = rough_gap(node.lo.y, node.hi.y, p.y - (across * node.normal.y), off);
     const float z = rough_gap(node.lo.z, node.hi.z, p.z - (across * node.normal.z), off);
     const float square = (((x * x) + (y * y)) + (z * z)) + (across * across);
-    const float more = p.radius * ((EIGHT * size) + (SIXTEEN * p.radius));
-    return !(square > ((own * (ONE + (EIGHT * ROUNDINGS))) + (more + LEAST_SQUARE)));
+    const float more = p.radius * ((SWEEP_EIGHT * size) + (SWEEP_SIXTEEN * p.radius));
+    return !(square > ((own * (SWEEP_ONE + (SWEEP_EIGHT * SWEEP_ROUNDINGS))) + (more + SWEEP_LEAST_SQUARE)));
 }

@@ -266,20 +266,20 @@ typedef struct {
 // core/src/cell/sweep.rs
 
 // What single precision rounds off, of the size of what is added, at most: sixteen roundings.
-#define ROUNDINGS ((float)(REAL(1e-6)))
+#define SWEEP_ROUNDINGS ((float)(REAL(1e-6)))
 
-#define OUTWARD ((real)(REAL(1e-6)))
+#define SWEEP_OUTWARD ((real)(REAL(1e-6)))
 
 // Where its squares underflow.
-#define LEAST_SQUARE ((float)(REAL(1e-30)))
+#define SWEEP_LEAST_SQUARE ((float)(REAL(1e-30)))
 
-#define ONE ((float)(REAL(1.0)))
+#define SWEEP_ONE ((float)(REAL(1.0)))
 
-#define EIGHT ((float)(REAL(8.0)))
+#define SWEEP_EIGHT ((float)(REAL(8.0)))
 
-#define SIXTEEN ((float)(REAL(16.0)))
+#define SWEEP_SIXTEEN ((float)(REAL(16.0)))
 
-#define NOTHING ((float)(REAL(0.0)))
+#define SWEEP_NOTHING ((float)(REAL(0.0)))
 
 // A place in single precision, from the cell's site.
 typedef struct {

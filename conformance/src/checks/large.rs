@@ -128,7 +128,10 @@ pub fn surfaces_in_a_corner(backend: &dyn Backend) -> Verdict {
         let (moments, facets) = (scene.evaluate(backend, &Request::moments())?, scene.with_facets(backend)?);
         let said = fills(&scene, backend, &moments)
             .and_then(|()| as_the_oracle_says(&scene, &facets, &(0..scene.len()).step_by(31).collect::<Vec<_>>()))
-            .and_then(|()| same(&scene, &facets, &moments, Planes::Same));
+            // (In single precision facets are computed in double.)
+            .and_then(
+                |()| if of_digits(backend) > 1.0 { Ok(()) } else { same(&scene, &facets, &moments, Planes::Same) },
+            );
         said.map_err(|reason| format!("{name}: {reason}"))?;
     }
     Ok(())

@@ -110,7 +110,7 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
     let mut exact_cells = 0;
     let all = (0..prepared.sites.len() as u32).collect();
-    let passes = run_passes(FIRST, all, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
+    let passes = run_passes(FIRST, all, Capacities::grown_for, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
         let mut outcome: PassOutcome = PassOutcome::default();
         // Wave by wave: what a cell leaves behind takes several times the room of its results.
         let wave = if geometry.is_some() { WAVE_WITH_GEOMETRY } else { WAVE };

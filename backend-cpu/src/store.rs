@@ -261,6 +261,23 @@ impl ClipStore for CpuStore<'_> {
     }
 
     #[inline(always)]
+    fn next_open(&self, v: u32) -> u32 {
+        let (end, mut word) = (self.vertices.count, v as usize / 64);
+        if v as usize >= end {
+            return end as u32;
+        }
+        let mut open = !self.settled[word] >> (v % 64) << (v % 64);
+        while open == 0 {
+            word += 1;
+            if word * 64 >= end {
+                return end as u32;
+            }
+            open = !self.settled[word];
+        }
+        (word as u32 * 64 + open.trailing_zeros()).min(end as u32)
+    }
+
+    #[inline(always)]
     fn mark(&self, v: u32) -> u32 {
         let (word, bit) = (v as usize / 64, v % 64);
         if self.conflict[word] >> bit & 1 != 0 {

@@ -19,7 +19,18 @@ impl Capacities {
         let grow = |n: u32| n + n / 2;
         Self { planes: grow(self.planes), vertices: grow(self.vertices) }
     }
+
+    /// The same for a host with so many cells left: room for a few costs little, and each pass computes them anew. (The cell of a heavy site among a million, of 11,000
+    /// half-spaces, took 0.6 s in 13 passes, of which 0.27 the last, and takes 0.29 in five.)
+    #[must_use]
+    pub fn grown_for(self, cells: usize) -> Self {
+        let wider = Self { planes: self.planes.saturating_mul(4), vertices: self.vertices.saturating_mul(4) };
+        if cells <= FEW_CELLS { wider } else { self.grown() }
+    }
 }
+
+/// So many cells are few.
+const FEW_CELLS: usize = 64;
 
 /// Cells that a pass is to compute: a list of sorted sites, or what stands for one where they are on a device.
 pub trait Cells {
@@ -48,13 +59,14 @@ pub struct PassOutcome<C = Vec<u32>> {
     pub second: Substep,
 }
 
-/// Runs `pass` over `cells`, then over what failed with grown capacities, until nothing fails.
+/// Runs `pass` over `cells`, then over what failed with the capacities that `grow` makes of the last and of how many those are, until nothing fails.
 ///
 /// # Errors
 /// What `pass` returns.
 pub fn run_passes<C: Cells, E>(
     first: Capacities,
     cells: C,
+    grow: impl Fn(Capacities, usize) -> Capacities,
     mut pass: impl FnMut(Capacities, &C) -> Result<PassOutcome<C>, E>,
 ) -> Result<Vec<PassReport>, E> {
     let mut capacities = first;
@@ -75,7 +87,7 @@ pub fn run_passes<C: Cells, E>(
             second: outcome.second,
         });
         cells = outcome.failed;
-        capacities = capacities.grown();
+        capacities = grow(capacities, cells.count());
     }
     Ok(reports)
 }
@@ -89,20 +101,21 @@ mod tests {
     fn failed_cells_alone_come_again_with_more_room() {
         const WAIT: Duration = Duration::from_millis(2);
         let mut tried = Vec::new();
-        let reports =
-            run_passes(Capacities { planes: 10, vertices: 16 }, vec![3, 5, 8, 9], |room, cells: &Vec<u32>| {
-                tried.push((room, cells.clone()));
-                std::thread::sleep(WAIT);
-                let failed = cells.iter().copied().filter(|&cell| cell > room.planes / 2).collect();
-                let second = Substep { cells: 1, seconds: 0.25 };
-                Ok::<_, ()>(PassOutcome {
-                    failed,
-                    neighbors: room.planes,
-                    device_seconds: 0.5,
-                    second,
-                    ..PassOutcome::default()
-                })
-            });
+        let first = Capacities { planes: 10, vertices: 16 };
+        let grow = |room: Capacities, _| room.grown();
+        let reports = run_passes(first, vec![3, 5, 8, 9], grow, |room, cells: &Vec<u32>| {
+            tried.push((room, cells.clone()));
+            std::thread::sleep(WAIT);
+            let failed = cells.iter().copied().filter(|&cell| cell > room.planes / 2).collect();
+            let second = Substep { cells: 1, seconds: 0.25 };
+            Ok::<_, ()>(PassOutcome {
+                failed,
+                neighbors: room.planes,
+                device_seconds: 0.5,
+                second,
+                ..PassOutcome::default()
+            })
+        });
         let reports = reports.unwrap();
         let room = |planes, vertices| Capacities { planes, vertices };
         assert_eq!(tried, [(room(10, 16), vec![3, 5, 8, 9]), (room(15, 24), vec![8, 9]), (room(22, 36), vec![8, 9])]);

@@ -100,14 +100,19 @@ impl Device {
             self.build_ahead(request, lanes, stage, share.len());
         }
         let mut for_host = Vec::new();
-        let passes = run_passes(first, Todo::Sorted(share.clone()), |room, todo| {
-            if room.planes > MOST_PLANES {
-                for_host.extend(self.callers(todo)?);
-                return Ok(PassOutcome::default());
-            }
-            let together = begin.filter(|_| room == first);
-            self.pass(request, room, todo, room == first, together, &mut for_host)
-        });
+        let passes = run_passes(
+            first,
+            Todo::Sorted(share.clone()),
+            |room, _| room.grown(),
+            |room, todo| {
+                if room.planes > MOST_PLANES {
+                    for_host.extend(self.callers(todo)?);
+                    return Ok(PassOutcome::default());
+                }
+                let together = begin.filter(|_| room == first);
+                self.pass(request, room, todo, room == first, together, &mut for_host)
+            },
+        );
         self.programs.settle();
         let passes = passes?;
         let left = self.counters.left as usize;

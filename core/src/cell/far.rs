@@ -193,6 +193,11 @@ pub(super) fn next_unsettled<S: SearchStore>(s: &S, from: V3, sign: Real, key: &
     let mut compared: u32 = 0;
     let mut v: u32 = s.lane();
     while (v < s.vertices()) && (compared < MOST_COMPARED) {
+        #[cfg(not(opencl))]
+        if s.settled(v) {
+            v = s.next_open(v);
+            continue;
+        }
         if !s.settled(v) {
             compared += 1;
             let way: V3 = sub(s.position(v), from);

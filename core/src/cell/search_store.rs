@@ -325,6 +325,8 @@ pub trait SearchStore: Lanes {
     fn settled(&self, v: u32) -> bool;
     /// Sets it.
     fn set_settled(&mut self, v: u32, settled: bool);
+    /// From vertex `v` on the first that is not, for a host; as many as there are where there is none.
+    fn next_open(&self, v: u32) -> u32;
     /// Sets it of a vertex of this lane's own: not alike.
     fn settle_own(&mut self, v: u32) {
         self.set_settled(v, true);

@@ -124,6 +124,11 @@ pub trait ClipStore: Polytope {
     fn settled(&self, v: u32) -> bool;
     /// Sets whether that is known.
     fn set_settled(&mut self, v: u32, settled: bool);
+    /// From vertex `v` on the first of which that is not known; as many as there are where it is known of all. (Of the 20,000 vertices of a heavy site's cell
+    /// it is known of most, and to ask each of them was four fifths of the time that the cell took.)
+    fn next_open(&self, v: u32) -> u32 {
+        (v..self.vertices()).find(|&v| !self.settled(v)).unwrap_or(self.vertices())
+    }
     /// Mark of vertex `v`, one of the `MARK_` constants.
     fn mark(&self, v: u32) -> u32;
     /// Sets the mark of vertex `v`.

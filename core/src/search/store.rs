@@ -362,6 +362,10 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
     fn set_settled(&mut self, v: u32, settled: bool) {
         self.cell.store.set_settled(v, settled);
     }
+    #[inline(always)]
+    fn next_open(&self, v: u32) -> u32 {
+        self.cell.store.next_open(v)
+    }
     fn touches(&self, v: u32, j: u32) -> bool {
         let t = self.cell.store.triplet(v);
         [t.a, t.b, t.c].iter().any(|&f| self.cell.store.tag(f) == j)

@@ -9,8 +9,8 @@ use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
 use laguerre_core::search::Search;
 use laguerre_core::{
-    Backend, BackendInfo, Capabilities, CellStatus, Error, ErrorKind, Integrand, Observer, Output, PowerDiagram,
-    Report, Request, Result, Watched,
+    Backend, BackendInfo, Capabilities, CellStatus, Error, ErrorKind, Integrand, Observer, Output, PassReport,
+    PowerDiagram, Report, Request, Result, Watched,
 };
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -54,20 +54,29 @@ struct ChunkResult {
 struct Worker<'a> {
     store: CpuStore<'a>,
     search: Search<'a>,
-    shaper: Shaper,
+    /// Where cells' geometry is asked for.
+    shaper: Option<Shaper>,
+}
+
+/// What the cells of a pass are computed with.
+#[derive(Clone, Copy)]
+struct Pass<'a> {
+    room: Capacities,
+    /// Cells that one task computes.
+    chunk: usize,
+    prepared: &'a Prepared,
+    request: &'a Watched<'a>,
+    integrand: Option<&'a FramedIntegrand>,
+    has_geometry: bool,
 }
 
 impl<'a> Worker<'a> {
-    fn new(
-        room: Capacities,
-        prepared: &'a Prepared,
-        integrand: Option<&'a FramedIntegrand>,
-        request: &Request,
-    ) -> Self {
+    fn new(pass: Pass<'a>) -> Self {
+        let Pass { room, prepared, request, integrand, has_geometry, .. } = pass;
         Self {
             store: CpuStore::new(room, prepared.domain_grid()).with_integrand(integrand),
             search: Search::new(prepared),
-            shaper: Shaper::new(request.solids()),
+            shaper: has_geometry.then(|| Shaper::new(request.solids())),
         }
     }
 }
@@ -103,22 +112,52 @@ impl Backend for Cpu {
 
 fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
     let prepared = diagram.prepare()?.with_octree_if_hard(&|| request.advance(0))?;
-    let integrand = request.integral().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let mut assembler = Assembler::new(diagram, &prepared.container, &request);
     let mut geometry = request
         .geometry()
         .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
-    let mut exact_cells = 0;
     let all = (0..prepared.sites.len() as u32).collect();
-    let passes = run_passes(FIRST, all, Capacities::grown_for, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
+    let (passes, exact_cells) = run(&prepared, &request, all, &mut assembler, geometry.as_mut())?;
+    let report = Report::of_host(exact_cells, passes);
+    assembler.finish(prepared.sites.order(), report, geometry.map(GeometryAssembler::finish).transpose()?)
+}
+
+/// Computes the cells of some sorted sites on the threads of the pool at hand, but not their geometry: those that a device leaves to the host.
+///
+/// # Errors
+/// `Undecided` where a cell is, and what the observer says.
+pub fn compute_cells(
+    prepared: &Prepared,
+    request: &Watched<'_>,
+    sites: Vec<u32>,
+    assembler: &mut Assembler<'_>,
+) -> Result<()> {
+    run(prepared, request, sites, assembler, None).map(|_| ())
+}
+
+/// The passes over some sorted sites, and how many cells needed exact arithmetic.
+fn run(
+    prepared: &Prepared,
+    request: &Watched<'_>,
+    sites: Vec<u32>,
+    assembler: &mut Assembler<'_>,
+    mut geometry: Option<&mut GeometryAssembler>,
+) -> Result<(Vec<PassReport>, usize)> {
+    let integrand = request.integral().map(|f| f.framed(&prepared.container.frame)).transpose()?;
+    let (mut exact_cells, has_geometry) = (0, geometry.is_some());
+    let passes = run_passes(FIRST, sites, Capacities::grown_for, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
         let mut outcome: PassOutcome = PassOutcome::default();
+        // (Of few that are left each may take long.)
+        let is_all = cells.len() == prepared.sites.len();
+        let chunk = if is_all { CHUNK } else { cells.len().div_ceil(CHUNK).min(CHUNK) };
+        let pass = Pass { room, chunk, prepared, request, integrand: integrand.as_ref(), has_geometry };
         // Wave by wave: what a cell leaves behind takes several times the room of its results.
-        let wave = if geometry.is_some() { WAVE_WITH_GEOMETRY } else { WAVE };
+        let wave = if has_geometry { WAVE_WITH_GEOMETRY } else { WAVE };
         let mut shapes: Vec<Shapes> = Vec::new();
         for wave in cells.chunks(wave) {
             // The shapes of one wave are put together while the next is computed.
             let (results, ()) = rayon::join(
-                || run_chunks(room, wave, &prepared, integrand.as_ref(), &request),
+                || run_chunks(pass, wave),
                 || geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes))),
             );
             for result in results? {
@@ -136,27 +175,21 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes)));
         Ok(outcome)
     })?;
-    let report = Report::of_host(exact_cells, passes);
-    assembler.finish(prepared.sites.order(), report, geometry.map(GeometryAssembler::finish).transpose()?)
+    Ok((passes, exact_cells))
 }
 
-/// Computes the cells of one pass, chunk by chunk, the results in order.
-fn run_chunks(
-    room: Capacities,
-    cells: &[u32],
-    prepared: &Prepared,
-    integrand: Option<&FramedIntegrand>,
-    request: &Watched<'_>,
-) -> Result<Vec<ChunkResult>> {
+/// Computes some cells of a pass, chunk by chunk, the results in order.
+fn run_chunks(pass: Pass<'_>, cells: &[u32]) -> Result<Vec<ChunkResult>> {
+    let request = pass.request;
     if let Some(batch) = request.integral().and_then(Integrand::batch) {
-        return cells.par_chunks(batch.min(CHUNK)).map(|batch| run_batch(room, batch, prepared, request)).collect();
+        return cells.par_chunks(batch.min(pass.chunk)).map(|batch| run_batch(pass, batch)).collect();
     }
     cells
-        .par_chunks(CHUNK)
+        .par_chunks(pass.chunk)
         .map_init(
-            || Worker::new(room, prepared, integrand, request),
+            || Worker::new(pass),
             |worker, chunk| {
-                let result = run_chunk(worker, chunk, prepared, request)?;
+                let result = run_chunk(worker, chunk, pass)?;
                 request.advance(result.cells.len())?;
                 Ok(result)
             },
@@ -165,10 +198,12 @@ fn run_chunks(
 }
 
 /// The cells of a batch, whose function is called once for all of them: as often as it has columns, and once more to learn its places.
-fn run_batch(room: Capacities, cells: &[u32], prepared: &Prepared, request: &Watched<'_>) -> Result<ChunkResult> {
+fn run_batch(pass: Pass<'_>, cells: &[u32]) -> Result<ChunkResult> {
+    let Pass { prepared, request, .. } = pass;
     let taped = request.integral().and_then(|f| f.taped(&prepared.container.frame));
     let Some((integrand, tape)) = &taped else { return Ok(ChunkResult::default()) };
-    let run = || run_chunk(&mut Worker::new(room, prepared, Some(integrand), request), cells, prepared, request);
+    let pass = Pass { integrand: Some(integrand), ..pass };
+    let run = || run_chunk(&mut Worker::new(pass), cells, pass);
     run()?;
     tape.call()?;
     tape.turn_to(0);
@@ -181,11 +216,11 @@ fn run_batch(room: Capacities, cells: &[u32], prepared: &Prepared, request: &Wat
     Ok(result)
 }
 
-fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], prepared: &Prepared, request: &Request) -> Result<ChunkResult> {
+fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], pass: Pass<'_>) -> Result<ChunkResult> {
     let mut result = ChunkResult::default();
     worker.search.begin_row();
     for &site in cells {
-        run_cell(worker, site, prepared, request, &mut result)?;
+        run_cell(worker, site, pass, &mut result)?;
     }
     // (They stay until all cells are computed.)
     result.facets.shrink();
@@ -195,8 +230,7 @@ fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], prepared: &Prepared, reques
 fn run_cell(
     worker: &mut Worker<'_>,
     site: u32,
-    prepared: &Prepared,
-    request: &Request,
+    Pass { prepared, request, .. }: Pass<'_>,
     result: &mut ChunkResult,
 ) -> Result<()> {
     let [x, y, z, _] = prepared.sites.site(site);
@@ -222,9 +256,9 @@ fn run_cell(
         _ => return Err(Error::undecided("cell", prepared.sites.order()[site as usize])),
     };
     let order = prepared.sites.order();
-    if request.geometry() && status != CellStatus::Empty {
+    if let Some(shaper) = worker.shaper.as_mut().filter(|_| status != CellStatus::Empty) {
         let frame = &prepared.container.frame;
-        if worker.shaper.add(store, site, sums.volume, order, frame, &mut result.shapes) != cell::COMPLETE {
+        if shaper.add(store, site, sums.volume, order, frame, &mut result.shapes) != cell::COMPLETE {
             return Err(Error::undecided("geometry", order[site as usize]));
         }
     }

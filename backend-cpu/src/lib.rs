@@ -7,4 +7,4 @@ mod evaluate;
 mod minors;
 mod store;
 
-pub use evaluate::Cpu;
+pub use evaluate::{Cpu, compute_cells};

@@ -98,6 +98,13 @@ mod tests {
     use std::time::Duration;
 
     #[test]
+    fn few_cells_get_much_more_room() {
+        let room = |planes, vertices| Capacities { planes, vertices };
+        assert_eq!(room(64, 128).grown_for(FEW_CELLS), room(256, 512));
+        assert_eq!(room(64, 128).grown_for(FEW_CELLS + 1), room(96, 192));
+    }
+
+    #[test]
     fn failed_cells_alone_come_again_with_more_room() {
         const WAIT: Duration = Duration::from_millis(2);
         let mut tried = Vec::new();

@@ -48,6 +48,23 @@ impl<T: Copy + Send + Sync> Room<T> {
         }
     }
 
+    /// Makes sure that at least `length` fit; the first `kept` stay what they are. It grows by half of what it had at least.
+    pub(crate) fn extend(&mut self, context: &Context, queue: &Queue, kept: usize, length: usize) -> Result<()> {
+        if length <= self.length {
+            return Ok(());
+        }
+        let mut larger = Self::new(self.what);
+        larger.grow(context, length.max(self.length + self.length / 2))?;
+        if let (Some(from), Some(to), 1..) = (&self.buffer, &mut larger.buffer, kept) {
+            // SAFETY: both hold as many, and neither is freed before what is enqueued is done.
+            unsafe { queue.enqueue_copy_buffer(from, to, 0, 0, kept * size_of::<T>(), &[]) }
+                .map(Handle::new)
+                .map_err(|e| failed(&format!("copying {}", self.what), e))?;
+        }
+        *self = larger;
+        Ok(())
+    }
+
     /// Gives the memory back.
     pub(crate) fn free(&mut self) {
         self.buffer = None;
@@ -158,15 +175,23 @@ impl<T: Copy + Send + Sync> Room<T> {
         Ok(())
     }
 
-    /// The first.
-    pub(crate) fn first(&self, queue: &Queue) -> Result<T>
+    /// That at a place.
+    pub(crate) fn number(&self, queue: &Queue, place: usize) -> Result<T>
     where
         T: Default,
     {
         self.get()?;
         let mut data = Vec::with_capacity(1);
-        self.read(queue, 1, &mut data)?;
+        self.read_from(queue, place, 1, &mut data)?;
         Ok(data.first().copied().unwrap_or_default())
+    }
+
+    /// The first.
+    pub(crate) fn first(&self, queue: &Queue) -> Result<T>
+    where
+        T: Default,
+    {
+        self.number(queue, 0)
     }
 
     fn read_into(&self, queue: &Queue, first: usize, data: &mut [MaybeUninit<T>]) -> Result<()> {

@@ -1,20 +1,20 @@
 //! The octree over the container (`core/src/power_octree.rs`), whose leaves are on the device.
 
 use crate::buffer::{Room, failed, rooms};
-use crate::interface::data::{
-    GRID_GROUP, NO_BOX, NO_HOME, OCTREE_GROUP, PLACED_LISTED, PLACED_NOWHERE, PLACED_WHOLE, Params,
-};
-use crate::interface::kernels::{FindHomes, PlaceLeaves, SplitBoxes};
+use crate::grid::scan;
+use crate::interface::data::{GRID_GROUP, NO_BOX, NO_HOME, OCTREE_GROUP, Params};
+use crate::interface::kernels::{FindHomes, JudgeParts, PlaceLeaves, SplitBoxes};
 use crate::params::Shared;
 use crate::program::GridKernels;
 use crate::queue::Queue;
 use laguerre_core::Result;
+use laguerre_core::cell::octree::MOST_DEPTH;
 use laguerre_core::cell::search_store::MOST_LEAVES;
-use laguerre_core::power_octree::{Lists, OctreeBox, OctreeBoxes, Place, margin_of, most_listed};
+use laguerre_core::power_octree::{OctreeBox, are_too_many, margin_of, most_listed, off_of};
 use laguerre_core::site_tree::WIDTH;
 use opencl3::context::Context;
 use opencl3::types::cl_device_id;
-use rayon::prelude::*;
+use std::mem;
 
 /// Work-items of a group, and where boxes list more leaves than so many: there are few such boxes. (Of a million sites the first two levels took 22 of 41 ms
 /// with small groups, one NVIDIA H100.)
@@ -29,13 +29,18 @@ rooms! {
         pub(crate) homes: u32 = "the octree over the container",
         pub(crate) middles: [f64; 4] = "the octree over the container",
         ways: u32 = "the octree over the container",
+        /// The boxes that are split, and those that are split next.
         boxes: OctreeBox = "boxes of the octree over the container",
+        next_boxes: OctreeBox = "boxes of the octree over the container",
         /// The leaves of the boxes that are split, and of those that are split next.
         whole: u32 = "boxes of the octree over the container",
         next: u32 = "boxes of the octree over the container",
         kept: u8 = "boxes of the octree over the container",
         counts: u32 = "boxes of the octree over the container",
-        places: [u32; 2] = "boxes of the octree over the container",
+        splits: u32 = "boxes of the octree over the container",
+        wholes: u32 = "boxes of the octree over the container",
+        lists: u32 = "boxes of the octree over the container",
+        unlisted: u32 = "boxes of the octree over the container",
     }
 }
 
@@ -50,65 +55,6 @@ pub(crate) struct OfSites<'a> {
     pub(crate) sites: &'a Room<[f64; 4]>,
 }
 
-/// What makes it.
-struct OnDevice<'a> {
-    of: OfSites<'a>,
-    memory: &'a mut OctreeMemory,
-    margin: f64,
-    /// Work-items of a group that goes over many leaves.
-    large: usize,
-}
-
-impl Lists for OnDevice<'_> {
-    fn split(&mut self, front: &[OctreeBox]) -> Result<Vec<u32>> {
-        let Self { of: OfSites { context, queue, kernels, shared, sites, .. }, memory, margin, large } = self;
-        let leaves: usize = front.iter().map(|its| its.count as usize).sum();
-        let parts = WIDTH * front.len();
-        memory.boxes.fill(context, queue, front)?;
-        memory.kept.grow(context, WIDTH * leaves)?;
-        memory.counts.grow(context, parts)?;
-        let arguments = SplitBoxes {
-            params: &shared.room,
-            sites,
-            boxes: &memory.boxes,
-            leaves: &memory.whole,
-            margin: *margin,
-            kept: &memory.kept,
-            counts: &memory.counts,
-        };
-        let group = if leaves > MANY_LEAVES * front.len() { *large } else { GROUP };
-        kernels.split_boxes.run(queue, parts * group, group, arguments)?;
-        let mut counts = Vec::new();
-        memory.counts.read(queue, parts, &mut counts)?;
-        Ok(counts)
-    }
-
-    fn place(&mut self, places: &[Place], whole: usize) -> Result<()> {
-        let Self { of: OfSites { context, queue, kernels, .. }, memory, .. } = self;
-        let places: Vec<[u32; 2]> = places
-            .par_iter()
-            .map(|place| match *place {
-                Place::Whole(begin) => [PLACED_WHOLE, begin],
-                Place::Listed(begin) => [PLACED_LISTED, begin],
-                Place::Nowhere => [PLACED_NOWHERE, 0],
-            })
-            .collect();
-        memory.places.fill(context, queue, &places)?;
-        memory.next.grow(context, whole)?;
-        let arguments = PlaceLeaves {
-            boxes: &memory.boxes,
-            leaves: &memory.whole,
-            kept: &memory.kept,
-            places: &memory.places,
-            next: &memory.next,
-            listed: &memory.listed,
-        };
-        kernels.place_leaves.run(queue, places.len() * GROUP, GROUP, arguments)?;
-        std::mem::swap(&mut memory.whole, &mut memory.next);
-        Ok(())
-    }
-}
-
 impl OctreeMemory {
     /// Makes room for a little of what the kernels of cells are given.
     pub(crate) fn be_there(&mut self, context: &Context) -> Result<()> {
@@ -120,13 +66,14 @@ impl OctreeMemory {
 
     /// Gives back what the octree was made with, if it is more than `most` bytes.
     pub(crate) fn free_scratch(&mut self, most: u64) {
-        let Self { ways, boxes, whole, next, kept, counts, places, .. } = self;
-        let lists = ways.bytes() + whole.bytes() + next.bytes() + kept.bytes();
-        if lists + boxes.bytes() + counts.bytes() + places.bytes() > most {
-            [ways, whole, next, counts].into_iter().for_each(Room::free);
+        let Self { ways, boxes, next_boxes, whole, next, kept, counts, splits, wholes, lists, .. } = self;
+        let mut numbers = [ways, whole, next, counts, splits, wholes, lists];
+        let of_numbers: u64 = numbers.iter().map(|numbers| numbers.bytes()).sum();
+        if of_numbers + boxes.bytes() + next_boxes.bytes() + kept.bytes() > most {
+            numbers.iter_mut().for_each(|numbers| numbers.free());
             boxes.free();
+            next_boxes.free();
             kept.free();
-            places.free();
         }
     }
 
@@ -139,33 +86,123 @@ impl OctreeMemory {
         self.middles.free();
     }
 
-    /// Makes the octree over the sites of a tree; how far a place may be off there, or 0 where boxes would list too many.
-    pub(crate) fn make(&mut self, of: OfSites<'_>, go_on: &dyn Fn() -> Result<()>) -> Result<f64> {
-        let OfSites { device, context, queue, kernels, shared, sites } = of;
+    /// Makes the octree over the sites of a tree; how far a place may be off there, or 0 where boxes would list too many. `sums` is scratch. (What
+    /// `core/src/power_octree.rs` makes, level by level: boxes stay on the device, where a million sites may have three million.)
+    pub(crate) fn make(
+        &mut self,
+        of: OfSites<'_>,
+        sums: &mut Vec<Room<u32>>,
+        go_on: &dyn Fn() -> Result<()>,
+    ) -> Result<f64> {
+        let OfSites { context, queue, shared, .. } = of;
         let Params { box_lo, box_hi, tree_sites, .. } = shared.params;
-        let (bounds, count) = ([box_lo, box_hi], tree_sites as usize);
-        self.listed.grow(context, most_listed(count))?;
-        let all: Vec<u32> = (0..count.div_ceil(WIDTH) as u32).collect();
-        self.whole.fill(context, queue, &all)?;
-        let largest = kernels.split_boxes.largest_group(device)?.clamp(GROUP, LARGE_GROUP);
+        let (bounds, sites) = ([box_lo, box_hi], tree_sites as usize);
         let margin = margin_of(bounds);
-        let mut lists = OnDevice { of, memory: self, margin, large: 1 << largest.ilog2() };
-        let Some(boxes) = OctreeBoxes::new(&mut lists, count, bounds, MOST_LEAVES as usize - 1, go_on)? else {
-            return Ok(0.0);
+        self.listed.grow(context, most_listed(sites))?;
+        let all: Vec<u32> = (0..sites.div_ceil(WIDTH) as u32).collect();
+        self.whole.fill(context, queue, &all)?;
+        self.boxes.fill(context, queue, &[OctreeBox::of_all(bounds, sites)])?;
+        self.unlisted.fill_with(context, queue, 0, 1)?;
+        // (The first box is whole, so that its middle is of no use.)
+        self.nodes.grow(context, 1)?;
+        self.middles.grow(context, 1)?;
+        let mut level = Level { boxes: 1, leaves: all.len(), nodes: 1, listed: 0 };
+        for depth in 1..=MOST_DEPTH {
+            if level.boxes == 0 {
+                break;
+            }
+            go_on()?;
+            let Some(next) = self.split(of, level, depth, margin, sums)? else { return Ok(0.0) };
+            level = next;
+        }
+        self.find_homes(of, level.nodes)?;
+        queue.finish().map_err(|e| failed("making the octree over the container", e))?;
+        Ok(off_of(margin))
+    }
+
+    /// Splits the boxes of a level; `None` where there are too many then.
+    fn split(
+        &mut self,
+        of: OfSites<'_>,
+        level: Level,
+        depth: u32,
+        margin: f64,
+        sums: &mut Vec<Room<u32>>,
+    ) -> Result<Option<Level>> {
+        let OfSites { device, context, queue, kernels, shared, sites } = of;
+        let Level { boxes: count, leaves, nodes: first, listed: before } = level;
+        let parts = WIDTH * count;
+        self.kept.grow(context, WIDTH * leaves)?;
+        self.counts.grow(context, parts)?;
+        for numbers in [&mut self.splits, &mut self.wholes, &mut self.lists] {
+            numbers.grow(context, parts + 1)?;
+        }
+        let Self { boxes, whole, kept, counts, splits, wholes, lists, unlisted, .. } = &*self;
+        let arguments = SplitBoxes { params: &shared.room, sites, boxes, leaves: whole, margin, kept, counts };
+        let largest = kernels.split_boxes.largest_group(device)?.clamp(GROUP, LARGE_GROUP);
+        let group = if leaves > MANY_LEAVES * count { 1 << largest.ilog2() } else { GROUP };
+        kernels.split_boxes.run(queue, parts * group, group, arguments)?;
+        let most = MOST_LEAVES - 1;
+        let number = parts as u32;
+        let arguments = JudgeParts { boxes, counts, parts: number, depth, most, splits, wholes, lists, unlisted };
+        kernels.judge_parts.run(queue, parts + 1, GROUP, arguments)?;
+        let mut totals = [0; 3];
+        for (total, numbers) in totals.iter_mut().zip([splits, wholes, lists]) {
+            scan(context, queue, kernels, numbers, parts + 1, sums)?;
+            *total = numbers.number(queue, parts)? as usize;
+        }
+        let [boxes, leaves, more] = totals;
+        if are_too_many(before + more, leaves, boxes, shared.params.tree_sites as usize) {
+            return Ok(None);
+        }
+        self.next_boxes.grow(context, boxes)?;
+        self.next.grow(context, leaves)?;
+        self.nodes.extend(context, queue, first, first + parts)?;
+        self.middles.extend(context, queue, first, first + parts)?;
+        let arguments = PlaceLeaves {
+            boxes: &self.boxes,
+            leaves: &self.whole,
+            kept: &self.kept,
+            counts: &self.counts,
+            splits: &self.splits,
+            wholes: &self.wholes,
+            lists: &self.lists,
+            most,
+            first: first as u32,
+            before: before as u32,
+            next_boxes: &self.next_boxes,
+            next: &self.next,
+            listed: &self.listed,
+            nodes: &self.nodes,
+            middles: &self.middles,
         };
-        let nodes: Vec<[u32; 2]> = boxes.nodes().par_iter().map(|node| [node.begin, node.count]).collect();
-        let in_double = |middle: &[f32; 3]| [f64::from(middle[0]), f64::from(middle[1]), f64::from(middle[2]), 0.0];
-        let middles: Vec<[f64; 4]> = boxes.middles().par_iter().map(in_double).collect();
-        self.nodes.fill(context, queue, &nodes)?;
-        self.middles.fill(context, queue, &middles)?;
+        kernels.place_leaves.run(queue, parts * GROUP, GROUP, arguments)?;
+        mem::swap(&mut self.boxes, &mut self.next_boxes);
+        mem::swap(&mut self.whole, &mut self.next);
+        Ok(Some(Level { boxes, leaves, nodes: first + parts, listed: before + more }))
+    }
+
+    /// Finds where each site's cell is, among so many boxes.
+    fn find_homes(&mut self, of: OfSites<'_>, boxes: usize) -> Result<()> {
+        let OfSites { context, queue, kernels, shared, sites, .. } = of;
+        let is_whole = self.unlisted.number(queue, 0)? == 0;
+        let count = shared.params.tree_sites as usize;
         self.ways.fill_with(context, queue, u32::MAX, count)?;
-        self.homes.fill_with(context, queue, if boxes.is_whole() { NO_HOME } else { NO_BOX }, count)?;
+        self.homes.fill_with(context, queue, if is_whole { NO_HOME } else { NO_BOX }, count)?;
         for is_second in [0, 1] {
             let Self { nodes, middles, listed, ways, homes, .. } = &*self;
             let arguments = FindHomes { params: &shared.room, sites, nodes, middles, listed, is_second, ways, homes };
-            kernels.find_homes.run(queue, boxes.nodes().len() * GROUP, GROUP, arguments)?;
+            kernels.find_homes.run(queue, boxes * GROUP, GROUP, arguments)?;
         }
-        queue.finish().map_err(|e| failed("making the octree over the container", e))?;
-        Ok(boxes.off())
+        Ok(())
     }
+}
+
+/// How far it has come: the boxes that are split next, and the leaves that they list; all boxes, and the leaves that are listed in the end.
+#[derive(Clone, Copy)]
+struct Level {
+    boxes: usize,
+    leaves: usize,
+    nodes: usize,
+    listed: usize,
 }

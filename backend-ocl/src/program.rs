@@ -7,10 +7,10 @@ use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BalanceRows, BoundNodes, Cells, ChooseLeaders, ChooseRoots, Combine, CountColumns, CountDigits,
     CountFacets, CountRows, DotParts, EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels,
-    GatherCells, GatherSites, InvertDiagonal, JoinRest, JoinRoots, ListColumns, ListFacets, LookAbout, LookAtRings,
-    MarkVoxels, MatchFacets, MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PartCells, PlaceDigits,
-    PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets, SplitBoxes,
-    SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs, WriteRows,
+    GatherCells, GatherSites, InvertDiagonal, JoinRest, JoinRoots, JudgeParts, ListColumns, ListFacets, LookAbout,
+    LookAtRings, MarkVoxels, MatchFacets, MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PartCells,
+    PlaceDigits, PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets,
+    SplitBoxes, SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs, WriteRows,
 };
 use crate::launch::Kernel;
 use crate::platform::DeviceId;
@@ -52,6 +52,7 @@ pub(crate) struct GridKernels {
     pub(crate) bound_nodes: Kernel<BoundNodes<'static>>,
     pub(crate) tighten_slabs: Kernel<TightenSlabs<'static>>,
     pub(crate) split_boxes: Kernel<SplitBoxes<'static>>,
+    pub(crate) judge_parts: Kernel<JudgeParts<'static>>,
     pub(crate) place_leaves: Kernel<PlaceLeaves<'static>>,
     pub(crate) find_homes: Kernel<FindHomes<'static>>,
     pub(crate) measure_clearances: Kernel<MeasureClearances<'static>>,
@@ -108,6 +109,7 @@ impl GridKernels {
             bound_nodes: Kernel::new(&program)?,
             tighten_slabs: Kernel::new(&program)?,
             split_boxes: Kernel::new(&program)?,
+            judge_parts: Kernel::new(&program)?,
             place_leaves: Kernel::new(&program)?,
             find_homes: Kernel::new(&program)?,
             measure_clearances: Kernel::new(&program)?,

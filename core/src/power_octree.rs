@@ -15,27 +15,22 @@
 mod lists;
 
 use crate::Result;
-use crate::cell::octree::{FEW_LISTED, OCTREE_MARGIN, middle_of, part_hi, part_lo, power_at, way_home};
+use crate::cell::octree::{
+    MOST_DEPTH, OCTREE_MARGIN, barren_of_part, middle_of, part_hi, part_is_split, part_lo, power_at, way_home,
+};
 use crate::cell::search_store::{HAS_PARTS, OctreeNode, OctreeStore, UNLISTED};
 use crate::cell::tree::octree_box_at;
 use crate::cell::{V3, v3};
 use crate::parallel;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
-use crate::summation::CHUNK;
-use lists::{OnHost, least_at, powers_at};
+use lists::{OnHost, Place, least_at, powers_at};
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// A box is split so often at most.
-const MOST_DEPTH: usize = 18;
-/// A box is not split where it lists more than this share of what the box before lists, twice in a row: sites that nearly tie, as at a sphere's middle.
-const BARREN: f64 = 0.8;
-const MOST_BARREN: u32 = 2;
 
 /// There is no octree where its boxes would list more leaves than this for each site: where cells lie side by side as slabs do, each part of a box
 /// lists half of them. (In a cube some 10.)
 const MOST_OF_SITE: usize = 32;
 
-/// A box that is to be split: its corners, and where the leaves that it lists begin among those of all such boxes, and how many there are.
+/// A box that is to be split.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct OctreeBox {
@@ -43,40 +38,31 @@ pub struct OctreeBox {
     pub lo: [f64; 3],
     /// Upper corner.
     pub hi: [f64; 3],
-    /// Where they begin.
+    /// Where the leaves that it lists begin among those of all such boxes.
     pub begin: u32,
     /// How many there are.
     pub count: u32,
+    /// Its number among all boxes.
+    pub node: u32,
+    /// How often in a row it and those before have listed nearly as much as the box before.
+    pub barren: u32,
 }
 
-/// Where the leaves of a part go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// Among those of the boxes that are split next, from so many on.
-    Whole(u32),
-    /// Among those that boxes list in the end, from so many on.
-    Listed(u32),
-    /// They are too many.
-    Nowhere,
-}
+impl OctreeBox {
+    /// That about all, which lists all leaves of the tree over so many sites.
+    pub fn of_all([lo, hi]: [[f64; 3]; 2], sites: usize) -> Self {
+        Self { lo, hi, begin: 0, count: sites.div_ceil(WIDTH) as u32, node: 0, barren: 0 }
+    }
 
-/// Who goes over the leaves that boxes list: the host, or a device. At first there is one box, which lists all.
-pub trait Lists {
-    /// How many leaves each part of some boxes keeps, eight parts of each box: those with a site that may have the least power there.
-    ///
-    /// # Errors
-    /// A device's.
-    fn split(&mut self, front: &[OctreeBox]) -> Result<Vec<u32>>;
-    /// Puts the leaves that each of these parts keeps in its place: `whole` of them are of boxes that are split next.
-    ///
-    /// # Errors
-    /// A device's.
-    fn place(&mut self, places: &[Place], whole: usize) -> Result<()>;
+    fn part(&self, octant: usize) -> [V3; 2] {
+        let (lo, hi) = (of_array(self.lo), of_array(self.hi));
+        [part_lo(lo, hi, octant as u32), part_hi(lo, hi, octant as u32)]
+    }
 }
 
 /// The boxes of an octree over a container; the leaves that they list are somewhere else.
 #[derive(Debug)]
-pub struct OctreeBoxes {
+struct OctreeBoxes {
     lo: V3,
     hi: V3,
     margin: f64,
@@ -87,112 +73,65 @@ pub struct OctreeBoxes {
     is_whole: bool,
 }
 
-/// A box that is split, on its way.
-#[derive(Clone, Copy)]
-struct Front {
-    node: usize,
-    barren: u32,
-}
-
 impl OctreeBoxes {
-    /// The boxes over that from `lo` to `hi`, which list up to `most` of the leaves of so many sites each; `None` where there would be too many.
-    ///
-    /// # Errors
-    /// What `go_on` says, which is asked now and then, and those of `lists`.
-    pub fn new(
-        lists: &mut dyn Lists,
+    /// The boxes over that from `lo` to `hi`, which list up to `most` leaves each; `None` where there would be too many. (Devices make the same:
+    /// `backend-ocl/src/octree.rs`.)
+    fn new(
+        lists: &mut OnHost<'_>,
         sites: usize,
-        [lo, hi]: [[f64; 3]; 2],
+        bounds: [[f64; 3]; 2],
         most: usize,
         go_on: &dyn Fn() -> Result<()>,
     ) -> Result<Option<Self>> {
+        let [lo, hi] = bounds.map(of_array);
         let mut octree = Self {
-            lo: of_array(lo),
-            hi: of_array(hi),
-            margin: margin_of([lo, hi]),
+            lo,
+            hi,
+            margin: margin_of(bounds),
             nodes: vec![OctreeNode { begin: 0, count: UNLISTED }],
-            middles: vec![middle_in_single(of_array(lo), of_array(hi))],
+            middles: vec![middle_in_single([lo, hi])],
             is_whole: true,
         };
-        let mut boxes = vec![OctreeBox { lo, hi, begin: 0, count: sites.div_ceil(WIDTH) as u32 }];
-        let mut front = vec![Front { node: 0, barren: 0 }];
+        let mut boxes = vec![OctreeBox::of_all(bounds, sites)];
         let mut listed = 0;
         for depth in 1..=MOST_DEPTH {
             if boxes.is_empty() {
                 break;
             }
             go_on()?;
-            let counts = lists.split(&boxes)?;
-            let middles_of_parts = |whole: &OctreeBox| -> [[f32; 3]; WIDTH] {
-                let (lo, hi) = (of_array(whole.lo), of_array(whole.hi));
-                let middle = |octant| middle_in_single(part_lo(lo, hi, octant as u32), part_hi(lo, hi, octant as u32));
-                std::array::from_fn(middle)
-            };
-            octree.middles.resize(octree.middles.len() + counts.len(), [0.0; 3]);
-            let middles = octree.middles[octree.nodes.len()..].as_chunks_mut::<WIDTH>().0;
-            parallel::for_each(middles, CHUNK, |i, middles| *middles = middles_of_parts(&boxes[i]));
-            let (mut next_boxes, mut next_front) = (Vec::new(), Vec::new());
-            let mut places = Vec::with_capacity(counts.len());
-            octree.nodes.reserve(counts.len());
-            let mut of_next = 0;
-            for ((whole, from), counts) in boxes.iter().zip(&front).zip(counts.chunks_exact(WIDTH)) {
-                let first = octree.nodes.len();
-                octree.nodes[from.node] = OctreeNode { begin: first as u32, count: HAS_PARTS };
+            let counts = lists.split(&boxes);
+            let (mut next, mut places, mut whole) = (Vec::new(), Vec::with_capacity(counts.len()), 0);
+            for (its, counts) in boxes.iter().zip(counts.chunks_exact(WIDTH)) {
+                octree.nodes[its.node as usize] = OctreeNode { begin: octree.nodes.len() as u32, count: HAS_PARTS };
                 for (octant, &count) in counts.iter().enumerate() {
-                    let is_barren = f64::from(count) > BARREN * f64::from(whole.count);
-                    let barren = if is_barren { from.barren + 1 } else { 0 };
+                    let [lo, hi] = its.part(octant);
+                    let barren = barren_of_part(its.barren, count, its.count);
                     let mut node = OctreeNode { begin: 0, count: UNLISTED };
-                    if count > FEW_LISTED && depth < MOST_DEPTH && barren < MOST_BARREN {
-                        places.push(Place::Whole(of_next as u32));
-                        let (lo, hi) = (of_array(whole.lo), of_array(whole.hi));
-                        let corner_of = |V3 { x, y, z }| [x, y, z];
-                        next_boxes.push(OctreeBox {
-                            lo: corner_of(part_lo(lo, hi, octant as u32)),
-                            hi: corner_of(part_hi(lo, hi, octant as u32)),
-                            begin: of_next as u32,
-                            count,
-                        });
-                        next_front.push(Front { node: first + octant, barren });
-                        of_next += count as usize;
+                    if part_is_split(count, barren, depth) {
+                        let [lo, hi] = [lo, hi].map(|V3 { x, y, z }| [x, y, z]);
+                        let (begin, node) = (whole as u32, octree.nodes.len() as u32);
+                        next.push(OctreeBox { lo, hi, begin, count, node, barren });
+                        places.push(Place::Whole);
+                        whole += count as usize;
                     } else if count as usize > most {
                         octree.is_whole = false;
                         places.push(Place::Nowhere);
                     } else {
-                        places.push(Place::Listed(listed as u32));
                         node = OctreeNode { begin: listed as u32, count };
+                        places.push(Place::Listed);
                         listed += count as usize;
                     }
+                    octree.middles.push(middle_in_single([lo, hi]));
                     octree.nodes.push(node);
                 }
             }
-            let numbers = listed + of_next + 8 * next_boxes.len();
-            if numbers > most_listed(sites) {
+            if are_too_many(listed, whole, next.len(), sites) {
                 return Ok(None);
             }
-            lists.place(&places, of_next)?;
-            (boxes, front) = (next_boxes, next_front);
+            lists.place(&places);
+            boxes = next;
         }
         Ok(Some(octree))
-    }
-
-    /// How far a place may be off along each axis.
-    pub fn off(&self) -> f64 {
-        0.25 * self.margin
-    }
-
-    /// Whether every box that has no parts lists its leaves: a site that none lists has an empty cell.
-    pub fn is_whole(&self) -> bool {
-        self.is_whole
-    }
-
-    /// The boxes; the first has all in it.
-    pub fn nodes(&self) -> &[OctreeNode] {
-        &self.nodes
-    }
-
-    /// Their middles, in single precision.
-    pub fn middles(&self) -> &[[f32; 3]] {
-        &self.middles
     }
 }
 
@@ -201,16 +140,26 @@ pub fn most_listed(sites: usize) -> usize {
     MOST_OF_SITE.saturating_mul(sites).min(UNLISTED as usize / 8)
 }
 
+/// Whether boxes are too many, or list too many leaves: those of the boxes that are split next, and of all that are not.
+pub fn are_too_many(listed: usize, whole: usize, boxes: usize, sites: usize) -> bool {
+    listed + whole + WIDTH * boxes > most_listed(sites)
+}
+
 /// By how much a box over a container is taken to be larger on each side.
 pub fn margin_of([lo, hi]: [[f64; 3]; 2]) -> f64 {
     OCTREE_MARGIN * (0..3).map(|k| hi[k] - lo[k]).fold(0.0, f64::max)
+}
+
+/// How far a place may be off along each axis where boxes are taken to be so much larger.
+pub fn off_of(margin: f64) -> f64 {
+    0.25 * margin
 }
 
 fn of_array([x, y, z]: [f64; 3]) -> V3 {
     v3(x, y, z)
 }
 
-fn middle_in_single(lo: V3, hi: V3) -> [f32; 3] {
+fn middle_in_single([lo, hi]: [V3; 2]) -> [f32; 3] {
     let V3 { x, y, z } = middle_of(lo, hi);
     [x, y, z].map(|x| x as f32)
 }
@@ -291,7 +240,7 @@ impl PowerOctree {
     /// The leaves of all sites that may have the least power at a place that is off by up to `radius` along each axis; none where that is not known.
     #[inline(always)]
     pub fn leaves_at(&self, place: V3, radius: f64) -> &[u32] {
-        if radius.is_nan() || radius > self.boxes.off() {
+        if radius.is_nan() || radius > off_of(self.boxes.margin) {
             return &[];
         }
         self.leaves_of(octree_box_at(self, place).node)
@@ -323,7 +272,7 @@ impl OctreeStore for PowerOctree {
     }
     #[inline(always)]
     fn octree_off(&self) -> f64 {
-        self.boxes.off()
+        off_of(self.boxes.margin)
     }
     #[inline(always)]
     fn octree_node(&self, i: u32) -> OctreeNode {

@@ -108,7 +108,7 @@ impl Device {
         let begin = Instant::now();
         let Self { id, context, queue, grid_kernels: kernels, octree, shared, sites, memory_size, .. } = self;
         let of = OfSites { device: *id, context, queue, kernels, shared, sites: &sites.sites };
-        let made = octree.make(of, &|| request.advance(0));
+        let made = octree.make(of, &mut sites.sums, &|| request.advance(0));
         let off = match made {
             // (It is for want of memory, or what comes will say it again.)
             Err(error) if error.kind() != ErrorKind::Device => return Err(error),

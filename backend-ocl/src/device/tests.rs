@@ -13,7 +13,7 @@ use laguerre_core::algebra::Algebra as _;
 #[cfg(feature = "test-util")]
 use laguerre_core::cell::ring::{RINGS, end_of_ring};
 #[cfg(feature = "test-util")]
-use laguerre_core::cell::search_store::{MOST_LEAVES, OctreeStore as _};
+use laguerre_core::cell::search_store::{HAS_PARTS, MOST_LEAVES, OctreeStore as _};
 #[cfg(feature = "test-util")]
 use laguerre_core::power_octree::{Home, PowerOctree};
 use laguerre_core::required::if_available;
@@ -171,15 +171,25 @@ fn an_octree_leads_to_the_same_cells() {
             let tree = SiteTree::from_device(made, count);
             let most = MOST_LEAVES as usize - 1;
             let octree = PowerOctree::new(&tree, [container.lo, container.hi], most, &|| Ok(())).unwrap().unwrap();
-            let (mut nodes, mut listed, mut homes) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut nodes, mut middles, mut listed, mut homes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
             device.octree.nodes.read(&device.queue, usize::MAX, &mut nodes).unwrap();
+            device.octree.middles.read(&device.queue, usize::MAX, &mut middles).unwrap();
             device.octree.listed.read(&device.queue, usize::MAX, &mut listed).unwrap();
             device.octree.homes.read(&device.queue, count, &mut homes).unwrap();
             for (site, &home) in homes.iter().enumerate() {
                 assert_eq!(octree.home(site as u32), Home::At(octree.middle(home)), "{site}");
-                let node = octree.octree_node(home);
-                assert_eq!(nodes[home as usize], [node.begin, node.count], "{site}");
-                assert_eq!(octree.leaves_of(node), &listed[node.begin as usize..][..node.count as usize], "{site}");
+            }
+            let mut open = vec![0];
+            while let Some(i) = open.pop() {
+                let node = octree.octree_node(i);
+                assert_eq!(nodes[i as usize], [node.begin, node.count], "{i}");
+                if node.count == HAS_PARTS {
+                    open.extend(node.begin..node.begin + WIDTH as u32);
+                    continue;
+                }
+                assert_eq!(middles[i as usize][..3], octree.middle(i), "{i}");
+                let leaves = octree.leaves_of(node);
+                assert_eq!(leaves, &listed[node.begin as usize..][..leaves.len()], "{i}");
             }
         }
         let computed = device.compute(&watched, count, 0..count, 1).unwrap();

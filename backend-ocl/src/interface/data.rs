@@ -26,11 +26,6 @@ pub(crate) const ALL_TURNS: u32 = 2;
 /// Work-items that go over the leaves of a box of the octree over the container: a box lists some sixty where it is split last.
 pub(crate) const OCTREE_GROUP: u32 = 64;
 
-/// Where the leaves of a part go: among those of boxes that are split next, or that boxes list in the end, or nowhere.
-pub(crate) const PLACED_WHOLE: u32 = 0;
-pub(crate) const PLACED_LISTED: u32 = 1;
-pub(crate) const PLACED_NOWHERE: u32 = 2;
-
 /// The home of a site that is not known, and that of one that no box lists.
 pub(crate) const NO_BOX: u32 = 0xffff_fffe;
 pub(crate) const NO_HOME: u32 = 0xffff_ffff;

@@ -204,14 +204,39 @@ kernels! {
         output counts: u32,
     }
 
+    kernel JudgeParts = judge_parts {
+        input boxes: OctreeBox,
+        input counts: u32,
+        value parts: u32,
+        value depth: u32,
+        /// How many leaves a box lists at most.
+        value most: u32,
+        /// Of each part whether it is split, and how many leaves it brings to those of such boxes, and to those that are listed; 0 behind the last.
+        output splits: u32,
+        output wholes: u32,
+        output lists: u32,
+        /// 1 where a part's leaves are too many to be listed.
+        output unlisted: u32,
+    }
+
     kernel PlaceLeaves = place_leaves {
         input boxes: OctreeBox,
         input leaves: u32,
         input kept: u8,
-        /// Of each part where its leaves go.
-        input places: [u32; 2],
+        input counts: u32,
+        /// Of each part the sums over those before it.
+        input splits: u32,
+        input wholes: u32,
+        input lists: u32,
+        value most: u32,
+        /// The number of the first part among all boxes, and how many leaves are listed before.
+        value first: u32,
+        value before: u32,
+        output next_boxes: OctreeBox,
         output next: u32,
         output listed: u32,
+        output nodes: [u32; 2],
+        output middles: [f64; 4],
     }
 
     kernel FindHomes = find_homes {

@@ -6,6 +6,11 @@
 #define EACH_PLACE _Pragma("unroll")
 
 INLINE V3 corner_of(__global const double *corner) { return v3(corner[0], corner[1], corner[2]); }
+INLINE void set_corner(__global double *corner, V3 v) {
+    corner[0] = v.x;
+    corner[1] = v.y;
+    corner[2] = v.z;
+}
 INLINE V3 place_of(real4 site) { return v3(site.x, site.y, site.z); }
 
 // The site with the least of the work-items' powers in a group, of equals the first; each has the least of its own.
@@ -124,19 +129,66 @@ __kernel void split_boxes(SPLIT_BOXES_ARGUMENTS) {
     }
 }
 
-// Puts the marked leaves of each part in its place: where it begins among those of boxes that are split next, or of those that are listed.
+// What becomes of each part, as numbers that are summed up then.
+__kernel void judge_parts(JUDGE_PARTS_ARGUMENTS) {
+    const uint part = get_global_id(0);
+    if (part > parts) {
+        return;
+    }
+    uint is_split = 0;
+    uint keeps = 0;
+    if (part < parts) {
+        __global const OctreeBox *whole = boxes + (part / WIDTH);
+        keeps = counts[part];
+        is_split = part_is_split(keeps, barren_of_part(whole->barren, keeps, whole->count), depth) ? 1u : 0u;
+        if ((is_split == 0u) && (keeps > most)) {
+            keeps = 0;
+            *unlisted = 1u;
+        }
+    }
+    splits[part] = is_split;
+    wholes[part] = (is_split != 0u) ? keeps : 0u;
+    lists[part] = (is_split != 0u) ? 0u : keeps;
+}
+
+// Writes the box of each part, and again where it is split next, and puts the marked leaves in their place: where it begins among those of boxes that are split next, or of those that are listed.
 __kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void place_leaves(PLACE_LEAVES_ARGUMENTS) {
-    __local uint before[OCTREE_GROUP];
+    __local uint begins[OCTREE_GROUP];
     const uint own = get_local_id(0);
-    __global const OctreeBox *whole = boxes + (get_group_id(0) / WIDTH);
+    const uint part = get_group_id(0);
+    __global const OctreeBox *whole = boxes + (part / WIDTH);
     const uint all = whole->count;
-    const uint2 place = places[get_group_id(0)];
-    if (place.x == PLACED_NOWHERE) {
+    const uint keeps = counts[part];
+    const bool is_split = splits[part + 1u] != splits[part];
+    if (own == 0u) {
+        const uint octant = part % WIDTH;
+        const V3 lo = part_lo(corner_of(whole->lo), corner_of(whole->hi), octant);
+        const V3 hi = part_hi(corner_of(whole->lo), corner_of(whole->hi), octant);
+        const V3 middle = middle_of(lo, hi);
+        middles[first + part] = (real4)((float)middle.x, (float)middle.y, (float)middle.z, REAL(0.0));
+        uint2 node = (uint2)(0u, UNLISTED);
+        if (is_split) {
+            __global OctreeBox *box = next_boxes + splits[part];
+            set_corner(box->lo, lo);
+            set_corner(box->hi, hi);
+            box->begin = wholes[part];
+            box->count = keeps;
+            box->node = first + part;
+            box->barren = barren_of_part(whole->barren, keeps, all);
+        } else if (keeps <= most) {
+            node = (uint2)(before + lists[part], keeps);
+        }
+        nodes[first + part] = node;
+        if (octant == 0u) {
+            nodes[whole->node] = (uint2)(first + part, HAS_PARTS);
+        }
+    }
+    if (!is_split && (keeps > most)) {
         return;
     }
     __global const uint *list = leaves + whole->begin;
-    __global const uchar *mark = kept + (((size_t)WIDTH * whole->begin) + ((size_t)(get_group_id(0) % WIDTH) * all));
-    __global uint *target = ((place.x == PLACED_WHOLE) ? next : listed) + place.y;
+    __global const uchar *mark = kept + (((size_t)WIDTH * whole->begin) + ((size_t)(part % WIDTH) * all));
+    __global uint *target = is_split ? (next + wholes[part]) : (listed + (before + lists[part]));
     // (Each its own, one after the other, so that their order stays.)
     const uint each = (all + (OCTREE_GROUP - 1u)) / OCTREE_GROUP;
     const uint begin = min(own * each, all);
@@ -145,11 +197,11 @@ __kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void place_le
     for (uint i = begin; i < end; i++) {
         count += mark[i];
     }
-    before[own] = count;
+    begins[own] = count;
     barrier(CLK_LOCAL_MEM_FENCE);
     uint at = 0;
     for (uint i = 0; i < own; i++) {
-        at += before[i];
+        at += begins[i];
     }
     for (uint i = begin; i < end; i++) {
         if (mark[i] != 0u) {

@@ -12,6 +12,14 @@ pub const OCTREE_MARGIN: Real = 1e-9;
 /// A box that lists so many leaves of eight sites, or fewer, is not split. (With 10 the octree takes twice as long, with 32 the cells do.)
 pub const FEW_LISTED: u32 = 20;
 
+/// A box is split so often at most.
+pub const MOST_DEPTH: u32 = 18;
+
+/// Nor is it where it lists more than this share of what the box before lists, twice in a row: sites that nearly tie, as at a sphere's middle.
+pub const BARREN: Real = 0.8;
+/// Twice.
+pub const MOST_BARREN: u32 = 2;
+
 /// Places of a box whose sites of least power leave others out: its middle, and the middles of its faces.
 pub const OCTREE_PLACES: u32 = 7;
 
@@ -60,6 +68,22 @@ pub fn part_lo(lo: V3, hi: V3, octant: u32) -> V3 {
 #[inline(always)]
 pub fn part_hi(lo: V3, hi: V3, octant: u32) -> V3 {
     return part_lo(hi, lo, octant ^ (WIDTH - 1));
+}
+
+/// How often in a row a part of a box lists nearly as much as the box before: the box has done so `barren` times, and the part keeps so many of all
+/// that the box lists.
+#[inline(always)]
+pub fn barren_of_part(barren: u32, count: u32, all: u32) -> u32 {
+    if (count as Real) > (BARREN * (all as Real)) {
+        return barren + 1;
+    }
+    return 0;
+}
+
+/// Whether a part that keeps so many leaves is split, `depth` times at the least.
+#[inline(always)]
+pub fn part_is_split(count: u32, barren: u32, depth: u32) -> bool {
+    return (count > FEW_LISTED) && (depth < MOST_DEPTH) && (barren < MOST_BARREN);
 }
 
 /// The middle of a box, of given half extent; of its faces, for `i` from 1.

@@ -1,11 +1,9 @@
 //! The host goes over the leaves that the boxes of an octree list.
 
-use super::{Lists, OctreeBox, Place};
-use crate::Result;
+use super::OctreeBox;
 use crate::cell::octree::{
-    FEW_LISTED, OCTREE_PLACES, SeenSite, middle_of, more_power, octree_place, power_at, seen_from,
+    FEW_LISTED, OCTREE_PLACES, SeenSite, half_of, middle_of, more_power, octree_place, power_at, seen_from,
 };
-use crate::cell::octree::{half_of, part_hi, part_lo};
 use crate::cell::{V3, v3};
 use crate::parallel;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
@@ -20,37 +18,46 @@ pub(super) struct OnHost<'a> {
     pub(super) listed: Vec<u32>,
 }
 
+/// Where the leaves of a part go.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place {
+    /// Behind those of the boxes that are split next.
+    Whole,
+    /// Behind those that boxes list in the end.
+    Listed,
+    /// They are too many.
+    Nowhere,
+}
+
 impl<'a> OnHost<'a> {
     pub(super) fn new(tree: &'a SiteTree, margin: f64) -> Self {
         let whole = (0..tree.len().div_ceil(WIDTH) as u32).collect();
         Self { tree, margin, whole, parts: Vec::new(), listed: Vec::new() }
     }
-}
 
-impl Lists for OnHost<'_> {
-    fn split(&mut self, front: &[OctreeBox]) -> Result<Vec<u32>> {
+    /// How many leaves each part of some boxes keeps, eight parts of each box: those with a site that may have the least power there.
+    pub(super) fn split(&mut self, front: &[OctreeBox]) -> Vec<u32> {
         let part = |i: usize| {
-            let (whole, octant) = (&front[i / 8], i as u32 % 8);
-            let [lo, hi] = [whole.lo, whole.hi].map(|[x, y, z]| v3(x, y, z));
-            let (lo, hi) = (part_lo(lo, hi, octant), part_hi(lo, hi, octant));
+            let whole = &front[i / WIDTH];
+            let [lo, hi] = whole.part(i % WIDTH);
             let leaves = &self.whole[whole.begin as usize..][..whole.count as usize];
             let job = Job { tree: self.tree, middle: middle_of(lo, hi), half: half_of(lo, hi, self.margin), leaves };
             Arch::new().dispatch(job)
         };
-        self.parts = parallel::results(8 * front.len(), part);
-        Ok(self.parts.iter().map(|leaves| leaves.len() as u32).collect())
+        self.parts = parallel::results(WIDTH * front.len(), part);
+        self.parts.iter().map(|leaves| leaves.len() as u32).collect()
     }
 
-    fn place(&mut self, places: &[Place], _whole: usize) -> Result<()> {
+    /// Puts the leaves that each part keeps in its place.
+    pub(super) fn place(&mut self, places: &[Place]) {
         self.whole.clear();
         for (leaves, place) in std::mem::take(&mut self.parts).into_iter().zip(places) {
             match place {
-                Place::Whole(_) => self.whole.extend(leaves),
-                Place::Listed(_) => self.listed.extend(leaves),
+                Place::Whole => self.whole.extend(leaves),
+                Place::Listed => self.listed.extend(leaves),
                 Place::Nowhere => {}
             }
         }
-        Ok(())
     }
 }
 

@@ -57,16 +57,20 @@ typedef struct {
 
 // core/src/power_octree.rs
 
-// A box that is to be split: its corners, and where the leaves that it lists begin among those of all such boxes, and how many there are.
+// A box that is to be split.
 typedef struct {
     // Lower corner.
     double lo[3];
     // Upper corner.
     double hi[3];
-    // Where they begin.
+    // Where the leaves that it lists begin among those of all such boxes.
     uint begin;
     // How many there are.
     uint count;
+    // Its number among all boxes.
+    uint node;
+    // How often in a row it and those before have listed nearly as much as the box before.
+    uint barren;
 } OctreeBox;
 
 // backend-ocl/src/interface/data.rs
@@ -96,13 +100,6 @@ typedef struct {
 
 // Work-items that go over the leaves of a box of the octree over the container: a box lists some sixty where it is split last.
 #define OCTREE_GROUP ((uint)(64))
-
-// Where the leaves of a part go: among those of boxes that are split next, or that boxes list in the end, or nowhere.
-#define PLACED_WHOLE ((uint)(0))
-
-#define PLACED_LISTED ((uint)(1))
-
-#define PLACED_NOWHERE ((uint)(2))
 
 // The home of a site that is not known, and that of one that no box lists.
 #define NO_BOX ((uint)(0xfffffffe))
@@ -469,13 +466,33 @@ typedef struct {
     __global uchar *kept, \
     __global uint *counts
 
+#define JUDGE_PARTS_ARGUMENTS \
+    __global const OctreeBox *boxes, \
+    __global const uint *counts, \
+    uint parts, \
+    uint depth, \
+    uint most, \
+    __global uint *splits, \
+    __global uint *wholes, \
+    __global uint *lists, \
+    __global uint *unlisted
+
 #define PLACE_LEAVES_ARGUMENTS \
     __global const OctreeBox *boxes, \
     __global const uint *leaves, \
     __global const uchar *kept, \
-    __global const uint2 *places, \
+    __global const uint *counts, \
+    __global const uint *splits, \
+    __global const uint *wholes, \
+    __global const uint *lists, \
+    uint most, \
+    uint first, \
+    uint before, \
+    __global OctreeBox *next_boxes, \
     __global uint *next, \
-    __global uint *listed
+    __global uint *listed, \
+    __global uint2 *nodes, \
+    __global double4 *middles
 
 #define FIND_HOMES_ARGUMENTS \
     __global const Params *params, \
@@ -817,7 +834,7 @@ typedef char size_of_Boxes[(sizeof(Boxes) == 384) ? 1 : -1];
 typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];
 typedef char size_of_Slabs[(sizeof(Slabs) == 384) ? 1 : -1];
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 16) ? 1 : -1];
-typedef char size_of_OctreeBox[(sizeof(OctreeBox) == 56) ? 1 : -1];
+typedef char size_of_OctreeBox[(sizeof(OctreeBox) == 64) ? 1 : -1];
 typedef char size_of_Params[(sizeof(Params) == 360) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
 typedef char size_of_Counters[(sizeof(Counters) == 44) ? 1 : -1];

@@ -31,6 +31,20 @@ INLINE V3 part_hi(V3 lo, V3 hi, uint octant) {
     return part_lo(hi, lo, octant ^ (WIDTH - 1));
 }
 
+// How often in a row a part of a box lists nearly as much as the box before: the box has done so `barren` times, and the part keeps so many of all
+// that the box lists.
+INLINE uint barren_of_part(uint barren, uint count, uint all) {
+    if (((real)count) > (BARREN * ((real)all))) {
+        return barren + 1;
+    }
+    return 0;
+}
+
+// Whether a part that keeps so many leaves is split, `depth` times at the least.
+INLINE bool part_is_split(uint count, uint barren, uint depth) {
+    return ((count > FEW_LISTED) && (depth < MOST_DEPTH)) && (barren < MOST_BARREN);
+}
+
 // The middle of a box, of given half extent; of its faces, for `i` from 1.
 INLINE V3 octree_place(V3 middle, V3 halves, uint i) {
     V3 place = middle;

@@ -15,6 +15,8 @@ INLINE V3 middle_of(V3 lo, V3 hi);
 INLINE V3 half_of(V3 lo, V3 hi, real margin);
 INLINE V3 part_lo(V3 lo, V3 hi, uint octant);
 INLINE V3 part_hi(V3 lo, V3 hi, uint octant);
+INLINE uint barren_of_part(uint barren, uint count, uint all);
+INLINE bool part_is_split(uint count, uint barren, uint depth);
 INLINE V3 octree_place(V3 middle, V3 halves, uint i);
 INLINE real power_at(V3 site, real weight, V3 place);
 INLINE SeenSite seen_from(V3 place, real excess, V3 middle);

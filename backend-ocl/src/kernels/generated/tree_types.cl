@@ -145,6 +145,15 @@ typedef struct {
 // A box that lists so many leaves of eight sites, or fewer, is not split. (With 10 the octree takes twice as long, with 32 the cells do.)
 #define FEW_LISTED ((uint)(20))
 
+// A box is split so often at most.
+#define MOST_DEPTH ((uint)(18))
+
+// Nor is it where it lists more than this share of what the box before lists, twice in a row: sites that nearly tie, as at a sphere's middle.
+#define BARREN ((real)(REAL(0.8)))
+
+// Twice.
+#define MOST_BARREN ((uint)(2))
+
 // Places of a box whose sites of least power leave others out: its middle, and the middles of its faces.
 #define OCTREE_PLACES ((uint)(7))
 

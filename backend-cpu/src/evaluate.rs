@@ -19,6 +19,9 @@ use std::collections::HashMap;
 /// of the tree, whose cells share what they find ([`Search::begin_row`]), but for functions that are called in batches.
 const CHUNK: usize = 256;
 
+/// Tasks, at most, for few cells that are left, of which each may take long.
+const TASKS: usize = 256;
+
 /// Cells that are computed before their results are put together: enough that the threads' waiting for each other at its end does not count.
 const WAVE: usize = 512 * CHUNK;
 
@@ -62,8 +65,9 @@ struct Worker<'a> {
 #[derive(Clone, Copy)]
 struct Pass<'a> {
     room: Capacities,
-    /// Cells that one task computes.
+    /// Cells that one task computes, and whether they are whole blocks of the tree: what a cell of a list comes to is to depend on no other that is in it.
     chunk: usize,
+    are_blocks: bool,
     prepared: &'a Prepared,
     request: &'a Watched<'a>,
     integrand: Option<&'a FramedIntegrand>,
@@ -117,29 +121,30 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         .geometry()
         .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
     let all = (0..prepared.sites.len() as u32).collect();
-    let (passes, exact_cells) = run(&prepared, &request, all, &mut assembler, geometry.as_mut())?;
+    let (passes, exact_cells) = run(&prepared, &request, (all, true), &mut assembler, geometry.as_mut())?;
     let report = Report::of_host(exact_cells, passes);
     assembler.finish(prepared.sites.order(), report, geometry.map(GeometryAssembler::finish).transpose()?)
 }
 
-/// Computes the cells of some sorted sites on the threads of the pool at hand, but not their geometry: those that a device leaves to the host.
+/// Computes the cells of some sorted sites, in their order, on the threads of the pool at hand, but not their geometry: those that a device leaves to
+/// the host. None depends on which others are among them.
 ///
 /// # Errors
-/// `Undecided` where a cell is, and what the observer says.
+/// `Input` where a function cannot be integrated, `Undecided` where a cell is, and what the observer says.
 pub fn compute_cells(
     prepared: &Prepared,
     request: &Watched<'_>,
     sites: Vec<u32>,
     assembler: &mut Assembler<'_>,
 ) -> Result<()> {
-    run(prepared, request, sites, assembler, None).map(|_| ())
+    run(prepared, request, (sites, false), assembler, None).map(|_| ())
 }
 
-/// The passes over some sorted sites, and how many cells needed exact arithmetic.
+/// The passes over some sorted sites, of which is said whether they are all, and how many cells needed exact arithmetic.
 fn run(
     prepared: &Prepared,
     request: &Watched<'_>,
-    sites: Vec<u32>,
+    (sites, are_all): (Vec<u32>, bool),
     assembler: &mut Assembler<'_>,
     mut geometry: Option<&mut GeometryAssembler>,
 ) -> Result<(Vec<PassReport>, usize)> {
@@ -147,10 +152,9 @@ fn run(
     let (mut exact_cells, has_geometry) = (0, geometry.is_some());
     let passes = run_passes(FIRST, sites, Capacities::grown_for, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
         let mut outcome: PassOutcome = PassOutcome::default();
-        // (Of few that are left each may take long.)
-        let is_all = cells.len() == prepared.sites.len();
-        let chunk = if is_all { CHUNK } else { cells.len().div_ceil(CHUNK).min(CHUNK) };
-        let pass = Pass { room, chunk, prepared, request, integrand: integrand.as_ref(), has_geometry };
+        let are_blocks = are_all && room == FIRST;
+        let chunk = if are_blocks { CHUNK } else { cells.len().div_ceil(TASKS).min(CHUNK) };
+        let pass = Pass { room, chunk, are_blocks, prepared, request, integrand: integrand.as_ref(), has_geometry };
         // Wave by wave: what a cell leaves behind takes several times the room of its results.
         let wave = if has_geometry { WAVE_WITH_GEOMETRY } else { WAVE };
         let mut shapes: Vec<Shapes> = Vec::new();
@@ -182,7 +186,7 @@ fn run(
 fn run_chunks(pass: Pass<'_>, cells: &[u32]) -> Result<Vec<ChunkResult>> {
     let request = pass.request;
     if let Some(batch) = request.integral().and_then(Integrand::batch) {
-        return cells.par_chunks(batch.min(pass.chunk)).map(|batch| run_batch(pass, batch)).collect();
+        return cells.par_chunks(batch.min(CHUNK)).map(|batch| run_batch(pass, batch)).collect();
     }
     cells
         .par_chunks(pass.chunk)
@@ -218,7 +222,9 @@ fn run_batch(pass: Pass<'_>, cells: &[u32]) -> Result<ChunkResult> {
 
 fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], pass: Pass<'_>) -> Result<ChunkResult> {
     let mut result = ChunkResult::default();
-    worker.search.begin_row();
+    if pass.are_blocks {
+        worker.search.begin_row();
+    }
     for &site in cells {
         run_cell(worker, site, pass, &mut result)?;
     }

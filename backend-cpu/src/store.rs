@@ -504,6 +504,15 @@ mod tests {
                 assert_eq!(fast.mark(v), plain.mark(v), "vertex {v} of {count}");
                 assert_eq!(fast.next_conflict(v, count), plain.next_conflict(v, count));
             }
+            // All settled but some, among which is none or is the last.
+            for v in 0..count {
+                let is_settled = v % (i as u32 + 2) != 1;
+                fast.set_settled(v, is_settled);
+                plain.set_settled(v, is_settled);
+            }
+            for v in 0..=count {
+                assert_eq!(fast.next_open(v), plain.next_open(v), "vertex {v} of {count}");
+            }
             assert_eq!(fast.farthest(), plain.farthest());
             let center = v3(0.1, -0.7, 0.4);
             assert_eq!(fast.farthest_from(center), plain.farthest_from(center));

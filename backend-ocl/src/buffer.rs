@@ -48,13 +48,17 @@ impl<T: Copy + Send + Sync> Room<T> {
         }
     }
 
-    /// Makes sure that at least `length` fit; the first `kept` stay what they are. It grows by half of what it had at least.
+    /// Makes sure that at least `length` fit; the first `kept` stay what they are. It grows by half of what it had at least, where the device has
+    /// the memory.
     pub(crate) fn extend(&mut self, context: &Context, queue: &Queue, kept: usize, length: usize) -> Result<()> {
         if length <= self.length {
             return Ok(());
         }
+        debug_assert!(kept <= self.length, "{} end before", self.what);
         let mut larger = Self::new(self.what);
-        larger.grow(context, length.max(self.length + self.length / 2))?;
+        if !larger.grow_if_possible(context, length.max(self.length + self.length / 2))? {
+            larger.grow(context, length)?;
+        }
         if let (Some(from), Some(to), 1..) = (&self.buffer, &mut larger.buffer, kept) {
             // SAFETY: both hold as many, and neither is freed before what is enqueued is done.
             unsafe { queue.enqueue_copy_buffer(from, to, 0, 0, kept * size_of::<T>(), &[]) }

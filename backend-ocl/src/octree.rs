@@ -1,4 +1,4 @@
-//! The octree over the container (`core/src/power_octree.rs`), whose leaves are on the device.
+//! The octree over the container (`core/src/power_octree.rs`), made on the device.
 
 use crate::buffer::{Room, failed, rooms};
 use crate::grid::scan;
@@ -80,6 +80,7 @@ impl OctreeMemory {
     /// Gives all back.
     pub(crate) fn free(&mut self) {
         self.free_scratch(0);
+        self.unlisted.free();
         self.nodes.free();
         self.listed.free();
         self.homes.free();
@@ -103,7 +104,7 @@ impl OctreeMemory {
         self.whole.fill(context, queue, &all)?;
         self.boxes.fill(context, queue, &[OctreeBox::of_all(bounds, sites)])?;
         self.unlisted.fill_with(context, queue, 0, 1)?;
-        // (The first box is whole, so that its middle is of no use.)
+        // (The first box has parts, so that its middle is of no use.)
         self.nodes.grow(context, 1)?;
         self.middles.grow(context, 1)?;
         let mut level = Level { boxes: 1, leaves: all.len(), nodes: 1, listed: 0 };
@@ -151,12 +152,12 @@ impl OctreeMemory {
             scan(context, queue, kernels, numbers, parts + 1, sums)?;
             *total = numbers.number(queue, parts)? as usize;
         }
-        let [boxes, leaves, more] = totals;
-        if are_too_many(before + more, leaves, boxes, shared.params.tree_sites as usize) {
+        let [next_boxes, next_leaves, more] = totals;
+        if are_too_many(before + more, next_leaves, next_boxes, shared.params.tree_sites as usize) {
             return Ok(None);
         }
-        self.next_boxes.grow(context, boxes)?;
-        self.next.grow(context, leaves)?;
+        self.next_boxes.grow(context, next_boxes)?;
+        self.next.grow(context, next_leaves)?;
         self.nodes.extend(context, queue, first, first + parts)?;
         self.middles.extend(context, queue, first, first + parts)?;
         let arguments = PlaceLeaves {
@@ -179,13 +180,13 @@ impl OctreeMemory {
         kernels.place_leaves.run(queue, parts * GROUP, GROUP, arguments)?;
         mem::swap(&mut self.boxes, &mut self.next_boxes);
         mem::swap(&mut self.whole, &mut self.next);
-        Ok(Some(Level { boxes, leaves, nodes: first + parts, listed: before + more }))
+        Ok(Some(Level { boxes: next_boxes, leaves: next_leaves, nodes: first + parts, listed: before + more }))
     }
 
     /// Finds where each site's cell is, among so many boxes.
     fn find_homes(&mut self, of: OfSites<'_>, boxes: usize) -> Result<()> {
         let OfSites { context, queue, kernels, shared, sites, .. } = of;
-        let is_whole = self.unlisted.number(queue, 0)? == 0;
+        let is_whole = self.unlisted.first(queue)? == 0;
         let count = shared.params.tree_sites as usize;
         self.ways.fill_with(context, queue, u32::MAX, count)?;
         self.homes.fill_with(context, queue, if is_whole { NO_HOME } else { NO_BOX }, count)?;

@@ -107,7 +107,7 @@ fn assert_identical(one: &Output, several: &Output, what: &str) {
 }
 
 /// Counts finished cells.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Count(AtomicUsize);
 
 impl Observer for Count {
@@ -125,6 +125,8 @@ fn several_devices_find_the_cells_of_one() {
             let request = asked();
             let count = Count::default();
             let alone = one.evaluate_watched(&diagram, &request, &count).unwrap();
+            // (Of sites at one place, one is told of.)
+            assert!(count.0.load(Ordering::Relaxed) <= diagram.positions().len(), "{name}: {count:?}");
             for many in &several {
                 let again = Count::default();
                 let found = many.evaluate_watched(&diagram, &request, &again).unwrap();

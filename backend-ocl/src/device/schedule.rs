@@ -304,9 +304,8 @@ impl Device {
             let end = (begin + batch).min(count);
             self.shared.params.facet_base = self.results.facet_count as u64;
             self.counters.near = 0;
-            // (What one work-item leaves is the host's, at the end.)
-            let is_shared = matches!(way, Way::Together(..));
-            let unended = |c: &Counters| c.surface + c.later + c.full + if is_shared { c.left } else { 0 };
+            // (What one work-item leaves is the host's, which tells of it.)
+            let unended = |c: &Counters| c.surface + c.later + c.full + c.left;
             let before = unended(&self.counters);
             let finishing = match way {
                 Way::Together(lanes, stage) if stage.gives() => Some(lanes),

@@ -17,7 +17,7 @@ pub const MOST_DEPTH: u32 = 18;
 
 /// Nor is it where it lists more than this share of what the box before lists, twice in a row: sites that nearly tie, as at a sphere's middle.
 pub const BARREN: Real = 0.8;
-/// Twice.
+/// How often in a row that may be.
 pub const MOST_BARREN: u32 = 2;
 
 /// Places of a box whose sites of least power leave others out: its middle, and the middles of its faces.
@@ -80,7 +80,7 @@ pub fn barren_of_part(barren: u32, count: u32, all: u32) -> u32 {
     return 0;
 }
 
-/// Whether a part that keeps so many leaves is split, `depth` times at the least.
+/// Whether a part that keeps so many leaves, and that `depth` splits have made, is split.
 #[inline(always)]
 pub fn part_is_split(count: u32, barren: u32, depth: u32) -> bool {
     return (count > FEW_LISTED) && (depth < MOST_DEPTH) && (barren < MOST_BARREN);

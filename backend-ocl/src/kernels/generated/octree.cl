@@ -40,7 +40,7 @@ INLINE uint barren_of_part(uint barren, uint count, uint all) {
     return 0;
 }
 
-// Whether a part that keeps so many leaves is split, `depth` times at the least.
+// Whether a part that keeps so many leaves, and that `depth` splits have made, is split.
 INLINE bool part_is_split(uint count, uint barren, uint depth) {
     return ((count > FEW_LISTED) && (depth < MOST_DEPTH)) && (barren < MOST_BARREN);
 }

@@ -151,7 +151,7 @@ typedef struct {
 // Nor is it where it lists more than this share of what the box before lists, twice in a row: sites that nearly tie, as at a sphere's middle.
 #define BARREN ((real)(REAL(0.8)))
 
-// Twice.
+// How often in a row that may be.
 #define MOST_BARREN ((uint)(2))
 
 // Places of a box whose sites of least power leave others out: its middle, and the middles of its faces.

@@ -69,6 +69,7 @@ pub(crate) fn add(a: &mut [[f64; 3]], factor: f64, b: &[[f64; 3]]) {
 }
 
 /// `a · b`.
+#[inline(always)]
 pub(crate) fn inner(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -7,6 +7,7 @@
 use laguerre_core::Output;
 use laguerre_core::parallel;
 use laguerre_core::summation::chunks;
+use pulp::{Arch, NullaryFnOnce};
 use std::ops::Range;
 
 use super::levels::halved;
@@ -17,7 +18,11 @@ const CHILDREN: usize = 8;
 
 /// Questions that are asked together, at least: such a group goes over all planes once, and all groups over no more than so many.
 const TOGETHER: usize = 512;
-const MOST_PLANES: usize = 1 << 30;
+const MOST_PLANES: usize = 1 << 28;
+
+/// Questions that go down the tree abreast, a node's bounds for all of them at a time, by the widest instructions that the CPU has. (Eight sites of 200,000 of an NFW profile, which ask
+/// 65,536 planes, open 88 nodes together, where one by itself opens some 250. One after the other, a million took 0.92 s on 16 threads, now 0.48.)
+const ABREAST: usize = 8;
 
 /// For so few questions all planes are gone through: to put them in order takes as long as some ten times that.
 const FEW: usize = 8;
@@ -61,8 +66,16 @@ struct Anchor {
     least: Vec<Vec<f64>>,
 }
 
+/// Some of those who ask: where, axis by axis, and the least weight that each has found, with its row.
+struct Abreast {
+    at: [[f64; ABREAST]; 3],
+    weight: [f64; ABREAST],
+    row: [usize; ABREAST],
+}
+
 impl Tangent {
     /// The weight of a site at p that is on this plane: `w + (p − q)·(p + q − 2b)`.
+    #[inline(always)]
     fn weight_at(&self, p: [f64; 3]) -> f64 {
         let (q, b) = (self.site, self.barycenter);
         let way = std::array::from_fn(|k| p[k] - q[k]);
@@ -99,15 +112,20 @@ impl Around {
         std::array::from_fn(|k| 0.5 * (self.lo[k] + self.hi[k]))
     }
 
-    /// On no plane of a barycenter in here, on all of which a site at q has at least a weight of `least`, a site at p has a smaller one: from q to p the weight changes
-    /// by `(p − q)·(p + q − 2b)`.
-    fn bound(&self, q: [f64; 3], least: f64, p: [f64; 3]) -> f64 {
-        let change = |k: usize| {
-            let way = p[k] - q[k];
-            let b = if way > 0.0 { self.hi[k] } else { self.lo[k] };
-            way * ((p[k] - b) + (q[k] - b))
-        };
-        least + change(0) + change(1) + change(2)
+    /// Of sites at some places, axis by axis: on no plane of a barycenter in here, on all of which a site at q has at least a weight of `least`, has a site at p a smaller one: from q to p the
+    /// weight changes by `(p − q)·(p + q − 2b)`.
+    #[inline(always)]
+    fn bounds(&self, q: [f64; 3], least: f64, at: &[[f64; ABREAST]; 3]) -> [f64; ABREAST] {
+        let mut bounds = [least; ABREAST];
+        for k in 0..3 {
+            let (lo, hi, q) = (self.lo[k], self.hi[k], q[k]);
+            for (bound, &p) in bounds.iter_mut().zip(&at[k]) {
+                let way = p - q;
+                let b = if way > 0.0 { hi } else { lo };
+                *bound += way * ((p - b) + (q - b));
+            }
+        }
+        bounds
     }
 }
 
@@ -161,7 +179,10 @@ impl Tangents {
         let together = parallel::chunks(points.len(), length, |range| {
             let points = &points[range];
             let anchor = self.anchor(points);
-            points.iter().map(|&p| self.highest_from(&anchor, p)).collect::<Vec<_>>()
+            let groups = points.chunks(ABREAST);
+            groups
+                .flat_map(|points| Arch::new().dispatch(Descent { tangents: self, anchor: &anchor, points }))
+                .collect::<Vec<_>>()
         });
         together.concat()
     }
@@ -178,39 +199,85 @@ impl Tangents {
         }
         Anchor { place, least }
     }
+}
 
-    fn highest_from(&self, anchor: &Anchor, p: [f64; 3]) -> (f64, usize) {
-        let mut found = (f64::INFINITY, 0);
-        self.descend(anchor, p, self.levels.len() - 1, 0, &mut found);
-        found
+/// Some who ask abreast.
+struct Descent<'a> {
+    tangents: &'a Tangents,
+    anchor: &'a Anchor,
+    points: &'a [[f64; 3]],
+}
+
+/// A node that is to be looked at, its level, and what its planes come to at least for each who asks.
+#[derive(Clone, Copy, Default)]
+struct Open {
+    level: usize,
+    node: usize,
+    bound: [f64; ABREAST],
+    sum: f64,
+}
+
+impl NullaryFnOnce for Descent<'_> {
+    type Output = Vec<(f64, usize)>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { tangents: Tangents { tangents, rows, levels }, anchor, points } = self;
+        // (Where there are fewer the last asks several times.)
+        let point = |lane: usize| points[lane.min(points.len() - 1)];
+        let mut asked = Abreast {
+            at: std::array::from_fn(|k| std::array::from_fn(|lane| point(lane)[k])),
+            weight: [f64::INFINITY; ABREAST],
+            row: [0; ABREAST],
+        };
+        let mut open = vec![Open { level: levels.len() - 1, ..Open::default() }];
+        while let Some(Open { level, node, bound, .. }) = open.pop() {
+            // (Not one after the other.)
+            let is_of_use = bound.iter().zip(&asked.weight).fold(false, |any, (bound, weight)| any | (bound <= weight));
+            if !is_of_use {
+                continue;
+            }
+            let begin = node * CHILDREN;
+            if level == 0 {
+                let end = tangents.len().min(begin + CHILDREN);
+                tangents[begin..end]
+                    .iter()
+                    .zip(&rows[begin..end])
+                    .for_each(|(plane, &row)| asked.add(plane, row as usize));
+                continue;
+            }
+            let (below, least) = (&levels[level - 1], &anchor.least[level - 1]);
+            let first = open.len();
+            for node in begin..below.len().min(begin + CHILDREN) {
+                let Node { around, site, least: own } = &below[node];
+                let mut bound = around.bounds(anchor.place, least[node], &asked.at);
+                let from_own = around.bounds(*site, *own, &asked.at);
+                for (bound, own) in bound.iter_mut().zip(from_own) {
+                    *bound = if *bound > own { *bound } else { own };
+                }
+                open.push(Open { level: level - 1, node, bound, sum: bound.iter().sum() });
+            }
+            // The lowest, of all who ask together, comes next.
+            open[first..].sort_unstable_by(|a, b| b.sum.total_cmp(&a.sum));
+        }
+        asked.weight.into_iter().zip(asked.row).take(points.len()).collect()
+    }
+}
+
+impl Abreast {
+    #[inline(always)]
+    fn place(&self, lane: usize) -> [f64; 3] {
+        [self.at[0][lane], self.at[1][lane], self.at[2][lane]]
     }
 
-    fn descend(&self, anchor: &Anchor, p: [f64; 3], level: usize, node: usize, found: &mut (f64, usize)) {
-        let begin = node * CHILDREN;
-        if level == 0 {
-            for (k, tangent) in self.tangents[begin..self.tangents.len().min(begin + CHILDREN)].iter().enumerate() {
-                let own = (tangent.weight_at(p), self.rows[begin + k] as usize);
-                if less(&own, found).is_lt() {
-                    *found = own;
-                }
-            }
-            return;
-        }
-        let (below, least) = (&self.levels[level - 1], &anchor.least[level - 1]);
-        let mut children = [(f64::INFINITY, 0); CHILDREN];
-        let there = below.len().min(begin + CHILDREN) - begin;
-        let children = &mut children[..there];
-        for (child, (bound, node)) in children.iter_mut().enumerate() {
-            let at = begin + child;
-            let Node { around, site, least: own } = &below[at];
-            let from_there = around.bound(anchor.place, least[at], p);
-            (*bound, *node) = (from_there.max(around.bound(*site, *own, p)), at);
-        }
-        children.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        for &mut (bound, child) in children {
-            if bound <= found.0 {
-                self.descend(anchor, p, level - 1, child, found);
-            }
+    /// Takes a plane, of that row, where it is the highest so far.
+    #[inline(always)]
+    fn add(&mut self, plane: &Tangent, row: usize) {
+        let weight: [f64; ABREAST] = std::array::from_fn(|lane| plane.weight_at(self.place(lane)));
+        for (lane, &weight) in weight.iter().enumerate() {
+            let is_less = weight < self.weight[lane] || (weight == self.weight[lane] && row < self.row[lane]);
+            self.weight[lane] = if is_less { weight } else { self.weight[lane] };
+            self.row[lane] = if is_less { row } else { self.row[lane] };
         }
     }
 }

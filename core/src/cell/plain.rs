@@ -10,8 +10,8 @@ use crate::domain_grid::DomainGrid;
 use crate::integrand::FramedIntegrand;
 use std::cell::Cell;
 
-/// The plain store: growing arrays of structs, no capacities but `u32`. Slow and obvious; for tests, for the oracle, and to count
-/// what a cell needs.
+/// The plain store: growing arrays of structs, no capacities but `u32`. Slow and obvious; for tests, for the oracle, to count what a cell needs, and
+/// where devices' cells are asked for their geometry.
 #[derive(Clone, Debug, Default)]
 pub struct PlainStore<'a> {
     /// Each with its tag, its scratch number and above that how often bits of it were turned, and its facet.

@@ -227,6 +227,24 @@ impl Polytope for CpuStore<'_> {
     }
 }
 
+/// The first bit of some words that is set, from one on; `end` where there is none before that.
+#[inline(always)]
+fn next_bit(from: u32, end: u32, bits_of: impl Fn(usize) -> u64) -> u32 {
+    if from >= end {
+        return end;
+    }
+    let mut word = from as usize / 64;
+    let mut bits = bits_of(word) >> (from % 64) << (from % 64);
+    while bits == 0 {
+        word += 1;
+        if word * 64 >= end as usize {
+            return end;
+        }
+        bits = bits_of(word);
+    }
+    (word as u32 * 64 + bits.trailing_zeros()).min(end)
+}
+
 impl ClipStore for CpuStore<'_> {
     #[inline(always)]
     fn link(&self, f: u32) -> u32 {
@@ -262,19 +280,7 @@ impl ClipStore for CpuStore<'_> {
 
     #[inline(always)]
     fn next_open(&self, v: u32) -> u32 {
-        let (end, mut word) = (self.vertices.count, v as usize / 64);
-        if v as usize >= end {
-            return end as u32;
-        }
-        let mut open = !self.settled[word] >> (v % 64) << (v % 64);
-        while open == 0 {
-            word += 1;
-            if word * 64 >= end {
-                return end as u32;
-            }
-            open = !self.settled[word];
-        }
-        (word as u32 * 64 + open.trailing_zeros()).min(end as u32)
+        next_bit(v, self.vertices(), |word| !self.settled[word])
     }
 
     #[inline(always)]
@@ -310,19 +316,7 @@ impl ClipStore for CpuStore<'_> {
 
     #[inline(always)]
     fn next_conflict(&self, from: u32, end: u32) -> u32 {
-        let mut word = from as usize / 64;
-        if from >= end {
-            return end;
-        }
-        let mut bits = self.conflict[word] >> (from % 64) << (from % 64);
-        while bits == 0 {
-            word += 1;
-            if word * 64 >= end as usize {
-                return end;
-            }
-            bits = self.conflict[word];
-        }
-        (word as u32 * 64 + bits.trailing_zeros()).min(end)
+        next_bit(from, end, |word| self.conflict[word])
     }
 
     #[inline(always)]

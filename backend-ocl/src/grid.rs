@@ -108,7 +108,7 @@ pub(crate) struct Sites {
 #[derive(Default)]
 struct OnHost {
     ranges: Vec<Range>,
-    number: Vec<u32>,
+    marks: Vec<u32>,
 }
 
 impl Sites {
@@ -135,7 +135,7 @@ impl Sites {
             weight_bounds: Room::new(tree),
             around: Room::new(tree),
             is_from_host: false,
-            on_host: OnHost { ranges: Vec::new(), number: Vec::new() },
+            on_host: OnHost { ranges: Vec::new(), marks: Vec::new() },
         }
     }
 
@@ -187,8 +187,8 @@ impl Sites {
             GROUP,
             MarkVoxels { params: &shared.room, placed: &self.placed, count, marks: &self.marks },
         )?;
-        self.marks.read(queue, coarse.count(), &mut self.on_host.number)?;
-        let filled = self.on_host.number.iter().filter(|&&mark| mark != 0).count();
+        self.marks.read(queue, coarse.count(), &mut self.on_host.marks)?;
+        let filled = self.on_host.marks.iter().filter(|&&mark| mark != 0).count();
         let voxels = coarse.over_part(range.lo, range.hi, n, filled, SITES_PER_VOXEL);
         shared.params.sort_into(&voxels, &range, shared.will_differ);
         shared.send(context, queue)?;
@@ -203,8 +203,7 @@ impl Sites {
         loop {
             let most = if finer == most_finer { MOST_OF_LAST_RUN } else { MOST_OF_RUN };
             self.put_in_order(context, queue, kernels, shared, n, (across + finer, finer, most))?;
-            self.flag.read(queue, 1, &mut self.on_host.number)?;
-            if self.on_host.number[0] == 0 {
+            if self.flag.first(queue)? == 0 {
                 break;
             } else if finer == most_finer {
                 return Ok(None);
@@ -214,8 +213,7 @@ impl Sites {
         scan(context, queue, kernels, &self.kept, n + 1, &mut self.sums)?;
         let Self { placed, slots: [slots, _], kept: places, sites, order, .. } = &*self;
         kernels.gather_sites.run(queue, n, GROUP, GatherSites { placed, slots, places, count, sites, order })?;
-        self.kept.read_from(queue, n, 1, &mut self.on_host.number)?;
-        let sites = self.on_host.number[0];
+        let sites = self.kept.number(queue, n)?;
         self.voxels.fill_with(context, queue, [0, 0], voxels.count())?;
         self.flag.fill_with(context, queue, 0, 1)?;
         kernels.find_voxels.run(
@@ -230,8 +228,7 @@ impl Sites {
                 crowded: &self.flag,
             },
         )?;
-        self.flag.read(queue, 1, &mut self.on_host.number)?;
-        shared.params.has_table = u32::from(self.on_host.number[0] == 0);
+        shared.params.has_table = u32::from(self.flag.first(queue)? == 0);
         self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
         if shared.is_shared && shared.params.has_table != 0 && shared.params.equal_weights == 0 {
             let count = blocks_of_leaves(sites as usize);
@@ -433,6 +430,19 @@ pub(crate) fn scan(
         }
     }
     scan_with(queue, kernels, data, count, sums)
+}
+
+/// The same of one number more; the sum of all `count`.
+pub(crate) fn scan_all(
+    context: &Context,
+    queue: &Queue,
+    kernels: &GridKernels,
+    data: &Room<u32>,
+    count: usize,
+    sums: &mut Vec<Room<u32>>,
+) -> Result<usize> {
+    scan(context, queue, kernels, data, count + 1, sums)?;
+    Ok(data.number(queue, count)? as usize)
 }
 
 fn scan_with(

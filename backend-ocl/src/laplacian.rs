@@ -152,9 +152,7 @@ impl Device {
         let starts = packed_offsets;
         let packing = PackFacets { count, offsets, columns, records, starts, packed_columns, packed_values };
         grid_kernels.pack_facets.run(queue, items, GROUP, packing)?;
-        let mut ends = Vec::new();
-        packed_offsets.read_from(queue, rows, 1, &mut ends)?;
-        Ok(Some(ends.first().map_or(0, |&end| end as usize)))
+        Ok(Some(packed_offsets.number(queue, rows)? as usize))
     }
 
     /// The Laplacian that is on the device, of its last evaluation, in the memory of the two lists.

@@ -1,7 +1,7 @@
 //! The octree over the container (`core/src/power_octree.rs`), made on the device.
 
 use crate::buffer::{Room, failed, rooms};
-use crate::grid::scan;
+use crate::grid::scan_all;
 use crate::interface::data::{GRID_GROUP, NO_BOX, NO_HOME, OCTREE_GROUP, Params};
 use crate::interface::kernels::{FindHomes, JudgeParts, PlaceLeaves, SplitBoxes};
 use crate::params::Shared;
@@ -149,8 +149,7 @@ impl OctreeMemory {
         kernels.judge_parts.run(queue, parts + 1, GROUP, arguments)?;
         let mut totals = [0; 3];
         for (total, numbers) in totals.iter_mut().zip([splits, wholes, lists]) {
-            scan(context, queue, kernels, numbers, parts + 1, sums)?;
-            *total = numbers.number(queue, parts)? as usize;
+            *total = scan_all(context, queue, kernels, numbers, parts, sums)?;
         }
         let [next_boxes, next_leaves, more] = totals;
         if are_too_many(before + more, next_leaves, next_boxes, shared.params.tree_sites as usize) {

@@ -189,25 +189,21 @@ impl Device {
         let all: Vec<u32> = share.map(|site| site as u32).collect();
         self.load(prepared, scene)?;
         self.seconds = 0.0;
-        let passes = run_passes(
-            FIRST,
-            all,
-            |room, _| room.grown(),
-            |room, cells: &Vec<u32>| {
-                if room.planes > MOST_PLANES {
-                    computed.for_host.extend_from_slice(cells);
-                    computed.exact_cells += cells.len();
-                    return Ok(PassOutcome::default());
-                }
-                let before = self.seconds;
-                let mut outcome = PassOutcome::default();
-                for batch in cells.chunks(BATCH) {
-                    self.run(request, room, batch, &mut outcome, &mut computed)?;
-                }
-                outcome.device_seconds = self.seconds - before;
-                Ok::<_, Error>(outcome)
-            },
-        )?;
+        let grow = |room: Capacities, _| room.grown();
+        let passes = run_passes(FIRST, all, grow, |room, cells: &Vec<u32>| {
+            if room.planes > MOST_PLANES {
+                computed.for_host.extend_from_slice(cells);
+                computed.exact_cells += cells.len();
+                return Ok(PassOutcome::default());
+            }
+            let before = self.seconds;
+            let mut outcome = PassOutcome::default();
+            for batch in cells.chunks(BATCH) {
+                self.run(request, room, batch, &mut outcome, &mut computed)?;
+            }
+            outcome.device_seconds = self.seconds - before;
+            Ok::<_, Error>(outcome)
+        })?;
         computed.passes = passes;
         computed.seconds = self.seconds;
         Ok(computed)

@@ -183,10 +183,7 @@ impl Device {
     /// From numbers of entries where each row begins; how many there are in all.
     fn begins(&mut self, counts: &Room<u32>, rows: usize) -> Result<usize> {
         let Self { context, queue, grid_kernels, sites, .. } = self;
-        grid::scan(context, queue, grid_kernels, counts, rows + 1, &mut sites.sums)?;
-        let mut ends = Vec::new();
-        counts.read_from(queue, rows, 1, &mut ends)?;
-        Ok(ends.first().map_or(0, |&end| end as usize))
+        grid::scan_all(context, queue, grid_kernels, counts, rows, &mut sites.sums)
     }
 
     /// Nothing is found yet.

@@ -16,9 +16,9 @@ pub const FEW_LISTED: u32 = 20;
 pub const MOST_DEPTH: u32 = 18;
 
 /// Nor is it where it lists more than this share of what the box before lists, twice in a row: sites that nearly tie, as at a sphere's middle.
-pub const BARREN: Real = 0.8;
+const BARREN: Real = 0.8;
 /// How often in a row that may be.
-pub const MOST_BARREN: u32 = 2;
+const MOST_BARREN: u32 = 2;
 
 /// Places of a box whose sites of least power leave others out: its middle, and the middles of its faces.
 pub const OCTREE_PLACES: u32 = 7;

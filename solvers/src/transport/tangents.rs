@@ -179,10 +179,7 @@ impl Tangents {
         let together = parallel::chunks(points.len(), length, |range| {
             let points = &points[range];
             let anchor = self.anchor(points);
-            let groups = points.chunks(ABREAST);
-            groups
-                .flat_map(|points| Arch::new().dispatch(Descent { tangents: self, anchor: &anchor, points }))
-                .collect::<Vec<_>>()
+            Arch::new().dispatch(Descent { tangents: self, anchor: &anchor, points })
         });
         together.concat()
     }
@@ -201,7 +198,7 @@ impl Tangents {
     }
 }
 
-/// Some who ask abreast.
+/// Those who ask together, some abreast after the others.
 struct Descent<'a> {
     tangents: &'a Tangents,
     anchor: &'a Anchor,
@@ -222,7 +219,20 @@ impl NullaryFnOnce for Descent<'_> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { tangents: Tangents { tangents, rows, levels }, anchor, points } = self;
+        let (mut found, mut open) = (Vec::with_capacity(self.points.len()), Vec::new());
+        for points in self.points.chunks(ABREAST) {
+            let Abreast { weight, row, .. } = self.highest(points, &mut open);
+            found.extend(weight.into_iter().zip(row).take(points.len()));
+        }
+        found
+    }
+}
+
+impl Descent<'_> {
+    /// For up to as many as ask abreast; `open` is scratch.
+    #[inline(always)]
+    fn highest(&self, points: &[[f64; 3]], open: &mut Vec<Open>) -> Abreast {
+        let Self { tangents: Tangents { tangents, rows, levels }, anchor, .. } = self;
         // (Where there are fewer the last asks several times.)
         let point = |lane: usize| points[lane.min(points.len() - 1)];
         let mut asked = Abreast {
@@ -230,7 +240,7 @@ impl NullaryFnOnce for Descent<'_> {
             weight: [f64::INFINITY; ABREAST],
             row: [0; ABREAST],
         };
-        let mut open = vec![Open { level: levels.len() - 1, ..Open::default() }];
+        open.push(Open { level: levels.len() - 1, ..Open::default() });
         while let Some(Open { level, node, bound, .. }) = open.pop() {
             // (Not one after the other.)
             let is_of_use = bound.iter().zip(&asked.weight).fold(false, |any, (bound, weight)| any | (bound <= weight));
@@ -260,7 +270,7 @@ impl NullaryFnOnce for Descent<'_> {
             // The lowest, of all who ask together, comes next.
             open[first..].sort_unstable_by(|a, b| b.sum.total_cmp(&a.sum));
         }
-        asked.weight.into_iter().zip(asked.row).take(points.len()).collect()
+        asked
     }
 }
 

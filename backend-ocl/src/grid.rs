@@ -13,7 +13,9 @@ use crate::queue::Queue;
 use crate::voxels::Voxels;
 use laguerre_core::cell::ring::RINGS;
 use laguerre_core::diagram::{FARTHEST_SITE, LARGEST_WEIGHT_SPREAD, Prepared};
-use laguerre_core::site_tree::{Boxes, MadeTree, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins};
+use laguerre_core::site_tree::{
+    Boxes, MadeTree, Slabs, TIGHT_LEVELS, TURNS, WIDTH, WeightBounds, level_begins, order_of_levels,
+};
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::context::Context;
 use rayon::prelude::*;
@@ -302,8 +304,8 @@ impl Sites {
     ) -> Result<()> {
         let begins = shared.params.search_tree(sites);
         shared.send(context, queue)?;
-        for (level, pair) in begins.windows(2).enumerate() {
-            let blocks = pair[1] - pair[0];
+        for level in order_of_levels(begins.len() - 1) {
+            let blocks = begins[level + 1] - begins[level];
             kernels.bound_nodes.run(
                 queue,
                 blocks * WIDTH,

@@ -328,10 +328,14 @@ impl SiteTree {
         &self.leaves[leaf as usize]
     }
 
-    /// The boxes, slabs and bounds, level by level.
+    /// The boxes, slabs and bounds, a level at a time.
     fn build(&mut self, sites: &[[f64; 4]]) {
         let has_weights = self.base_weight < self.largest_weight;
-        for level in 0..=self.top_level() {
+        let all = self.levels[self.levels.len() - 1];
+        self.boxes.resize(all, Boxes::NONE);
+        self.slabs.resize(all, Slabs::NONE);
+        self.weights.resize(if has_weights { all } else { 0 }, WeightBounds::NONE);
+        for level in order_of_levels(self.levels.len() - 1) {
             let span = WIDTH << (3 * level);
             let blocks = self.levels[level + 1] - self.levels[level];
             let block = |block: usize| {
@@ -357,13 +361,21 @@ impl SiteTree {
                 (boxes, slabs, has_weights.then_some(weights))
             };
             let built = parallel::chunks(blocks, BLOCKS_AT_ONCE, |range| range.map(block).collect::<Vec<_>>());
-            for (boxes, slabs, weights) in built.into_iter().flatten() {
-                self.boxes.push(boxes);
-                self.slabs.push(slabs);
-                self.weights.extend(weights);
+            for (block, (boxes, slabs, weights)) in (self.levels[level]..).zip(built.into_iter().flatten()) {
+                self.boxes[block] = boxes;
+                self.slabs[block] = slabs;
+                if let Some(weights) = weights {
+                    self.weights[block] = weights;
+                }
             }
         }
     }
+}
+
+/// The levels of a tree of so many in the order in which their nodes are bounded: the blocks of leaves first, which have the curvature of their leaves' weights, then the leaves, and
+/// the others up to the root.
+pub fn order_of_levels(levels: usize) -> impl Iterator<Item = usize> {
+    (0..levels).map(move |turn| if turn < 2 && levels > 1 { 1 - turn } else { turn })
 }
 
 /// The sites eight by eight.
@@ -426,6 +438,14 @@ impl NodeSource for Node<'_> {
     fn part_weights(&self, i: u32) -> NodeWeights {
         let (block, k) = self.part(i);
         self.tree.weights[block].get(k)
+    }
+
+    fn curvature_above(&self) -> V3 {
+        if self.level > 0 || self.tree.top_level() == 0 {
+            return V3::default();
+        }
+        let above = self.node / WIDTH;
+        self.tree.weights[self.tree.levels[1] + above / WIDTH].get(above % WIDTH).curvature
     }
 }
 

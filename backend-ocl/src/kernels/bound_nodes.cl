@@ -1,4 +1,4 @@
-// The tree over the sorted sites: what bounds the nodes of a level, which those of the levels below it are known for.
+// The tree over the sorted sites: what bounds the nodes of a level, when those are known that it stands on (`order_of_levels`).
 
 #import "generated/nodes.cl"
 
@@ -28,9 +28,14 @@ __kernel void bound_nodes(BOUND_NODES_ARGUMENTS) {
         const uint is_large = count > MOST_SAMPLED;
         Store source = (Store){
             .sites = sites, .boxes = boxes, .slabs = slabs, .weights = weight_bounds, .base = params->smallest_weight, .begin = (uint)begin,
-            .count = count, .parts = (is_large != 0u) ? (((count - 1u) >> (shift - 6u)) + 1u) : 0u,
+            .count = count, .curvature_above = zero, .parts = (is_large != 0u) ? (((count - 1u) >> (shift - 6u)) + 1u) : 0u,
             .block = (is_large != 0u) ? (params->tree_begin[level - 2u] + (node * WIDTH)) : 0u, .params = params
         };
+        // (Of a leaf: the blocks of leaves are bounded before, of which all sites are sampled.)
+        if ((level == 0u) && ((params->tree_top > 0u) && (params->equal_weights == 0u))) {
+            const uint above = node / WIDTH;
+            source.curvature_above = weights_in(weight_bounds + (params->tree_begin[1] + (above / WIDTH)), above % WIDTH).curvature;
+        }
         bounds = box_of_node(&source);
         slab = slab_of_node(&source, bounds);
         if (params->equal_weights == 0u) {

@@ -15,6 +15,7 @@ typedef struct {
     // The nodes that it is made of: how many, and their first block.
     uint parts;
     uint block;
+    V3 curvature_above;
     // The tree, as far as it is made.
     __global const Params *params;
 } Store;
@@ -43,6 +44,7 @@ INLINE NodeSlab store_part_slab(Store *s, uint i) {
 INLINE NodeWeights store_part_weights(Store *s, uint i) {
     return weights_in(s->weights + (s->block + (i / WIDTH)), i % WIDTH);
 }
+INLINE V3 store_curvature_above(Store *s) { return s->curvature_above; }
 
 // The whole tree (`AroundSource`).
 INLINE uint store_sites(Store *s) { return s->params->tree_sites; }

@@ -36,13 +36,14 @@ fn square_to_box(lo: V3, hi: V3, place: V3, off: Real) -> Real {
 /// The least of `αd² + g·d − w` of weights that differ, at any site of a node.
 #[inline(always)]
 pub fn least_weighted(seer: Seer, alpha: Real, g: V3, bounds: NodeBox, weights: NodeWeights) -> Real {
-    let lo: V3 = sub(bounds.lo, seer.site);
-    let hi: V3 = sub(bounds.hi, seer.site);
+    let lo: V3 = bounds.lo;
+    let hi: V3 = bounds.hi;
+    let from: V3 = seer.site;
     let mut sum: Real = seer.excess - weights.offset;
     let mut size: Real = seer.excess + weights.offset.abs();
-    add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &mut sum, &mut size);
-    add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &mut sum, &mut size);
-    add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &mut sum, &mut size);
+    add_least(lo.x, hi.x, from.x, alpha, g.x, weights.slope.x, weights.curvature.x, &mut sum, &mut size);
+    add_least(lo.y, hi.y, from.y, alpha, g.y, weights.slope.y, weights.curvature.y, &mut sum, &mut size);
+    add_least(lo.z, hi.z, from.z, alpha, g.z, weights.slope.z, weights.curvature.z, &mut sum, &mut size);
     return sum - (FEW_ROUNDINGS_OF_SUM * size);
 }
 

@@ -1,7 +1,7 @@
 //! What bounds the sites of a node of the tree: a box, a slab across their thinnest direction, and their weights by a polynomial.
 //!
 //! Directions and slopes are those of a sample of the sites: any give a true bound. What the bound then has to hold is found from the sites where
-//! the sample is all of them, and else from the bounds of the nodes two levels below, so that a tree's cost is that of its sites. (From those one level
+//! the sample is all of them (a leaf's have too few for a curvature: they are tried with that of their block), and else from the bounds of the nodes two levels below, so that a tree's cost is that of its sites. (From those one level
 //! below, cells of the vertices of a scanned surface took 20 % more time on the CPU.)
 
 use super::quadratic::{FEW_ROUNDINGS_OF_SUM, add_least};
@@ -48,6 +48,8 @@ pub trait NodeSource {
     fn part_slab(&self, i: u32) -> NodeSlab;
     /// What bounds its weights.
     fn part_weights(&self, i: u32) -> NodeWeights;
+    /// The curvature of what bounds the weights of the node above, for a leaf; else 0.
+    fn curvature_above(&self) -> V3;
 }
 
 #[inline(always)]
@@ -235,15 +237,25 @@ fn rest_of_sampled<S: NodeSource>(s: &S, middle: V3, w: NodeWeights) -> Rest {
     return rest;
 }
 
-/// The polynomial of so many coefficients that fits the sampled weights best, its constant 0; all 0 where there is none.
+/// The polynomial of so many coefficients, and where these are but a slope of a given curvature, that fits the sampled weights best, without its constant; all 0 where
+/// there is none.
 #[inline]
 #[cfg_attr(opencl, hot)]
-fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unknowns: u32) -> NodeWeights {
+fn fit_of_sampled<S: NodeSource>(
+    s: &S,
+    middle: V3,
+    width: Real,
+    base: Real,
+    unknowns: u32,
+    curvature: V3,
+) -> NodeWeights {
     let count: u32 = s.sampled();
     let mut e: Equations = Equations { matrix: [0.0; 49], right: [0.0; 7] };
     for i in 0..count {
-        let u: V3 = scale(1.0 / width, sub(s.sampled_place(i), middle));
-        let w: Real = s.sampled_weight(i) - base;
+        let way: V3 = sub(s.sampled_place(i), middle);
+        let u: V3 = scale(1.0 / width, way);
+        let curved: V3 = v3(curvature.x * way.x, curvature.y * way.y, curvature.z * way.z);
+        let w: Real = (s.sampled_weight(i) - base) - dot(curved, way);
         let mut terms: [Real; 7] = [0.0; 7];
         terms[0] = 1.0;
         terms[1] = u.x;
@@ -290,6 +302,7 @@ fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unk
     let mut fit: NodeWeights = NodeWeights { offset: 0.0, slope: v3(0.0, 0.0, 0.0), curvature: v3(0.0, 0.0, 0.0) };
     if largest < LARGEST {
         fit.slope = v3(e.right[1], e.right[2], e.right[3]);
+        fit.curvature = curvature;
         if unknowns == QUADRATIC {
             fit.curvature = v3(e.right[4], e.right[5], e.right[6]);
         }
@@ -297,11 +310,12 @@ fn fit_of_sampled<S: NodeSource>(s: &S, middle: V3, width: Real, base: Real, unk
     return fit;
 }
 
-/// Adds the largest of a part's bound less the node's, along an axis, to `sum`; `lo` and `hi` from the node's middle.
+/// Adds the largest of a part's bound less the node's, along an axis, to `sum`; `middle` is the node's.
 #[inline(always)]
 fn add_largest(
     lo: Real,
     hi: Real,
+    middle: Real,
     slope: Real,
     curvature: Real,
     its_slope: Real,
@@ -310,10 +324,8 @@ fn add_largest(
     size: &mut Real,
 ) {
     let mut least: Real = 0.0;
-    add_least(lo, hi, curvature, slope, its_slope, its_curvature, &mut least, size);
+    add_least(lo, hi, middle, curvature, slope, its_slope, its_curvature, &mut least, size);
     *sum -= least;
-    // (`add_least` counts the sizes of steep polynomials; a negative α, too.)
-    *size += (2.0 * (curvature.abs() * larger(lo.abs(), hi.abs()))) * larger(lo.abs(), hi.abs());
 }
 
 /// An upper bound of the weights of a node's sites, whose box is known: of least degree that is tighter by enough.
@@ -325,26 +337,31 @@ pub fn weights_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeWeights {
     let width: Real = larger(larger(larger(halves.x, halves.y), halves.z), LEAST_WIDTH);
     let mut best: NodeWeights = NodeWeights { offset: 0.0, slope: v3(0.0, 0.0, 0.0), curvature: v3(0.0, 0.0, 0.0) };
     let mut rest: Rest = rest_of_sampled(s, middle, best);
-    let mut unknowns: u32 = AFFINE;
-    if s.sampled() < ENOUGH_FOR_SLOPE {
-        unknowns = QUADRATIC + 1;
-    }
     let all: Real = rest.top - rest.bottom;
     let mut range: Real = all;
     // (Of weights that are large and differ by little, the ridge would leave more than they differ by.)
     let base: Real = 0.5 * (rest.top + rest.bottom);
-    while (unknowns <= QUADRATIC) && (all > 0.0) {
-        let fit: NodeWeights = fit_of_sampled(s, middle, width, base, unknowns);
-        let left: Rest = rest_of_sampled(s, middle, fit);
-        if (left.top - left.bottom) < (WORTH_A_DEGREE * range) {
-            rest = left;
-            range = left.top - left.bottom;
-            best = fit;
+    let mut degree: u32 = 1;
+    while (degree <= 2) && ((all > 0.0) && (s.sampled() >= ENOUGH_FOR_SLOPE)) {
+        let mut unknowns: u32 = AFFINE;
+        let mut curvature: V3 = v3(0.0, 0.0, 0.0);
+        if degree == 2 {
+            if s.sampled() >= ENOUGH_FOR_CURVATURE {
+                unknowns = QUADRATIC;
+            } else {
+                curvature = s.curvature_above();
+            }
         }
-        unknowns += QUADRATIC - AFFINE;
-        if s.sampled() < ENOUGH_FOR_CURVATURE {
-            unknowns = QUADRATIC + 1;
+        if (degree == 1) || ((unknowns == QUADRATIC) || (norm_1(curvature) > 0.0)) {
+            let fit: NodeWeights = fit_of_sampled(s, middle, width, base, unknowns, curvature);
+            let left: Rest = rest_of_sampled(s, middle, fit);
+            if (left.top - left.bottom) < (WORTH_A_DEGREE * range) {
+                rest = left;
+                range = left.top - left.bottom;
+                best = fit;
+            }
         }
+        degree += 1;
     }
     let mut top: Real = rest.top;
     let mut size: Real = 0.0;
@@ -359,13 +376,14 @@ pub fn weights_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeWeights {
     while i < s.parts() {
         let its: NodeWeights = s.part_weights(i);
         let its_box: NodeBox = s.part_box(i);
-        let lo: V3 = sub(its_box.lo, middle);
-        let hi: V3 = sub(its_box.hi, middle);
+        let lo: V3 = its_box.lo;
+        let hi: V3 = its_box.hi;
         let mut its_top: Real = its.offset;
         let mut its_size: Real = its.offset.abs();
         add_largest(
             lo.x,
             hi.x,
+            middle.x,
             best.slope.x,
             best.curvature.x,
             its.slope.x,
@@ -376,6 +394,7 @@ pub fn weights_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeWeights {
         add_largest(
             lo.y,
             hi.y,
+            middle.y,
             best.slope.y,
             best.curvature.y,
             its.slope.y,
@@ -386,6 +405,7 @@ pub fn weights_of_node<S: NodeSource>(s: &S, bounds: NodeBox) -> NodeWeights {
         add_largest(
             lo.z,
             hi.z,
+            middle.z,
             best.slope.z,
             best.curvature.z,
             its.slope.z,

@@ -6,6 +6,7 @@ use super::{
     facet::reset_facets,
     far::asked_at,
     integrate::{foot_on_edge, integrate, side},
+    quadratic::{FEW_ROUNDINGS_OF_SUM, add_least},
     search_store::{NodeBox, NodeSlab, NodeWeights},
     vector::{cross, dot, norm_1, sub},
 };
@@ -151,6 +152,39 @@ fn the_search_has_no_false_proof() {
         let least = |corner: V3| least_power_of_node(seer, corner, wall, slab, NodeWeights::default());
         let is_out = |v: u32| least(store.position(v)) >= asked_at(0.0, v, store.position(v), store.radius(v)).limit;
         assert_eq!((0..store.vertices()).all(is_out), is_left_out);
+    }
+}
+
+/// The least of a polynomial over a range is not above its values there, and one of them, to few roundings: convex or not, seen from within or from afar, least within or at an end.
+#[test]
+fn least_of_a_polynomial_over_a_range() {
+    let mut state = 0.0_f64;
+    let mut next = || {
+        state += 1.0;
+        2.0 * (state * state * 0.618_033_988_749_894_9).fract() - 1.0
+    };
+    for turn in 0..20_000 {
+        let extent = 10_f64.powi(-(turn % 9));
+        let lo = next();
+        let hi = lo + extent * next().abs();
+        let from = if turn % 2 == 0 { lo + extent * next() } else { next() };
+        let alpha = [-1.0, 0.0, 0.05, 0.5, 1.0][turn as usize % 5];
+        let curvature = if turn % 3 == 0 { alpha - 1e-9 * next() } else { 3.0 * next() };
+        let (g, slope) = (next(), next() * 10_f64.powi(turn % 4 - 2));
+        let (mut least, mut size) = (0.0, 0.0);
+        add_least(lo, hi, from, alpha, g, slope, curvature, &mut least, &mut size);
+        let middle = 0.5 * (lo + hi);
+        let value = |p: f64| {
+            let (t, u) = (p - from, p - middle);
+            (alpha * t + g) * t - (slope + curvature * u) * u
+        };
+        let still = middle - 0.5 * (2.0 * alpha * (middle - from) + g - slope) / (alpha - curvature);
+        let places = (0..=16).map(|k| lo + (hi - lo) * f64::from(k) / 16.0).chain([still.clamp(lo, hi), hi]);
+        let found = places.filter(|p| (lo..=hi).contains(p)).map(value).fold(f64::INFINITY, f64::min);
+        let rounding = FEW_ROUNDINGS_OF_SUM * size;
+        // (The middle is rounded, and the range is taken to be as long on either side.)
+        let range = -rounding..=rounding + 1e-14;
+        assert!(range.contains(&(found - least)), "{turn}: {found:e} {least:e} {size:e}");
     }
 }
 

@@ -70,6 +70,31 @@ fn bounds_follow_smooth_weights() {
     assert!(!constant);
 }
 
+#[test]
+fn blocks_of_leaves_are_bounded_before_their_leaves() {
+    for (levels, order) in [(1, vec![0]), (2, vec![1, 0]), (5, vec![1, 0, 2, 3, 4])] {
+        assert_eq!(order_of_levels(levels).collect::<Vec<_>>(), order);
+    }
+}
+
+/// Leaves, of eight sites, have the curvature of the block that they are in: what bounds quadratic weights are these.
+#[test]
+fn bounds_of_leaves_curve_as_their_block_does() {
+    let (positions, _) = clouds().swap_remove(0);
+    let weight = |[x, y, z]: [f64; 3]| 0.9 * x * x - 2.0 * y * y + 0.5 * z * z + x;
+    let weights: Vec<f64> = positions.iter().map(|&p| weight(p)).collect();
+    let tree = SiteTree::new(&positions, &weights);
+    // (The last block may have too few sites.)
+    for (i, [x, y, z, w]) in tree.sites().enumerate().take(positions.len() / (WIDTH * WIDTH) * WIDTH * WIDTH) {
+        let (block, k) = (i / (WIDTH * WIDTH), i / WIDTH % WIDTH);
+        let (bounds, middle) = (tree.weights(block), tree.boxes(block).middle(k));
+        let u = [x - middle[0], y - middle[1], z - middle[2]];
+        let bound: f64 = bounds.c[k] + (0..3).map(|a| (bounds.g[a][k] + bounds.q[a][k] * u[a]) * u[a]).sum::<f64>();
+        let over = bound - (w - tree.base_weight());
+        assert!((0.0..1e-6).contains(&over), "{over:e}");
+    }
+}
+
 /// Of sites at one position the heaviest is in the tree, and on a tie the first; the order does not depend on the caller's.
 #[test]
 fn one_site_of_a_place_is_in_the_tree() {

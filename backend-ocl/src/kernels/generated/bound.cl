@@ -15,13 +15,14 @@ INLINE real square_to_box(V3 lo, V3 hi, V3 place, real off) {
 
 // The least of `αd² + g·d − w` of weights that differ, at any site of a node.
 INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights) {
-    const V3 lo = sub(bounds.lo, seer.site);
-    const V3 hi = sub(bounds.hi, seer.site);
+    const V3 lo = bounds.lo;
+    const V3 hi = bounds.hi;
+    const V3 from = seer.site;
     real sum = seer.excess - weights.offset;
     real size = seer.excess + fabs(weights.offset);
-    add_least(lo.x, hi.x, alpha, g.x, weights.slope.x, weights.curvature.x, &sum, &size);
-    add_least(lo.y, hi.y, alpha, g.y, weights.slope.y, weights.curvature.y, &sum, &size);
-    add_least(lo.z, hi.z, alpha, g.z, weights.slope.z, weights.curvature.z, &sum, &size);
+    add_least(lo.x, hi.x, from.x, alpha, g.x, weights.slope.x, weights.curvature.x, &sum, &size);
+    add_least(lo.y, hi.y, from.y, alpha, g.y, weights.slope.y, weights.curvature.y, &sum, &size);
+    add_least(lo.z, hi.z, from.z, alpha, g.z, weights.slope.z, weights.curvature.z, &sum, &size);
     return sum - (FEW_ROUNDINGS_OF_SUM * size);
 }
 

@@ -3,8 +3,7 @@
 #import "generated/cell.cl"
 #import "generated/tree_types.cl"
 
-INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
-INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE void add_least(real lo, real hi, real from, real alpha, real g, real slope, real curvature, real *sum, real *size);
 INLINE real gap_along(real lo, real hi, real place, real off);
 INLINE real square_to_box(V3 lo, V3 hi, V3 place, real off);
 INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);

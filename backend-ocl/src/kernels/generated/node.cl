@@ -113,13 +113,16 @@ HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w) {
     return rest;
 }
 
-// The polynomial of so many coefficients that fits the sampled weights best, its constant 0; all 0 where there is none.
-HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns) {
+// The polynomial of so many coefficients, and where these are but a slope of a given curvature, that fits the sampled weights best, without its constant; all 0 where
+// there is none.
+HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns, V3 curvature) {
     const uint count = store_sampled(s);
     Equations e = (Equations){ .matrix = { 0 }, .right = { 0 } };
     for (uint i = 0; i < count; i++) {
-        const V3 u = scale(REAL(1.0) / width, sub(store_sampled_place(s, i), middle));
-        const real w = store_sampled_weight(s, i) - base;
+        const V3 way = sub(store_sampled_place(s, i), middle);
+        const V3 u = scale(REAL(1.0) / width, way);
+        const V3 curved = v3(curvature.x * way.x, curvature.y * way.y, curvature.z * way.z);
+        const real w = (store_sampled_weight(s, i) - base) - v3_dot(curved, way);
         real terms[7] = { 0 };
         terms[0] = REAL(1.0);
         terms[1] = u.x;
@@ -165,6 +168,7 @@ HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint 
     NodeWeights fit = (NodeWeights){ .offset = REAL(0.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .curvature = v3(REAL(0.0), REAL(0.0), REAL(0.0)) };
     if (largest < LARGEST) {
         fit.slope = v3(e.right[1], e.right[2], e.right[3]);
+        fit.curvature = curvature;
         if (unknowns == QUADRATIC) {
             fit.curvature = v3(e.right[4], e.right[5], e.right[6]);
         }
@@ -172,13 +176,11 @@ HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint 
     return fit;
 }
 
-// Adds the largest of a part's bound less the node's, along an axis, to `sum`; `lo` and `hi` from the node's middle.
-INLINE void add_largest(real lo, real hi, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size) {
+// Adds the largest of a part's bound less the node's, along an axis, to `sum`; `middle` is the node's.
+INLINE void add_largest(real lo, real hi, real middle, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size) {
     real least = REAL(0.0);
-    add_least(lo, hi, curvature, slope, its_slope, its_curvature, &least, size);
+    add_least(lo, hi, middle, curvature, slope, its_slope, its_curvature, &least, size);
     *sum -= least;
-    // (`add_least` counts the sizes of steep polynomials; a negative α, too.)
-    *size += ((REAL(2.0) * (fabs(curvature) * larger(fabs(lo), fabs(hi)))) * larger(fabs(lo), fabs(hi)));
 }
 
 // An upper bound of the weights of a node's sites, whose box is known: of least degree that is tighter by enough.
@@ -188,26 +190,31 @@ HOT NodeWeights weights_of_node(Store *s, NodeBox bounds) {
     const real width = larger(larger(larger(halves.x, halves.y), halves.z), LEAST_WIDTH);
     NodeWeights best = (NodeWeights){ .offset = REAL(0.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .curvature = v3(REAL(0.0), REAL(0.0), REAL(0.0)) };
     Rest rest = rest_of_sampled(s, middle, best);
-    uint unknowns = AFFINE;
-    if (store_sampled(s) < ENOUGH_FOR_SLOPE) {
-        unknowns = QUADRATIC + 1;
-    }
     const real all = rest.top - rest.bottom;
     real range = all;
     // (Of weights that are large and differ by little, the ridge would leave more than they differ by.)
     const real base = REAL(0.5) * (rest.top + rest.bottom);
-    while ((unknowns <= QUADRATIC) && (all > REAL(0.0))) {
-        const NodeWeights fit = fit_of_sampled(s, middle, width, base, unknowns);
-        const Rest left = rest_of_sampled(s, middle, fit);
-        if ((left.top - left.bottom) < (WORTH_A_DEGREE * range)) {
-            rest = left;
-            range = left.top - left.bottom;
-            best = fit;
+    uint degree = 1;
+    while ((degree <= 2) && ((all > REAL(0.0)) && (store_sampled(s) >= ENOUGH_FOR_SLOPE))) {
+        uint unknowns = AFFINE;
+        V3 curvature = v3(REAL(0.0), REAL(0.0), REAL(0.0));
+        if (degree == 2) {
+            if (store_sampled(s) >= ENOUGH_FOR_CURVATURE) {
+                unknowns = QUADRATIC;
+            } else {
+                curvature = store_curvature_above(s);
+            }
         }
-        unknowns += (QUADRATIC - AFFINE);
-        if (store_sampled(s) < ENOUGH_FOR_CURVATURE) {
-            unknowns = QUADRATIC + 1;
+        if ((degree == 1) || ((unknowns == QUADRATIC) || (norm_1(curvature) > REAL(0.0)))) {
+            const NodeWeights fit = fit_of_sampled(s, middle, width, base, unknowns, curvature);
+            const Rest left = rest_of_sampled(s, middle, fit);
+            if ((left.top - left.bottom) < (WORTH_A_DEGREE * range)) {
+                rest = left;
+                range = left.top - left.bottom;
+                best = fit;
+            }
         }
+        degree += 1;
     }
     real top = rest.top;
     real size = REAL(0.0);
@@ -222,13 +229,13 @@ HOT NodeWeights weights_of_node(Store *s, NodeBox bounds) {
     while (i < store_parts(s)) {
         const NodeWeights its = store_part_weights(s, i);
         const NodeBox its_box = store_part_box(s, i);
-        const V3 lo = sub(its_box.lo, middle);
-        const V3 hi = sub(its_box.hi, middle);
+        const V3 lo = its_box.lo;
+        const V3 hi = its_box.hi;
         real its_top = its.offset;
         real its_size = fabs(its.offset);
-        add_largest(lo.x, hi.x, best.slope.x, best.curvature.x, its.slope.x, its.curvature.x, &its_top, &its_size);
-        add_largest(lo.y, hi.y, best.slope.y, best.curvature.y, its.slope.y, its.curvature.y, &its_top, &its_size);
-        add_largest(lo.z, hi.z, best.slope.z, best.curvature.z, its.slope.z, its.curvature.z, &its_top, &its_size);
+        add_largest(lo.x, hi.x, middle.x, best.slope.x, best.curvature.x, its.slope.x, its.curvature.x, &its_top, &its_size);
+        add_largest(lo.y, hi.y, middle.y, best.slope.y, best.curvature.y, its.slope.y, its.curvature.y, &its_top, &its_size);
+        add_largest(lo.z, hi.z, middle.z, best.slope.z, best.curvature.z, its.slope.z, its.curvature.z, &its_top, &its_size);
         top = larger(top, its_top);
         size = larger(size, its_size);
         i += 1;

@@ -13,8 +13,7 @@ INLINE real norm_1(V3 a);
 INLINE real norm_max(V3 a);
 INLINE real smaller(real a, real b);
 INLINE real larger(real a, real b);
-INLINE void add_least(real lo, real hi, real alpha, real g, real slope, real curvature, real *sum, real *size);
-INLINE real polynomial_at(real t, real m, real alpha, real g, real slope, real curvature);
+INLINE void add_least(real lo, real hi, real from, real alpha, real g, real slope, real curvature, real *sum, real *size);
 INLINE real gap_along(real lo, real hi, real place, real off);
 INLINE real square_to_box(V3 lo, V3 hi, V3 place, real off);
 INLINE real least_weighted(Seer seer, real alpha, V3 g, NodeBox bounds, NodeWeights weights);
@@ -48,8 +47,8 @@ INLINE real largest_along(NodeBox bounds, V3 n);
 HOT NodeSlab slab_of_node(Store *s, NodeBox bounds);
 INLINE real rise(NodeWeights w, V3 u);
 HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w);
-HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns);
-INLINE void add_largest(real lo, real hi, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size);
+HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns, V3 curvature);
+INLINE void add_largest(real lo, real hi, real middle, real slope, real curvature, real its_slope, real its_curvature, real *sum, real *size);
 HOT NodeWeights weights_of_node(Store *s, NodeBox bounds);
 
 #import "generated/vector.cl"

@@ -89,6 +89,7 @@ impl Device {
         if many_reach_far {
             self.make_octree(request)?;
         }
+        self.shared.params.leaves_if_far = self.leaves_if_far(share.len(), most_fail || many_reach_far);
         let begin = match together {
             Some(lanes) if most_fail || many_reach_far => Some((lanes, Stage::Far)),
             Some(lanes) if self.begins_in_single() => Some((lanes, Stage::Single)),

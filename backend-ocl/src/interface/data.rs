@@ -106,6 +106,8 @@ pub(crate) struct Params {
     pub(crate) facet_base: u64,
     /// How many sums are written for each cell.
     pub(crate) sums_width: u64,
+    /// Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
+    pub(crate) leaves_if_far: u64,
     pub(crate) grid_dims: [u32; 3],
     pub(crate) domain_dims: [u32; 3],
     pub(crate) has_domain: u32,

@@ -296,6 +296,8 @@ pub trait SearchStore: Lanes {
         self.candidate(i)
     }
 
+    /// How many leaves are looked at, near ones again among them, for a cell that still reaches far when those near were, before it is completed by its vertices.
+    fn leaves_if_far(&self) -> u32;
     /// Whether the cell is restricted to a domain.
     fn has_domain(&self) -> bool;
     /// The square of the cell's reach about a place, rounded up: of twice the distance of its farthest vertex. No site as heavy that is beyond can

@@ -187,6 +187,8 @@ typedef struct {
     ulong facet_base;
     // How many sums are written for each cell.
     ulong sums_width;
+    // Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
+    ulong leaves_if_far;
     uint grid_dims[3];
     uint domain_dims[3];
     uint has_domain;
@@ -835,6 +837,6 @@ typedef char size_of_WeightBounds[(sizeof(WeightBounds) == 448) ? 1 : -1];
 typedef char size_of_Slabs[(sizeof(Slabs) == 384) ? 1 : -1];
 typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 16) ? 1 : -1];
 typedef char size_of_OctreeBox[(sizeof(OctreeBox) == 64) ? 1 : -1];
-typedef char size_of_Params[(sizeof(Params) == 360) ? 1 : -1];
+typedef char size_of_Params[(sizeof(Params) == 368) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
 typedef char size_of_Counters[(sizeof(Counters) == 44) ? 1 : -1];

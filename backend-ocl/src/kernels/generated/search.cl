@@ -41,7 +41,7 @@ INLINE real size_around(Store *s) {
     return size;
 }
 
-// Cuts the cell by the sites that it reaches (`what` is `NEAR`): `COMPLETE`; `UNTOUCHED` where that is not worth while; or how it ended. By those that are `KEPT`: `UNTOUCHED`, or how
+// Cuts the cell by the sites that it reaches (`what` is `NEAR`): `COMPLETE`, as it may be when those near have cut it; `UNTOUCHED` where that is not worth while; or how it ended. By those that are `KEPT`: `UNTOUCHED`, or how
 // it ended. By all that can cut it at a vertex that is not settled (`SWEEP`): as the first.
 //
 // Near, first come all sites near, then the rest; each time nearest first, as far as there is room for candidates. Were a cell cut by those of its
@@ -114,8 +114,17 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
                 }
                 reach = store_square_of_reach(s, vantage.center);
             }
+            if (reach <= *proven) {
+                return COMPLETE;
+            }
             if (reach > (FAR_SQUARE * near)) {
-                return UNTOUCHED;
+                const uint few = store_leaves_if_far(s);
+                if (few == 0) {
+                    return UNTOUCHED;
+                }
+                if ((looked + few) < most_leaves) {
+                    most_leaves = looked + few;
+                }
             }
             is_rest = 1;
             wanted.above = wanted.below;

@@ -89,11 +89,9 @@ INLINE Trial trial_of(Store *s, Plane plane) {
     };
 }
 
-// How far a vertex is within it, in its units; and what is off in that.
-INLINE float value_at(Trial t, float4 p) {
-    return (((t.plane.x * p.x) + (t.plane.y * p.y)) + (t.plane.z * p.z)) + t.plane.w;
-}
-INLINE float bound_at(Trial t, float4 p) { return (t.size * p.w) + t.slack; }
+// How far a vertex is within it, in its units; and what is off in that. (Fused, which rounds less, and the same everywhere.)
+INLINE float value_at(Trial t, float4 p) { return fma(t.plane.x, p.x, fma(t.plane.y, p.y, fma(t.plane.z, p.z, t.plane.w))); }
+INLINE float bound_at(Trial t, float4 p) { return fma(t.size, p.w, t.slack); }
 
 // Whether vertex v is among the marked ones.
 INLINE uint is_marked(const uint *bits, uint v) {

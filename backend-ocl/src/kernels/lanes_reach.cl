@@ -11,7 +11,7 @@ INLINE float farthest_from(Store *s, float3 place) {
             const uint v = (word * LANES) + s->lane;
             const float4 p = s->cell->rough[v];
             const float3 d = p.xyz - place;
-            const float square = fmax(((d.x * d.x) + (d.y * d.y)) + (d.z * d.z), ROUGH_SQUARE);
+            const float square = fmax(fma(d.x, d.x, fma(d.y, d.y, d.z * d.z)), ROUGH_SQUARE);
             const float far = (sqrt(square) + (2.0f * p.w)) * ROUGH_SAFE;
             most = fmax(most, (v < s->vertices) ? far : 0.0f);
         }

@@ -71,17 +71,15 @@ pub(super) fn visit_candidates<S: SearchStore>(
     visited: &mut u32,
 ) -> u32 {
     let mut limit: u32 = below;
-    if !checks {
+    let mut cuts: u32 = 0;
+    if checks {
+        s.drop_held(count);
+    } else {
         limit = key_limit(s, *reach, below);
+        // (What remains when some were visited before is looked at soon.)
+        cuts = *visited;
     }
-    let mut is_new: bool = checks;
-    // (What remains when some were visited before is looked at soon.)
-    let mut cuts: u32 = *visited;
     loop {
-        if is_new {
-            s.drop_held(count);
-            is_new = false;
-        }
         let held: Held = nearest_held(s, count);
         let least: u32 = s.least_of_lanes(held.key);
         if least >= limit {
@@ -94,15 +92,19 @@ pub(super) fn visit_candidates<S: SearchStore>(
             status = s.cut_by(j);
         }
         if status == CUT {
-            if checks {
-                is_new = true;
-            } else {
+            if !checks {
                 *reach = s.square_of_reach(center);
                 limit = key_limit(s, *reach, below);
             }
             cuts += 1;
         } else if status != UNTOUCHED {
             return status;
+        } else if checks {
+            // (After each cut sites on a bumpy surface took 1 % longer.)
+            if cuts > 0 {
+                s.drop_held(count);
+            }
+            cuts = 0;
         } else if s.drops_candidates() && (cuts >= CUTS_BEFORE_LOOK) {
             if s.count_of(s.lanes_with(held.key < limit)) >= WORTH_A_LOOK {
                 s.drop_held(count);

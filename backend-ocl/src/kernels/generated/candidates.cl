@@ -36,17 +36,15 @@ INLINE uint take_held(Store *s, Held held, uint least) {
 // after. Where it `checks`, it is instead by all but those that are known to leave it untouched, whatever they reach.
 HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool checks, float *reach, uint *visited) {
     uint limit = below;
-    if (!checks) {
+    uint cuts = 0;
+    if (checks) {
+        store_drop_held(s, count);
+    } else {
         limit = key_limit(s, *reach, below);
+        // (What remains when some were visited before is looked at soon.)
+        cuts = *visited;
     }
-    bool is_new = checks;
-    // (What remains when some were visited before is looked at soon.)
-    uint cuts = *visited;
     for (;;) {
-        if (is_new) {
-            store_drop_held(s, count);
-            is_new = 0;
-        }
         const Held held = nearest_held(s, count);
         const uint least = store_least_of_lanes(s, held.key);
         if (least >= limit) {
@@ -59,15 +57,19 @@ HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool chec
             status = store_cut_by(s, j);
         }
         if (status == CUT) {
-            if (checks) {
-                is_new = 1;
-            } else {
+            if (!checks) {
                 *reach = store_square_of_reach(s, center);
                 limit = key_limit(s, *reach, below);
             }
             cuts += 1;
         } else if (status != UNTOUCHED) {
             return status;
+        } else if (checks) {
+            // (After each cut sites on a bumpy surface took 1 % longer.)
+            if (cuts > 0) {
+                store_drop_held(s, count);
+            }
+            cuts = 0;
         } else if (store_drops_candidates(s) && (cuts >= CUTS_BEFORE_LOOK)) {
             if (store_count_of(s, store_lanes_with(s, held.key < limit)) >= WORTH_A_LOOK) {
                 store_drop_held(s, count);

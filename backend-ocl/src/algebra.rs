@@ -7,11 +7,11 @@ use crate::device::Device;
 use crate::devices::on_device;
 use crate::evaluate::Ocl;
 use crate::grid::GROUP;
-use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
-use crate::interface::kernels::{
-    Combine, DotParts, FillLaplacian, FindBeyond, FindRisen, GatherCells, InvertDiagonal, Multiply, PartCells,
-    SubtractNumber, SumParts,
+use crate::interface::algebra::{
+    Combine, DotParts, FindBeyond, FindRisen, InvertDiagonal, Multiply, PartCells, SubtractNumber, SumParts,
 };
+use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
+use crate::interface::kernels::{FillLaplacian, GatherCells};
 use crate::laplacian::MadeLaplacian;
 use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, check_lengths};
 use laguerre_core::rows::Rows;

@@ -3,14 +3,17 @@
 use crate::ahead::{Ahead, Key};
 use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
+use crate::interface::algebra::{
+    BalanceRows, ChooseRoots, Combine, CountColumns, DotParts, FindBeyond, FindRisen, InvertDiagonal, JoinRest,
+    JoinRoots, ListColumns, Multiply, MultiplyRows, PartCells, Prolong, RankFree, SortColumns, SpreadRanks,
+    SubtractNumber, SumParts,
+};
 use crate::interface::data::Params;
 use crate::interface::kernels::{
-    AddBlocks, BalanceRows, BoundNodes, Cells, ChooseLeaders, ChooseRoots, Combine, CountColumns, CountDigits,
-    CountFacets, CountRows, DotParts, EnterSites, FillLaplacian, FindBeyond, FindHomes, FindRisen, FindVoxels,
-    GatherCells, GatherSites, InvertDiagonal, JoinRest, JoinRoots, JudgeParts, ListColumns, ListFacets, LookAbout,
-    LookAtRings, MarkVoxels, MatchFacets, MeasureClearances, MoveSites, Multiply, MultiplyRows, PackFacets, PartCells,
-    PlaceDigits, PlaceLeaves, Prolong, RankFree, RankSites, ScanBlocks, SettleRuns, SortColumns, SortFacets,
-    SplitBoxes, SpreadRanks, SubtractNumber, SumCells, SumParts, TightenSlabs, WriteRows,
+    AddBlocks, BoundNodes, Cells, ChooseLeaders, CountDigits, CountFacets, CountRows, EnterSites, FillLaplacian,
+    FindHomes, FindVoxels, GatherCells, GatherSites, JudgeParts, ListFacets, LookAbout, LookAtRings, MarkVoxels,
+    MatchFacets, MeasureClearances, MoveSites, PackFacets, PlaceDigits, PlaceLeaves, RankSites, ScanBlocks, SettleRuns,
+    SortFacets, SplitBoxes, SumCells, TightenSlabs, WriteRows,
 };
 use crate::launch::Kernel;
 use crate::platform::DeviceId;

@@ -4,11 +4,11 @@ use super::{Answers, Matrix, Vector};
 use crate::buffer::Room;
 use crate::device::Device;
 use crate::grid::{self, GROUP};
-use crate::interface::data::ROW_GROUP;
-use crate::interface::kernels::{
+use crate::interface::algebra::{
     BalanceRows, ChooseRoots, CountColumns, JoinRest, JoinRoots, ListColumns, MultiplyRows, Prolong, RankFree,
     SortColumns, SpreadRanks,
 };
+use crate::interface::data::ROW_GROUP;
 use laguerre_core::Result;
 use laguerre_core::algebra::Coarsening;
 

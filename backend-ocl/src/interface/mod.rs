@@ -1,8 +1,9 @@
 //! What the host and the kernels share: constants, structs and the kernels' parameters. Each is stated here and nowhere else.
 //!
-//! `cargo xtask codegen` makes `kernels/generated/interface.cl` of `data.rs`, `kernels.rs` and `parity.rs`, and `single_interface.cl` there of
+//! `cargo xtask codegen` makes `kernels/generated/interface.cl` of `data.rs`, `kernels.rs`, `algebra.rs` and `parity.rs`, and `single_interface.cl` there of
 //! `single.rs`.
 
+pub(crate) mod algebra;
 pub(crate) mod data;
 pub(crate) mod kernels;
 #[cfg(feature = "test-util")]

@@ -69,7 +69,7 @@ const GENERATED: &str = "backend-ocl/src/kernels/generated";
 /// What the host and the kernels share: the modules, what they borrow from other files, and the generated file.
 const INTERFACES: [Interface; 2] = [
     Interface {
-        modules: &["data", "kernels", "parity"],
+        modules: &["data", "kernels", "algebra", "parity"],
         borrowed: &[
             ("core/src/site_tree.rs", &["WIDTH", "NOWHERE", "Boxes", "WeightBounds", "Slabs"]),
             ("core/src/assemble/facets.rs", &["FacetRecord"]),

@@ -636,6 +636,11 @@ typedef struct {
     __global const double *positions, \
     __global double *moved
 
+#define TRY_LANES_ARGUMENTS \
+    __global uint *right
+
+// backend-ocl/src/interface/algebra.rs
+
 #define MULTIPLY_ARGUMENTS \
     uint count, \
     uint per_row, \
@@ -813,9 +818,6 @@ typedef struct {
     __global const uint *offsets, \
     __global const uint *columns, \
     __global double *values
-
-#define TRY_LANES_ARGUMENTS \
-    __global uint *right
 
 // backend-ocl/src/interface/parity.rs
 

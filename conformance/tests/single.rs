@@ -6,7 +6,7 @@ use laguerre::{
     Backend, CellStatus, DeviceChoice, Domain, Error, ErrorKind, Integrand, Output, PowerDiagram, Precision, Request,
     Selection,
 };
-use laguerre_conformance::bounds::CELL;
+use laguerre_conformance::bounds::{CELL, NOTHING};
 use laguerre_conformance::case::Case;
 use laguerre_conformance::domains::{Pose, Shape};
 use laguerre_conformance::sites::{Random, Sites};
@@ -176,7 +176,7 @@ fn a_site_far_from_a_crowd() {
     let _ = compare("a site some spacings from a crowd", &in_cube(&positions, &heavy_near));
 }
 
-/// Whatever the arrangement of sites and weights, in a box and in a domain: the same statuses, and volumes within their bound.
+/// Whatever the arrangement of sites and weights, in a box and in a domain: the same statuses, but of cells that may be called nothing, and volumes within their bound.
 #[test]
 fn every_arrangement() {
     singles().iter().for_each(|single| every_arrangement_of(&**single));
@@ -192,9 +192,12 @@ fn every_arrangement_of(single: &dyn Backend) {
             let case = Case { seed: seed as u64, count: 300, sites, weights, shape, pose: Pose::Plain };
             let diagram = case.scene().diagram().unwrap();
             let (found, wanted) = (evaluate(single, &diagram), evaluate(&*double, &diagram));
-            assert_eq!(found.status(), wanted.status(), "{case:?}");
+            let mean = wanted.volume().iter().sum::<f64>() / 300.0;
             for (i, (a, b)) in found.volume().iter().zip(wanted.volume()).enumerate() {
-                let bound = SHARE * b.abs() + CELL * wanted.volume().iter().sum::<f64>() / 300.0;
+                let (status, expected) = (found.status()[i], wanted.status()[i]);
+                let is_nothing = a.abs().max(b.abs()) <= NOTHING * mean;
+                assert!(status == expected || is_nothing, "{case:?}: cell {i} is {status:?}, not {expected:?}");
+                let bound = SHARE * b.abs() + CELL * mean;
                 assert!((a - b).abs() <= bound, "{case:?}: the volume of cell {i} is {a}, not {b}");
             }
             cells += found.status().len();

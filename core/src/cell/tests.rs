@@ -158,11 +158,7 @@ fn the_search_has_no_false_proof() {
 /// The least of a polynomial over a range is not above its values there, and one of them, to few roundings: convex or not, seen from within or from afar, least within or at an end.
 #[test]
 fn least_of_a_polynomial_over_a_range() {
-    let mut state = 0.0_f64;
-    let mut next = || {
-        state += 1.0;
-        2.0 * (state * state * 0.618_033_988_749_894_9).fract() - 1.0
-    };
+    let mut next = numbers();
     for turn in 0..20_000 {
         let extent = 10_f64.powi(-(turn % 9));
         let lo = next();
@@ -188,6 +184,15 @@ fn least_of_a_polynomial_over_a_range() {
     }
 }
 
+/// Numbers from −1 to 1, the same each time.
+fn numbers() -> impl FnMut() -> f64 {
+    let mut state = 0.0_f64;
+    move || {
+        state += 1.0;
+        2.0 * (state * state * 0.618_033_988_749_894_9).fract() - 1.0
+    }
+}
+
 fn scale_to(distance: f64) -> V3 {
     let c = distance / 3.0_f64.sqrt();
     v3(c, c, c)
@@ -196,11 +201,7 @@ fn scale_to(distance: f64) -> V3 {
 /// However small the angle between two planes, the foot is on their line, to a few roundings of its distance; where it is not refined, over the sine.
 #[test]
 fn feet_between_nearly_parallel_planes() {
-    let mut state = 0.0_f64;
-    let mut next = || {
-        state += 1.0;
-        2.0 * (state * state * 0.618_033_988_749_894_9).fract() - 1.0
-    };
+    let mut next = numbers();
     for power in 0..900 {
         let angle = 10_f64.powf(-0.01 * f64::from(power));
         let n = v3(next(), next(), next());

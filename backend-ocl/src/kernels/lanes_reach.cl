@@ -5,11 +5,12 @@
 // An upper bound of the distance of the farthest vertex from a place in the frame of the rough ones (`farthest_vertex`, in single precision).
 INLINE float farthest_from(Store *s, float3 place) {
     float most = 0.0f;
+    float4 ahead[AHEAD];
     UNROLLED_WORDS
-    for (uint word = 0; word < WORDS; word++) {
+    for (uint word = 0; word < WORDS_FOR(s->vertices); word++) {
         if ((word * LANES) < s->vertices) {
             const uint v = (word * LANES) + s->lane;
-            const float4 p = s->cell->rough[v];
+            const float4 p = rough_of_word(s, word, ahead);
             const float3 d = p.xyz - place;
             const float square = fmax(fma(d.x, d.x, fma(d.y, d.y, d.z * d.z)), ROUGH_SQUARE);
             const float far = (sqrt(square) + (2.0f * p.w)) * ROUGH_SAFE;

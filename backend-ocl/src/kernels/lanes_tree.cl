@@ -14,6 +14,7 @@
 
 #if TEAMS > 1
 INLINE uint store_teams(Store *s) { return TEAMS; }
+INLINE bool store_shares_vertices(Store *s) { return WITH_ROOM == 2; }
 INLINE uint store_team(Store *s) { return s->team; }
 INLINE void store_teams_wait(Store *s) { barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE); }
 INLINE Answer store_answer(Store *s, uint team) { return s->cell->answer[team]; }

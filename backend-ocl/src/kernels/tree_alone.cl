@@ -25,7 +25,7 @@ INLINE uint store_held_site(Store *s, uint c) { return s->candidate[c]; }
 INLINE uint store_held_key(Store *s, uint c) { return s->candidate_key[c]; }
 INLINE void store_let_go(Store *s, uint c) { s->candidate_key[c] = NO_SITE; }
 INLINE bool store_drops_candidates(Store *s) { return false; }
-INLINE void store_drop_held(Store *s, uint count) {}
+INLINE uint store_drop_held(Store *s, uint count) { return count; }
 
 // In single precision, as `store_farthest`; so is the place.
 INLINE float store_square_of_reach(Store *s, V3 center) {

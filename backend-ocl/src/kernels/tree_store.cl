@@ -44,6 +44,7 @@ INLINE uint store_leaf_asks(Store *s, uint i) { return 1u; }
 INLINE uint store_asks_of_site(Store *s, uint j, uint asks) { return asks; }
 #if TEAMS <= 1
 INLINE uint store_teams(Store *s) { return 1u; }
+INLINE bool store_shares_vertices(Store *s) { return false; }
 INLINE uint store_team(Store *s) { return 0u; }
 INLINE void store_teams_wait(Store *s) {}
 INLINE uint store_first_says(Store *s, uint what) { return what; }

@@ -6,7 +6,7 @@
 //! Plummer cluster with weights of transport took 0.23 s so, now 0.11, the octree not counted; one NVIDIA H100.)
 
 use super::candidates::{CUTS_BEFORE_LOOK, Held, key_limit, nearest_held, take_held};
-use super::far::next_unsettled;
+use super::far::{next_unsettled, share_of_all};
 use super::search::{NEAR, Vantage, Wanted, gather, search_near};
 use super::search_store::{
     HOME_KNOWN, HOME_NOWHERE, LEAVES_AT_ONCE, MOST_CANDIDATES, MOST_OPEN, NO_SITE, OctreeNode, OctreeStore,
@@ -55,7 +55,7 @@ pub fn search_boxes<S: SearchStore + OctreeStore>(s: &mut S, vantage: Vantage, v
         }
         s.lanes_wait();
         let mut key: u32 = 0;
-        let next: u32 = next_unsettled(s, vantage.center, -1.0, &mut key);
+        let next: u32 = next_unsettled(s, share_of_all(s), vantage.center, -1.0, &mut key);
         if next == NO_SITE {
             return COMPLETE;
         }
@@ -191,7 +191,7 @@ pub(super) fn visit_leaves<S: SearchStore>(
             is_looked_at = is_home && (*visited == 0);
         } else {
             if !is_looked_at {
-                s.drop_held(count);
+                count = s.drop_held(count);
                 is_looked_at = true;
                 cuts = 0;
             }

@@ -251,8 +251,11 @@ pub trait SearchStore: Lanes {
     fn drops_candidates(&self) -> bool {
         false
     }
-    /// Takes out those of this lane's that certainly leave the cell untouched, as far as it is looked: where none is, all within reach are visited.
-    fn drop_held(&mut self, _count: u32) {}
+    /// Takes out those that certainly leave the cell untouched, each lane its own, as far as it is looked: where none is, all within reach are visited. Returns how
+    /// many candidates there are then, which may have moved: a lane may hold others.
+    fn drop_held(&mut self, count: u32) -> u32 {
+        count
+    }
     /// Room for candidates that tie, at least [`MOST_CANDIDATES`].
     fn most_ties(&self) -> u32;
 
@@ -274,6 +277,10 @@ pub trait SearchStore: Lanes {
     /// Teams of lanes, which call [`search_far`](super::far::search_far) at the same time. All else the first does alone.
     fn teams(&self) -> u32 {
         1
+    }
+    /// Whether each team looks for its vertex among a share of them, where they are many.
+    fn shares_vertices(&self) -> bool {
+        false
     }
     /// This lane's team: not alike in all teams.
     fn team(&self) -> u32 {

@@ -33,7 +33,7 @@ HOT uint search_boxes(Store *s, Vantage vantage, uint *visited) {
         }
         store_lanes_wait(s);
         uint key = 0;
-        const uint next = next_unsettled(s, vantage.center, -REAL(1.0), &key);
+        const uint next = next_unsettled(s, share_of_all(s), vantage.center, -REAL(1.0), &key);
         if (next == NO_SITE) {
             return COMPLETE;
         }
@@ -150,7 +150,7 @@ HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint
             is_looked_at = is_home && (*visited == 0);
         } else {
             if (!is_looked_at) {
-                store_drop_held(s, count);
+                count = store_drop_held(s, count);
                 is_looked_at = 1;
                 cuts = 0;
             }

@@ -37,15 +37,16 @@ INLINE uint take_held(Store *s, Held held, uint least) {
 HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool checks, float *reach, uint *visited) {
     uint limit = below;
     uint cuts = 0;
+    uint there = count;
     if (checks) {
-        store_drop_held(s, count);
+        there = store_drop_held(s, there);
     } else {
         limit = key_limit(s, *reach, below);
         // (What remains when some were visited before is looked at soon.)
         cuts = *visited;
     }
     for (;;) {
-        const Held held = nearest_held(s, count);
+        const Held held = nearest_held(s, there);
         const uint least = store_least_of_lanes(s, held.key);
         if (least >= limit) {
             return UNTOUCHED;
@@ -67,12 +68,12 @@ HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool chec
         } else if (checks) {
             // (After each cut sites on a bumpy surface took 1 % longer.)
             if (cuts > 0) {
-                store_drop_held(s, count);
+                there = store_drop_held(s, there);
             }
             cuts = 0;
         } else if (store_drops_candidates(s) && (cuts >= CUTS_BEFORE_LOOK)) {
             if (store_count_of(s, store_lanes_with(s, held.key < limit)) >= WORTH_A_LOOK) {
-                store_drop_held(s, count);
+                there = store_drop_held(s, there);
             }
             cuts = 0;
         }

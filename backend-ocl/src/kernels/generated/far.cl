@@ -20,19 +20,33 @@ HOT void settle_near(Store *s, V3 center, real proven) {
 // are within rounding of a vertex, or a vertex is not known well. The farthest from `center` come first; so many are asked for at once at first,
 // twice as many where one stays, as others will, and half where one is cut off, which wastes what was asked for others.
 //
-// Of several teams each asks for another vertex at the same time, and the first cuts the cell by what they found.
+// Of several teams each asks for another vertex at the same time, and the first cuts the cell by what they found. Where vertices are many, each looks for its own
+// among a share of them, in every round another, so that the first comes to all.
 HOT uint search_far(Store *s, V3 center, uint first_asked, uint *visited) {
     uint at_once = first_asked;
+    uint round = 0;
     for (;;) {
+        Share share = share_of_all(s);
+        const bool is_shared = store_shares_vertices(s) && (store_vertices(s) > MOST_UNSHARED);
+        if (is_shared) {
+            share = share_of_team(s, round);
+        }
+        round += 1;
+        if (round >= store_teams(s)) {
+            round = 0;
+        }
         // The farthest; and of each team another.
         uint key = 0;
-        uint v = next_unsettled(s, center, -REAL(1.0), &key);
-        if (v == NO_SITE) {
-            return COMPLETE;
-        }
-        for (uint _before = 0; _before < store_team(s); _before++) {
-            if (v != NO_SITE) {
-                v = next_unsettled(s, center, -REAL(1.0), &key);
+        uint v = next_unsettled(s, share, center, -REAL(1.0), &key);
+        if (store_teams(s) == 1) {
+            if (v == NO_SITE) {
+                return COMPLETE;
+            }
+        } else if (!is_shared) {
+            for (uint _before = 0; _before < store_team(s); _before++) {
+                if (v != NO_SITE) {
+                    v = next_unsettled(s, share, center, -REAL(1.0), &key);
+                }
             }
         }
         const Answer answer = ask_at(s, v, at_once);
@@ -91,24 +105,37 @@ HOT Answer ask_at(Store *s, uint v, uint at_once) {
     return answer;
 }
 
-// Cuts the cell by what the teams found, the first one `own`, or settles their vertices: `CUT`; `UNTOUCHED` where none was cut off; or how it ended.
+// Cuts the cell by what the teams found, the first one `own`, or settles their vertices: `CUT`; `UNTOUCHED` where none was cut off; `COMPLETE` where none asked
+// for any; `UNCERTAIN` where none knows its own well; or how it ended.
 HOT uint take_answers(Store *s, Answer own, uint *visited) {
     if (store_teams(s) == 1) {
         return take_answer(s, 0, own, UNTOUCHED, visited);
     }
     // (Before a cut, after which a number may be another vertex's.)
+    bool is_asked = 0;
+    bool is_known = 0;
     for (uint team = 0; team < store_teams(s); team++) {
         const Answer its = store_answer(s, team);
+        if (its.vertex != NO_SITE) {
+            is_asked = 1;
+            is_known = is_known || (its.ties <= store_most_ties(s));
+        }
         if (its.tried == its.ties) {
             store_set_settled(s, its.vertex, 1);
         }
+    }
+    if (!is_asked) {
+        return COMPLETE;
+    }
+    if (!is_known) {
+        return UNCERTAIN;
     }
     store_lanes_wait(s);
     uint end = UNTOUCHED;
     for (uint team = 0; team < store_teams(s); team++) {
         const Answer its = store_answer(s, team);
-        // (A vertex that another team does not know well is asked for again, and in the end by the first.)
-        const bool is_of_use = (its.tried < its.ties) && ((team == 0) || (its.ties <= store_most_ties(s)));
+        // (A vertex that a team does not know well may be cut off by what the others found: it is asked for again.)
+        const bool is_of_use = (its.tried < its.ties) && (its.ties <= store_most_ties(s));
         if (is_of_use && ((end == UNTOUCHED) || (its.found != NO_SITE))) {
             const uint status = take_answer(s, team, its, end, visited);
             if ((status != UNTOUCHED) && (status != CUT)) {
@@ -148,13 +175,27 @@ HOT uint take_answer(Store *s, uint team, Answer its, uint end, uint *visited) {
     return status;
 }
 
-// Of the vertices that are not settled, or of the first that a lane meets, that with the least key above `*key` of its squared distance from a
+// All of them.
+INLINE Share share_of_all(Store *s) {
+    return (Share){ .first = 0, .step = store_lanes(s) };
+}
+
+// A team's in one of as many rounds as there are teams.
+INLINE Share share_of_team(Store *s, uint round) {
+    uint turn = store_team(s) + round;
+    if (turn >= store_teams(s)) {
+        turn -= store_teams(s);
+    }
+    return (Share){ .first = store_lanes(s) * turn, .step = store_lanes(s) * store_teams(s) };
+}
+
+// Of a share's vertices that are not settled, or of the first such that a lane meets, that with the least key above `*key` of its squared distance from a
 // place times `sign`, and the key; `NO_SITE` where there is none.
-HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key) {
+HOT uint next_unsettled(Store *s, Share share, V3 from, real sign, uint *key) {
     uint nearest = NO_SITE;
     uint own = 0;
     uint compared = 0;
-    uint v = store_lane(s);
+    uint v = share.first + store_lane(s);
     while ((v < store_vertices(s)) && (compared < MOST_COMPARED)) {
         if (!store_settled(s, v)) {
             compared += 1;
@@ -165,7 +206,7 @@ HOT uint next_unsettled(Store *s, V3 from, real sign, uint *key) {
                 own = v;
             }
         }
-        v += store_lanes(s);
+        v += share.step;
     }
     const uint least = store_least_of_lanes(s, nearest);
     *key = least;
@@ -182,7 +223,7 @@ HOT uint ask_near_first(Store *s, uint at_once) {
     // (Of vertices as far as another one is asked for.)
     uint key = store_key_above(s, REAL(0.0));
     while (asked < at_once) {
-        const uint v = next_unsettled(s, first.place, REAL(1.0), &key);
+        const uint v = next_unsettled(s, share_of_all(s), first.place, REAL(1.0), &key);
         if (v == NO_SITE) {
             return asked;
         }

@@ -180,15 +180,22 @@ impl<'a> Bounds<'a> {
         NOT_BELIEVED * U * self.reach[i].powi(2)
     }
 
-    /// The negative facets that cell `i` has but its row may leave out, whether the other cell, which may be empty, has them or not: the other
-    /// site, and the area as the surface has it (length²). Nearly parallel bisectors cut off noise on one side of a facet, not on the other: it is
-    /// the lesser of what the two sides make of it.
+    /// The facets that cell `i` has but its row may leave out, whether the other cell, which may be empty, has them or not: the other site, and the
+    /// area as the surface has it (length²). A negative one is left out where it may be not believed. A positive one is nothing below a sixteenth
+    /// of the bound of its largest triangle, which is within what rounding does to an area of this cell ([`Bounds::facet_rounding`]). That bounds
+    /// one facet, and not the sum of many of one direction: where sites are on a sphere the tip of a cell has some fifty, of which half may be left
+    /// out. Nearly parallel bisectors cut off noise on one side of a facet, not on the other: it is the lesser of what the two sides make of it,
+    /// and nothing where their signs differ.
     pub fn unseen_facets(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
         let (scene, most) = (self.scene, self.not_believed(i));
+        let within = -most..=self.facet_rounding(i).min(most);
         let seen = move |j: usize| self.rows[i].iter().any(|f| f.neighbor == j);
         let others = (0..scene.len()).filter(move |&j| scene.site(j) != scene.site(i) && !seen(j));
-        let area = move |j: usize| scene.facet_area(i, j).max(scene.facet_area(j, i));
-        others.map(move |j| (j, area(j))).filter(move |&(_, area)| area < 0.0 && -area <= most)
+        let area = move |j: usize| {
+            let (here, there) = (scene.facet_area(i, j), scene.facet_area(j, i));
+            here.min(there).max(0.0) + here.max(there).min(0.0)
+        };
+        others.map(move |j| (j, area(j))).filter(move |(_, area)| *area != 0.0 && within.contains(area))
     }
 
     /// How far a bisector of site `i` may be off (length).

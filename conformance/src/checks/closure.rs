@@ -127,7 +127,7 @@ mod tests {
         }
     }
 
-    /// A positive facet may be missing nowhere, however small: the one here cuts off a corner of the cube.
+    /// A positive facet beyond its cell's rounding may be missing nowhere, however small: the one here cuts off a corner of the cube.
     #[test]
     fn positive_facet_is_missed() {
         let depth = 4e-6;
@@ -139,5 +139,22 @@ mod tests {
         let area = 6.75_f64.sqrt() * depth * depth;
         assert!((scene.facet_area(0, 1) / area - 1.0).abs() < 1e-9, "{:e}, not {area:e}", scene.facet_area(0, 1));
         assert_eq!(with_and_without(&scene, 0, 1), [true, false, true]);
+    }
+
+    /// Of many positive facets each may be missing that is within the cell's rounding, and none beyond.
+    #[test]
+    fn positive_facet_among_many_is_missed() {
+        let name = "facets_within_their_rounding_at_a_tip";
+        let (_, given) = SCENES.iter().find(|(of, _)| *of == name).expect("a regression of this name");
+        let (scene, i) = (given.scene(), 49);
+        let output = scene.with_facets(&Naive::default()).expect("an output");
+        let bounds = Bounds::new(&scene, &output, Planes::Same);
+        let (mut sum, mut count) = (DVec3::ZERO, 0);
+        for (j, area) in bounds.unseen_facets(i) {
+            (sum, count) = (sum + area * (scene.site(j) - scene.site(i)).normalize(), count + 1);
+        }
+        assert!(count > 20 && sum.length() > 1.5 * bounds.facet_rounding(i), "nothing to see: {count}, {sum}");
+        // One facet of the row has some thirty times that sum.
+        assert_eq!(with_and_without(&scene, i, 48), [true, false, true]);
     }
 }

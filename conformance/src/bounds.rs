@@ -51,6 +51,11 @@ pub const FLAT: f64 = 8.0;
 /// 17,736 u·D. The displacement of the planes and the cross product are hundreds.
 pub const NOT_BELIEVED: f64 = 3e5;
 
+/// Roundings, in units of u·V·a^k, of a moment of order k of a cell that is integrated in one piece, V its volume, a the distance of its site: as
+/// many as one of order 2 takes from the reference point c to the site and back. ∫ xxᵀ about the site is c(2m + Vc) and the rest: 4, one for
+/// each operation. The first moment is m + Vc: 2, which count twice. Its square over the volume, which is taken off: 2.
+pub const ROUNDINGS_OF_SHIFT: f64 = 10.0;
+
 /// How many times larger the bounds of volumes and barycenters are where a backend's are single numbers.
 pub fn of_digits(backend: &dyn Backend) -> f64 {
     if backend.info().precision == Precision::F32 { f64::from(f32::EPSILON) / f64::EPSILON } else { 1.0 }
@@ -221,6 +226,32 @@ impl<'a> Bounds<'a> {
     /// to half of that. Up to there it is within its cell's rounding. Only where the surface goes through a cell can it have one.
     pub fn volume_of_empty(&self) -> f64 {
         self.empty_with_surface().map(|i| self.cell_rounding(i)).sum()
+    }
+
+    /// What moments of the given order about `middle` may be off because each cell has its own about its site, which may be far away
+    /// (length³⁺ᵒʳᵈᵉʳ).
+    ///
+    /// A site at the distance a from the middle has V, ∫ x and ∫ xxᵀ as sums of pieces: truncated cones over the triangles from a corner of the
+    /// grid, each with its volume times 1, about a and about a². Sums are plain, one piece after
+    /// the other, and each partial sum, of up to G, what the cell has in the grid, is rounded. Of T triangles these are T roundings of either sign, a
+    /// walk of √T steps (Higham and Mary, 2019): √T·u·G of the volume, a times that of ∫ x, a² times that of ∫ xxᵀ, each by itself. About the
+    /// middle ∫ xxᵀ is S + 2m(p − M) + V(p − M)², whatever it is by way of the barycenter; so it is off by 1 + 2 + 1 times √T·u·G·a², and ∫ x by
+    /// 1 + 1 times √T·u·G·a. And the cell is moved ([`ROUNDINGS_OF_SHIFT`]). What is of the order of the diagonal times a is below the bound of
+    /// the volumes, of u·A·D, times the diagonal to the order.
+    ///
+    /// Of sites 1 to 900 extents away from all shapes, and from spheres of 1,280, 5,120 and 20,480 triangles, ∫ xxᵀ is off by up to 2.4·√T·u·G·a², as
+    /// much with 4 triangles as with 5,120, and by 0.42 of the whole bound; ∫ x by 0.40 of it.
+    pub fn far_from_sites(&self, middle: DVec3, order: i32) -> f64 {
+        let scene = self.scene;
+        let grid = scene.room.grid_box(scene.len()).map(|room| Scene { room, ..scene.clone() });
+        let walk = 2_f64.powi(order) * (scene.room.mesh().triangles.len() as f64).sqrt();
+        let present = (0..scene.len()).filter(|&i| self.output.status()[i] != CellStatus::Empty);
+        let terms = present.map(|i| {
+            let in_grid = grid.as_ref().map_or(0.0, |grid| grid.moments(middle, Some(i)).volume().abs());
+            let volumes = ROUNDINGS_OF_SHIFT * self.output.volume()[i].abs() + walk * in_grid;
+            U * volumes * scene.site(i).distance(middle).powi(order)
+        });
+        terms.sum()
     }
 
     /// The cells that are called empty and that the surface goes through.

@@ -177,6 +177,14 @@ impl Room {
         }
     }
 
+    /// That grid as a box, by its corners, where there is one.
+    pub fn grid_box(&self, sites: usize) -> Option<Self> {
+        let Self::Mesh(_, domain) = self else { return None };
+        let grid = domain.grid(sites);
+        let [lo, hi] = [[0; 3], grid.dims()].map(|voxel| domain.frame().leave(grid.corner(voxel)));
+        Some(Self::Box(lo, hi))
+    }
+
     /// Its bounding box.
     pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
         match self {

@@ -526,6 +526,14 @@ pub const SCENES: &[(&str, Given)] = &[
         },
     ),
     (
+        "second_moments_far_from_the_site",
+        Given {
+            room: Some((Shape::Sphere, Pose::Turned)),
+            positions: &[[-15.024049427539367, -8.365837973402432, 12.435982366504257]],
+            weights: &[],
+        },
+    ),
+    (
         "facets_within_their_rounding_at_a_tip",
         Given {
             room: None,

@@ -108,6 +108,8 @@ pub struct OutputArrays {
     /// Barycenter of each restricted cell; NaN where the cell is empty.
     pub barycenter: Vec<[f64; 3]>,
     /// Where requested: ∫ (x − b)(x − b)ᵀ dx about the cell's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁵).
+    /// They are summed about the site: off by roundings of the volume times the square of the site's distance from the cell, about as many as the
+    /// root of the number of triangles in it. Those of a sphere of 320 triangles are right to 4e-12 from a site 8 diameters away, to 1e-7 from 900.
     pub second_moment: Option<Vec<[f64; 6]>>,
     /// Where requested: the integral of the given function over each restricted cell (its unit times length³), 0 where the cell is
     /// empty; [`Integrand`](crate::Integrand) says how near it is. Of a function of several columns those of the first site, then of the second.
@@ -201,6 +203,8 @@ impl Output {
     }
 
     /// Where requested: ∫ (x − b)(x − b)ᵀ dx about the cell's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁵).
+    /// They are summed about the site: off by roundings of the volume times the square of the site's distance from the cell, about as many as the
+    /// root of the number of triangles in it. Those of a sphere of 320 triangles are right to 4e-12 from a site 8 diameters away, to 1e-7 from 900.
     pub fn second_moment(&self) -> Option<&[[f64; 6]]> {
         self.0.second_moment.as_deref()
     }

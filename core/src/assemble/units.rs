@@ -46,7 +46,8 @@ impl Units {
         ((a - x).powi(2) + (b - y).powi(2) + (c - z).powi(2)).sqrt()
     }
 
-    /// The second moments about the barycenter.
+    /// The second moments about the barycenter. What the sums about the site have lost is lost: of one site 16 radii from a sphere of 320 triangles
+    /// these are 30 roundings of the volume times that distance squared, of which this difference has 0.3.
     pub(super) fn second_moment(&self, sums: &CellSums) -> [f64; 6] {
         let (s, m, v) = (sums, sums.first, sums.volume);
         let second_moment = [

@@ -148,10 +148,9 @@ INLINE uint enter_hole(Store *s, uint is_there, uint a, uint b, uint count) {
     return count + popcount(all);
 }
 
-// Those edges of the lanes' marked vertices v whose reverse belongs to no marked one.
-INLINE uint enter_hole_at(Store *s, const uint *bits, uint is_there, uint v, uint count) {
+// The same of the lanes' marked vertices t those whose reverse belongs to no marked one.
+INLINE uint enter_hole_at(Store *s, const uint *bits, uint is_there, Triplet t, uint count) {
     CELL_SPACE const Cell *cell = s->cell;
-    const Triplet t = unpacked((is_there != 0u) ? cell->triplet[v] : 0u);
     const uint behind_ab = is_marked(bits, cell->vertex_of[edge_place(t.b, t.a)]);
     const uint behind_bc = is_marked(bits, cell->vertex_of[edge_place(t.c, t.b)]);
     const uint behind_ca = is_marked(bits, cell->vertex_of[edge_place(t.a, t.c)]);
@@ -217,22 +216,26 @@ INLINE uint clip_together(Store *s, Trial trial) {
     UNROLLED_WORDS
     for (uint word = 0; word < words; word++) {
         const uint here = word_of(bits, word);
-        const uint v = (word * LANES) + s->lane;
-        const uint is_there = (here >> s->lane) & 1u;
-        if (is_there != 0u) {
-            cell->marked[before + popcount(here & below)] = v;
-        }
-        before += popcount(here);
-        if (!SPREADS_MARKED && (here != 0u)) {
-            born = enter_hole_at(s, bits, is_there, v, born);
+        if (here != 0u) {
+            const uint v = (word * LANES) + s->lane;
+            const uint is_there = (here >> s->lane) & 1u;
+            const Triplet t = unpacked((is_there != 0u) ? cell->triplet[v] : 0u);
+            if (is_there != 0u) {
+                cell->marked[before + popcount(here & below)] = v;
+            }
+            before += popcount(here);
+            if (!SPREADS_MARKED) {
+                born = enter_hole_at(s, bits, is_there, t, born);
+            }
         }
     }
     if (SPREADS_MARKED) {
         lanes_wait();
         ROLLED
         for (uint first = 0; first < marked; first += LANES) {
-            const uint i = first + s->lane;
-            born = enter_hole_at(s, bits, i < marked, (i < marked) ? cell->marked[i] : 0u, born);
+            const uint is_there = (first + s->lane) < marked;
+            const Triplet t = unpacked((is_there != 0u) ? cell->triplet[cell->marked[first + s->lane]] : 0u);
+            born = enter_hole_at(s, bits, is_there, t, born);
         }
     }
     const uint count = (end - marked) + born;

@@ -165,6 +165,21 @@ struct Shape {
 }
 
 impl Stage {
+    #[cfg(any(test, feature = "test-util"))]
+    pub(crate) const ALL: [Self; 11] = [
+        Self::Single,
+        Self::First,
+        Self::Close,
+        Self::Surface,
+        Self::Facets,
+        Self::Far,
+        Self::Sweep,
+        Self::Exact,
+        Self::Large,
+        Self::Wide,
+        Self::Vast,
+    ];
+
     const fn shape(self) -> Shape {
         const FIRST: Shape = Shape {
             cells: 5,
@@ -415,20 +430,7 @@ impl Build {
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let asked = Asked { flags: !0, domain: true, weights: false, table: true };
         let room = Capacities { planes: 64, vertices: 128 };
-        let stages = [
-            Stage::Single,
-            Stage::First,
-            Stage::Close,
-            Stage::Surface,
-            Stage::Facets,
-            Stage::Far,
-            Stage::Sweep,
-            Stage::Exact,
-            Stage::Large,
-            Stage::Wide,
-            Stage::Vast,
-        ];
-        let together = stages.map(|stage| Self::Cells(Way::Together(Lanes::Warp, stage), asked));
+        let together = Stage::ALL.map(|stage| Self::Cells(Way::Together(Lanes::Warp, stage), asked));
         let others = [
             Self::Grid,
             Self::Trial(Lanes::Warp),

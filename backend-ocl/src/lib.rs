@@ -33,6 +33,8 @@ mod shells;
 mod single;
 mod sources;
 mod voxels;
+#[cfg(feature = "test-util")]
+pub mod warp_texts;
 
 pub use evaluate::{Ocl, open};
 pub use platform::devices;

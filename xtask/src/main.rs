@@ -9,6 +9,7 @@ mod features;
 mod fixtures;
 mod guide;
 mod lanes;
+mod nvptx;
 mod page;
 mod paper;
 mod peers;
@@ -27,6 +28,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
                    LAGUERRE_REQUIRE (default: cpu) names the backends that must be there
   lanes            the conformance suite where work-items share a cell in sub-groups, on Intel's OpenCL for CPUs, which it installs
                    into target/ (225 MB from PyPI; needs Python and an x86-64; 13 minutes on 2 cores)
+  nvptx            the kernels for NVIDIA's GPUs by clang (with libclc) and NVIDIA's assembler, which it installs into target/ (40 MB from PyPI; needs Python and an
+                   x86-64), where there is no GPU: that they compile, and the registers, memory and text of each (two minutes)
   readers          the program's files read by PyVista, meshio and trimesh, which it installs into target/ (PyPI; needs Python; a minute)
   page             the program's pages (--html) in a headless Chromium, which must be there, at a desktop's and a phone's width: pictures, picking,
                    sliders, the time to the first picture of 100,000 cells (a minute)
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
     let outcome = match words[..] {
         ["test", ref filters @ ..] => test(filters),
         ["lanes"] => lanes::run(),
+        ["nvptx"] => nvptx::run(),
         ["readers"] => readers::run(),
         ["page"] => page::run(),
         ["python"] => python::test(),

@@ -1,0 +1,43 @@
+//! The texts of the builds for which the lanes of an NVIDIA warp compute a cell, for `cargo xtask nvptx`.
+
+use crate::builds::{Asked, Build, Lanes, Stage, Way};
+use crate::interface::data::Params;
+use laguerre_core::Result;
+use laguerre_core::cell::FACETS;
+
+/// A build.
+#[derive(Clone, Debug)]
+pub struct WarpText {
+    /// Its stage, and what its cells have.
+    pub name: String,
+    /// OpenCL C.
+    pub text: String,
+    /// The compiler's.
+    pub options: String,
+}
+
+/// The builds of all stages for diagrams without a domain and weights, and with both.
+pub fn all() -> Result<Vec<WarpText>> {
+    let mut texts = Vec::new();
+    for (has_domain, equal_weights) in [(0, 1), (1, 0)] {
+        for stage in Stage::ALL {
+            let is_built = match stage {
+                Stage::Single | Stage::Sweep => equal_weights == 1,
+                Stage::Close => equal_weights == 0,
+                Stage::Surface => has_domain == 1,
+                _ => true,
+            };
+            if !is_built {
+                continue;
+            }
+            let flags = if stage == Stage::Facets { FACETS } else { 0 };
+            let params = Params { has_domain, equal_weights, has_table: 1, flags, ..Params::default() };
+            let way = Way::Together(Lanes::Warp, stage);
+            let build = Build::Cells(way, Asked::of(&params, way));
+            let what = if has_domain == 1 { ", domain and weights" } else { "" };
+            let (name, text) = (format!("{stage:?}{what}"), build.text().whole()?);
+            texts.push(WarpText { name, text, options: build.options() });
+        }
+    }
+    Ok(texts)
+}

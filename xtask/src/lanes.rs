@@ -1,10 +1,8 @@
 //! The conformance suite where work-items compute a cell together and really talk: in sub-groups, which PoCL lacks. Intel's OpenCL for CPUs has them.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
-use crate::run::{cargo_test, succeed, target};
+use crate::run::{cargo_test, install, target};
 
 /// From PyPI: the runtime, and what it loads.
 const PACKAGES: [&str; 3] = ["intel-opencl-rt==2026.2.0", "intel-cmplr-lib-rt==2026.2.0", "tbb==2023.2.0"];
@@ -16,7 +14,7 @@ pub(crate) fn run() -> Result<(), String> {
     let home = target().join("intel-opencl");
     let library = home.join("lib/libintelocl.so");
     if !library.exists() {
-        install(&home)?;
+        install(&home, &PACKAGES)?;
     }
     let vendors = home.join("vendors");
     let written = fs::create_dir_all(&vendors)
@@ -33,11 +31,4 @@ pub(crate) fn run() -> Result<(), String> {
     let (counts, ok) = cargo_test(&line, &variables)?;
     println!("{counts}");
     if ok && counts.passed > 0 { Ok(()) } else { Err("the suite failed with lanes that talk".to_owned()) }
-}
-
-/// Into a folder of its own, for which nothing else looks.
-fn install(home: &Path) -> Result<(), String> {
-    succeed(Command::new("python3").args(["-m", "venv"]).arg(home))?;
-    let mut pip = Command::new(home.join("bin/pip"));
-    succeed(pip.args(["install", "--quiet", "--disable-pip-version-check"]).args(PACKAGES)).map(drop)
 }

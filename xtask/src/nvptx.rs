@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
-use crate::run::{cargo, succeed, target};
+use crate::run::{cargo, install, succeed, target};
 
 /// From PyPI: NVIDIA's assembler.
 const PACKAGE: &str = "nvidia-cuda-nvcc-cu12==12.9.86";
@@ -74,9 +74,7 @@ fn assembler(home: &Path) -> Result<PathBuf, String> {
     if let Some(found) = find() {
         return Ok(found);
     }
-    succeed(Command::new("python3").args(["-m", "venv"]).arg(home))?;
-    let mut pip = Command::new(home.join("bin/pip"));
-    succeed(pip.args(["install", "--quiet", "--disable-pip-version-check", "--no-deps", PACKAGE]))?;
+    install(home, &[PACKAGE])?;
     find().ok_or_else(|| format!("{PACKAGE} has no {IN_PACKAGE}"))
 }
 

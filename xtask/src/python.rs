@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::guide::Page;
-use crate::run::{cargo, root, succeed, target};
+use crate::run::{cargo, install, root, succeed, target};
 
 /// From PyPI: what builds the wheel.
 const MATURIN: &str = "maturin==1.16.0";
@@ -109,9 +109,7 @@ pub(crate) fn environment(name: &str, imports: &str, packages: &[&str]) -> Resul
     let python = home.join("bin/python");
     let has_all = Command::new(&python).args(["-c", imports]).output();
     if !has_all.is_ok_and(|output| output.status.success()) {
-        succeed(Command::new("python3").args(["-m", "venv"]).arg(&home))?;
-        let mut pip = module(&python, &["pip", "install", "--quiet", "--disable-pip-version-check"]);
-        succeed(pip.args(packages))?;
+        install(&home, packages)?;
     }
     Ok(python)
 }

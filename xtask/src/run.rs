@@ -1,6 +1,7 @@
 //! Running cargo, and counting what its tests say.
 
 use std::env;
+use std::ffi::OsStr;
 use std::fmt;
 use std::io::{BufRead, BufReader};
 use std::ops::AddAssign;
@@ -87,6 +88,13 @@ pub(crate) fn succeed(command: &mut Command) -> Result<String, String> {
     // What is wrong may be said on either: pytest says it on the first.
     let [out, err] = [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said).trim_end().to_owned());
     Err(format!("{name}: {}", if err.is_empty() { out } else { err }))
+}
+
+/// Installs packages of PyPI into a folder of their own, for which nothing else looks.
+pub(crate) fn install<P: AsRef<OsStr>>(home: &Path, packages: &[P]) -> Result<(), String> {
+    succeed(Command::new("python3").args(["-m", "venv"]).arg(home))?;
+    let mut pip = Command::new(home.join("bin/pip"));
+    succeed(pip.args(["install", "--quiet", "--disable-pip-version-check"]).args(packages)).map(drop)
 }
 
 /// The counts of a line `test result: ok. 4 passed; 1 failed; 0 ignored; …`, if it is one.

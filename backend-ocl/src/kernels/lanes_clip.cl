@@ -148,7 +148,7 @@ INLINE uint enter_hole(Store *s, uint is_there, uint a, uint b, uint count) {
     return count + popcount(all);
 }
 
-// The same of the lanes' marked vertices t those whose reverse belongs to no marked one.
+// The same of the three edges of each lane's marked vertex t, those whose reverse belongs to no marked one.
 INLINE uint enter_hole_at(Store *s, const uint *bits, uint is_there, Triplet t, uint count) {
     CELL_SPACE const Cell *cell = s->cell;
     const uint behind_ab = is_marked(bits, cell->vertex_of[edge_place(t.b, t.a)]);

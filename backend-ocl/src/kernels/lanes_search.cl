@@ -64,8 +64,8 @@ INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) 
 // (In a sweep's near search it costs as much as it gains. A million sites of a Lévy flight take 0.161 instead of 0.183 s with it where cells are completed by their vertices, in a
 // plane 0.078 and 0.085; of lognormal radii those that need much room 5.5 instead of 13 ms. One NVIDIA H200.)
 INLINE bool store_drops_candidates(Store *s) { return (LANES > 1u) && !WITH_SWEEP; }
-// Whether a site certainly leaves the cell untouched, as `clip_together` would find it. (As a number, and by the nesting here, `First` compiles to what it did before candidates
-// moved together; with `bool` and a return in the loop white sites took 2 % longer, one NVIDIA H200.)
+// Whether a site certainly leaves the cell untouched, as `clip_together` would find it. (As a number, and by a loop that
+// ends in one place: with `bool` and a return in it `First` compiles to other code, and white sites took 2 % longer, one NVIDIA H200.)
 INLINE uint leaves_untouched(Store *s, uint j) {
     const Trial trial = trial_of(s, bisector_with(s, j));
     uint is_within = 1;

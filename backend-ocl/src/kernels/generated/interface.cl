@@ -236,9 +236,6 @@ typedef struct {
     uint near;
     // Of those for later, those that reach beyond what was searched.
     uint beyond;
-    // Cells that kept what bounds them far off, and how many sites do, which may be more than there is room for.
-    uint showing;
-    uint shown;
 } Counters;
 
 // backend-ocl/src/interface/kernels.rs
@@ -841,4 +838,4 @@ typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 16) ? 1 : -1];
 typedef char size_of_OctreeBox[(sizeof(OctreeBox) == 64) ? 1 : -1];
 typedef char size_of_Params[(sizeof(Params) == 368) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
-typedef char size_of_Counters[(sizeof(Counters) == 44) ? 1 : -1];
+typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];

@@ -19,23 +19,27 @@ INLINE uint gather_kept(Store *s, Vantage vantage) {
 
 // Whether a site of a node may have less power than the cell's own at a vertex that is not settled; of weights that are all the same.
 INLINE bool may_cut(Store *s, uint level, uint node) {
-    const RoughNode its = seen_roughly(store_site(s), store_node_box(s, level, node), store_node_slab(s, level, node));
     bool may = 0;
-    for (uint v = 0; v < store_vertices(s); v++) {
-        if (!store_settled(s, v) && may_cut_at(its, store_rough_vertex(s, v))) {
-            may = 1;
+    // (A node that is not there has a box that single precision does not reach.)
+    if (node <= ((store_sites(s) - 1) >> (3 * (level + 1)))) {
+        const RoughNode its = seen_roughly(store_site(s), store_node_box(s, level, node), store_node_slab(s, level, node));
+        for (uint v = 0; v < store_vertices(s); v++) {
+            if (!store_settled(s, v) && may_cut_at(its, store_rough_vertex(s, v))) {
+                may = 1;
+            }
         }
     }
     return may;
 }
 
-// (A node that is not there is farther than single precision reaches, and stays there: what is rounded outward is still in double precision.)
 INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab) {
     const V3 lo = sub(bounds.lo, site);
     const V3 hi = sub(bounds.hi, site);
     const real height = v3_dot(slab.normal, site);
     const real lost = REAL(1e-14) * ((fabs(site.x) + fabs(site.y)) + fabs(site.z));
-    return (RoughNode){ .lo = (RoughPlace){ .x = lower(lo.x), .y = lower(lo.y), .z = lower(lo.z) }, .hi = (RoughPlace){ .x = upper(hi.x), .y = upper(hi.y), .z = upper(hi.z) }, .normal = (RoughPlace){ .x = (float)slab.normal.x, .y = (float)slab.normal.y, .z = (float)slab.normal.z }, .below = lower((slab.lo - height) - lost), .above = upper((slab.hi - height) + lost) };
+    RoughNode its = (RoughNode){ .lo = (RoughPlace){ .x = lower(lo.x), .y = lower(lo.y), .z = lower(lo.z) }, .hi = (RoughPlace){ .x = upper(hi.x), .y = upper(hi.y), .z = upper(hi.z) }, .normal = (RoughPlace){ .x = (float)slab.normal.x, .y = (float)slab.normal.y, .z = (float)slab.normal.z }, .below = lower((slab.lo - height) - lost), .above = upper((slab.hi - height) + lost), .size = SWEEP_NOTHING };
+    its.size = ((fmax(fabs(its.lo.x), fabs(its.hi.x)) + fmax(fabs(its.lo.y), fabs(its.hi.y))) + fmax(fabs(its.lo.z), fabs(its.hi.z))) + fmax(fabs(its.below), fabs(its.above));
+    return its;
 }
 
 INLINE float lower(real x) {
@@ -50,25 +54,34 @@ INLINE float above_nothing(float x) {
     return fmax(x, SWEEP_NOTHING);
 }
 
-// How far a place is from a range, at least, where it is off by `off`.
-INLINE float rough_gap(float lo, float hi, float place, float off) {
-    return above_nothing(fmax((lo - place), place - hi) - off);
+// x² − 2qx of the x in a range for which that is least, and what is given.
+INLINE float least_along(float lo, float hi, float q, float more) {
+    const float x = -(fmax((-(fmax(q, lo))), -hi));
+    return fma(x, fma(SWEEP_MINUS_TWICE, q, x), more);
 }
 
 // Whether a site of a node may be as near to a vertex as the cell's own; the vertex is off by up to `radius` along each axis.
 //
-// With |v − d| < |v| at the vertex, at the place p that is known of it |p − d| < |p| + 2√3·radius. As [`least_power_of_node`](super::bound::least_power_of_node), the box is
-// seen from the foot on the slab.
+// With d the way to such a site and v the vertex |d|² − 2v·d ≤ 0. For any number a that is the same as (|d|² − 2q·d) − 2a n·d with q = v − an: the first is a sum over axes,
+// which has a least value over the box, and the second at least −2a times the slab's end on the side of a. The best a is how far v is beyond the slab. No square of v's distance
+// is in it, as there would be in a comparison of two distances: so of what is near the cell's site little is rounded off, however far the vertex is. (Distances took 70 instead of 45
+// instructions a vertex as well: a million sites on a bumpy surface 0.231 instead of 0.207 s, one NVIDIA H200.)
+//
+// With u half of the last bit of single precision, X the `size` of the node, and L the sum of X and of v's components: q is off by `radius` + 3uL along each axis, which adds 2X times
+// that; |q| < 2L and |d − 2q| < 5L, so that no sum is above 7LX, and the roundings of four sums, of three factors, and of seven products where they are not fused are 40uLX at most: in all
+// 2X·radius + 46uLX. (Of 17 million nodes that a bisector just meets, with the vertex as far off as its radius allows, none is missed, and 0.78 of that is used.)
 INLINE bool may_cut_at(RoughNode node, RoughVertex p) {
-    const float size = (fabs(p.x) + fabs(p.y)) + fabs(p.z);
-    const float off = SWEEP_ROUNDINGS * size;
-    const float own = ((p.x * p.x) + (p.y * p.y)) + (p.z * p.z);
-    const float height = ((node.normal.x * p.x) + (node.normal.y * p.y)) + (node.normal.z * p.z);
-    const float across = above_nothing((height - node.above) - off) - above_nothing((node.below - height) - off);
-    const float x = rough_gap(node.lo.x, node.hi.x, p.x - (across * node.normal.x), off);
-    const float y = rough_gap(node.lo.y, node.hi.y, p.y - (across * node.normal.y), off);
-    const float z = rough_gap(node.lo.z, node.hi.z, p.z - (across * node.normal.z), off);
-    const float square = (((x * x) + (y * y)) + (z * z)) + (across * across);
-    const float more = p.radius * ((SWEEP_EIGHT * size) + (SWEEP_SIXTEEN * p.radius));
-    return !(square > ((own * (SWEEP_ONE + (SWEEP_EIGHT * SWEEP_ROUNDINGS))) + (more + SWEEP_LEAST_SQUARE)));
+    const float size = ((fabs(p.x) + fabs(p.y)) + fabs(p.z)) + node.size;
+    const float height = fma(node.normal.x, p.x, fma(node.normal.y, p.y, node.normal.z * p.z));
+    const float across = above_nothing(height - node.above) - above_nothing(node.below - height);
+    float end = node.below;
+    if (across > SWEEP_NOTHING) {
+        end = node.above;
+    }
+    const float slab = (SWEEP_MINUS_TWICE * across) * end;
+    const float x = least_along(node.lo.x, node.hi.x, fma((-across), node.normal.x, p.x), slab);
+    const float xy = least_along(node.lo.y, node.hi.y, fma((-across), node.normal.y, p.y), x);
+    const float least = least_along(node.lo.z, node.hi.z, fma((-across), node.normal.z, p.z), xy);
+    const float lost = fma(SWEEP_ROUNDINGS, size, SWEEP_TWICE * p.radius);
+    return !(least > fma(node.size, lost, SWEEP_LEAST_SQUARE));
 }

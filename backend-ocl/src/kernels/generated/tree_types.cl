@@ -274,21 +274,20 @@ typedef struct {
 
 // core/src/cell/sweep.rs
 
-// What single precision rounds off, of the size of what is added, at most: sixteen roundings.
-#define SWEEP_ROUNDINGS ((float)(REAL(1e-6)))
+// What single precision rounds off, of what is multiplied, at most: 46 roundings (see `may_cut_at`).
+#define SWEEP_ROUNDINGS ((float)(REAL(3e-6)))
 
 #define SWEEP_OUTWARD ((real)(REAL(1e-6)))
 
 // Where its squares underflow.
 #define SWEEP_LEAST_SQUARE ((float)(REAL(1e-30)))
 
-#define SWEEP_ONE ((float)(REAL(1.0)))
-
-#define SWEEP_EIGHT ((float)(REAL(8.0)))
-
-#define SWEEP_SIXTEEN ((float)(REAL(16.0)))
-
 #define SWEEP_NOTHING ((float)(REAL(0.0)))
+
+// 2, and what `may_cut_at` rounds off of it.
+#define SWEEP_TWICE ((float)(REAL(2.00001)))
+
+#define SWEEP_MINUS_TWICE ((float)(-REAL(2.0)))
 
 // A place in single precision, from the cell's site.
 typedef struct {
@@ -304,6 +303,8 @@ typedef struct {
     RoughPlace normal;
     float below;
     float above;
+    // How far the box reaches along its axes in all, and the slab along its normal.
+    float size;
 } RoughNode;
 
 // core/src/cell/far.rs

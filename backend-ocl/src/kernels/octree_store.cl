@@ -1,6 +1,6 @@
 // The octree over the container, as the search sees it (`OctreeStore`).
 
-#if LANES && SEARCHES_TREE
+#if LANES && WITH_OCTREE
 INLINE V3 store_octree_lo(Store *s) { return v3(s->world.params->box_lo[0], s->world.params->box_lo[1], s->world.params->box_lo[2]); }
 INLINE V3 store_octree_hi(Store *s) { return v3(s->world.params->box_hi[0], s->world.params->box_hi[1], s->world.params->box_hi[2]); }
 INLINE real store_octree_off(Store *s) { return s->world.params->octree_off; }

@@ -4,26 +4,28 @@ use super::Device;
 use super::schedule::Todo;
 use crate::builds::{Stage, Way};
 use crate::grid::GROUP;
-use crate::interface::data::{ALL_TURNS, Counters, MOST_KEPT};
+use crate::interface::data::{ALL_TURNS, MOST_KEPT};
 use crate::interface::kernels::ChooseLeaders;
 use laguerre_core::cell::FACETS;
 use laguerre_core::cell::search_store::WIDTH;
 use laguerre_core::{Error, Result};
 use std::ops::Range;
 
-/// Cells that are all completed by their vertices, from which on most wait for the first of their block, and the sites that have to bound these far off, on average, for the others
-/// to begin with them: of a million sites on a bumpy surface 14, scanned 10; of a Lévy flight 6, on a line 3, in a plane none, all of which take longer so. In tests
-/// nearly all do.
-const WORTH_SHOWING: usize = if IN_TESTS { 1 << 7 } else { 1 << 19 };
-const MANY_FAR: u32 = if IN_TESTS { 1 } else { 8 };
-const IN_TESTS: bool = cfg!(feature = "test-util");
+/// Cells that are completed by their vertices, as most of a call are, from which on all but the first of their block begin with what bounds that far off. (Of 100,000 sites on a bumpy
+/// surface 44 instead of 23 ms, scanned 41 and 28, on a line 21 and 14, in a plane 9.2 and 8.0, on a jittered sphere 60 and 61; of 200,000 88 and 41, 98 and 80, 51 and 31, 17 and
+/// 13, 102 and 89. One NVIDIA H200.)
+const WORTH_SHOWING: usize = if IN_TESTS { 1 << 7 } else { 1 << 14 };
+/// Cells that the first stage did not complete, where most of a call are, from which on they are swept. (45,000 of a Lévy flight take 7 instead of 9.5 ms; of fewer than 65,536
+/// sites nothing but what is near is looked at before, and 22,000 take 7.5 instead of 5.5.)
+const WORTH_SWEEPING: usize = if IN_TESTS { 1 } else { 1 << 15 };
+pub(super) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 impl Device {
     /// Runs the kernel over `turns` of the given cells, or of every `stride`th of them, and reads the counters. Where the device
     /// finds only now that it lacks memory, nothing has run, and its error is given.
     ///
-    /// Where all of many cells are completed by their vertices the first of each block of leaves comes first. Where many sites bound these far off the others begin with
-    /// them (`kernels/README.md`).
+    /// Where most of many cells are completed by their vertices the first of each block of leaves comes first, and the others begin with the sites that bound it far off
+    /// (`kernels/README.md`).
     pub(super) fn run(
         &mut self,
         way: Way,
@@ -35,21 +37,26 @@ impl Device {
         let Way::Together(lanes, Stage::Far) = way else {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         };
-        let are_many = turns.len() >= WORTH_SHOWING && (IN_TESTS || matches!(cells, Todo::Sorted(_)));
-        let params = &self.shared.params;
-        // (In a domain not measured. With facets batches, and room for records, would decide which cells do.)
-        let may_show = params.equal_weights != 0 && params.flags & FACETS == 0 && self.domain.is_none();
-        if !(are_many && may_show && stride == 1 && self.choose_leaders(cells, turns.clone())?) {
+        let are_many = turns.len() >= WORTH_SHOWING && (IN_TESTS || 2 * turns.len() > self.most_cells);
+        if !(are_many && self.may_sweep() && stride == 1 && self.choose_leaders(cells, turns.clone())?) {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         }
         if let Some(late) = self.launch(way, cells, stride, turns.clone(), interior_only, 0)? {
             return Ok(Some(late));
         }
-        let Counters { showing, shown, .. } = self.counters;
-        (self.counters.showing, self.counters.shown) = (0, 0);
-        let show_many = showing > 0 && shown >= MANY_FAR * showing;
-        let others = if show_many { Way::Together(lanes, Stage::Sweep) } else { way };
-        self.launch(others, cells, stride, turns, interior_only, 1)?.map_or(Ok(None), Err)
+        self.launch(Way::Together(lanes, Stage::Sweep), cells, stride, turns, interior_only, 1)?.map_or(Ok(None), Err)
+    }
+
+    /// Whether cells may be completed by one look at all that can cut them. (In a domain not measured. With facets batches, and room for records, would decide which
+    /// cells are.)
+    pub(super) fn may_sweep(&self) -> bool {
+        let params = &self.shared.params;
+        params.equal_weights != 0 && params.flags & FACETS == 0 && self.domain.is_none()
+    }
+
+    /// The stage of so many cells that the first stage did not complete, by the tree.
+    pub(super) fn stage_of_far(&self, cells: usize) -> Stage {
+        if self.may_sweep() && cells >= WORTH_SWEEPING { Stage::Sweep } else { Stage::Far }
     }
 
     /// Finds the first of some cells in each block of leaves of the tree, where there is room for what bounds them; says whether.

@@ -1,7 +1,7 @@
 //! The scheduler of one device (paper, Alg. 1): passes, substeps, batches.
 
 use super::room::{FEWEST_CELLS, MOST_CELLS};
-use super::sample::MAY_FAIL;
+use super::sample::{MAY_FAIL, WORTH_LEAVING};
 use super::{Computed, Device};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Lanes, Stage, Way};
@@ -157,6 +157,7 @@ impl Device {
             (Stage::Facets, request.needs_facets()),
             (Stage::Surface, self.domain.is_some()),
             (Stage::Far, is_tree && begin != Stage::Far),
+            (Stage::Sweep, is_tree && self.may_sweep()),
             (Stage::Exact, !is_tree),
             (self.stage_of_large(request), cells >= WORTH_BUILDING_LARGE),
         ];
@@ -235,17 +236,29 @@ impl Device {
             if counters.full > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters.full = 0;
+                // (Sweeps that are given up.)
+                if let Way::Together(lanes, Stage::Sweep) = way {
+                    way = Way::Together(lanes, Stage::Far);
+                }
             } else if let (Way::Together(lanes, stage), 1..) = (way, counters.later)
-                && matches!(stage, Stage::Single | Stage::First | Stage::Close | Stage::Far | Stage::Large)
+                && matches!(
+                    stage,
+                    Stage::Single | Stage::First | Stage::Close | Stage::Far | Stage::Sweep | Stage::Large
+                )
             {
                 // What most cells need is more than a few more digits.
                 let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
+                let is_worth_leaving = counters.later >= WORTH_LEAVING && 2 * counters.beyond > counters.later;
                 now = Todo::Listed(counters.later as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.later);
-                counters.later = 0;
+                (counters.later, counters.beyond) = (0, 0);
+                if matches!(stage, Stage::Single | Stage::First) && is_worth_leaving {
+                    self.leave_table();
+                }
                 let next = match stage {
+                    Stage::Single | Stage::First if self.is_tree() => self.stage_of_far(now.count()),
                     Stage::Single if are_few => Stage::First,
-                    Stage::First | Stage::Close if self.is_tree() => Stage::Far,
+                    Stage::Close if self.is_tree() => Stage::Far,
                     Stage::Large => Stage::Wide,
                     _ => Stage::Exact,
                 };
@@ -266,7 +279,9 @@ impl Device {
                     for_host.extend(self.callers(&now)?);
                     break;
                 }
+                let most_are_left = 2 * now.count() > all;
                 way = match stage {
+                    Stage::Exact if most_are_left && self.leave_table() => Way::Together(lanes, Stage::Far),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),
                     _ => Way::Together(lanes, self.stage_of_large(request)),
                 };

@@ -159,7 +159,4 @@ pub(crate) struct Counters {
     pub(crate) near: u32,
     /// Of those for later, those that reach beyond what was searched.
     pub(crate) beyond: u32,
-    /// Cells that kept what bounds them far off, and how many sites do, which may be more than there is room for.
-    pub(crate) showing: u32,
-    pub(crate) shown: u32,
 }

@@ -49,13 +49,16 @@ __kernel void cells(CELLS_ARGUMENTS) {
     Store store;
     Store *s = &store;
 #if WITH_SWEEP
+    s->kept_count = 0;
     // (Where nothing is kept of its block, as where the first cell there needs more room, it begins with what is kept of another of the same node: of a million sites on a
     // bumpy surface 8,300 instead of 51,500 sweeps are given up, scanned 84,500 instead of 212,700.)
-    for (uint step = 1; (step < WIDTH) && (lanes_alike(kept_of_block[0]) == 0u); step++) {
-        kept_of_block = kept + (MOST_KEPT * min(block ^ step, (params->tree_sites - 1u) / (WIDTH * WIDTH)));
+    if (turn_of != ALL_TURNS) {
+        for (uint step = 1; (step < WIDTH) && (lanes_alike(kept_of_block[0]) == 0u); step++) {
+            kept_of_block = kept + (MOST_KEPT * min(block ^ step, (params->tree_sites - 1u) / (WIDTH * WIDTH)));
+        }
+        s->kept_count = lanes_alike(kept_of_block[0]);
+        s->kept = kept_of_block + 1u;
     }
-    s->kept_count = lanes_alike(kept_of_block[0]);
-    s->kept = kept_of_block + 1u;
 #endif
     s->world = WORLD_OF_ARGUMENTS;
     s->tried = 0;
@@ -124,11 +127,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     uint status = complete_by_tree(s, vantage, &visited, &extent, &above);
 #if KEEPS_FAR && !WITH_SWEEP
     if ((turn_of == 0u) && ((status == COMPLETE) && (above > REAL(0.0)))) {
-        const uint count = keep_far(s, vantage.slope, above, kept_of_block);
-        if (s->lane == 0u) {
-            atomic_inc(&counters->showing);
-            atomic_add(&counters->shown, count);
-        }
+        keep_far(s, vantage.slope, above, kept_of_block);
     }
 #endif
 #endif

@@ -142,8 +142,8 @@ OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
 #endif
 
 #if KEEPS_FAR && !WITH_SWEEP
-// Keeps for other cells which sites bound this one that reach at least `above`; returns how many do.
-INLINE uint keep_far(Store *s, V3 slope, real above, __global uint *kept) {
+// Keeps for other cells which sites bound this one that reach at least `above`, as far as there is room.
+INLINE void keep_far(Store *s, V3 slope, real above, __global uint *kept) {
     uint count = 0;
     for (uint from = 0; from < s->planes; from += LANES) {
         const uint f = from + s->lane;
@@ -159,7 +159,6 @@ INLINE uint keep_far(Store *s, V3 slope, real above, __global uint *kept) {
     if (s->lane == 0u) {
         kept[0] = min(count, MOST_KEPT - 1u);
     }
-    return count;
 }
 #endif
 
@@ -171,7 +170,7 @@ INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *ex
     // (One place that searches, for the text's size.)
     for (uint what = NEAR; (what <= SWEEP) && (status == UNTOUCHED); what++) {
         if ((what == KEPT) && (s->kept_count == 0u)) {
-            break;
+            continue;
         }
         status = search_from(s, vantage, what, visited, above);
         if ((what == NEAR) && (status == UNTOUCHED)) {

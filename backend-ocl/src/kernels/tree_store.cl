@@ -56,7 +56,7 @@ INLINE uint store_tied(Store *s, uint team, uint i) { return store_candidate(s, 
 #endif
 #endif
 #import "octree_store.cl"
-#if LANES && (WITH_FAR || WITH_WEIGHTS)
+#if LANES && ((WITH_FAR || WITH_SWEEP) || WITH_WEIGHTS)
 INLINE uint store_leaves_if_far(Store *s) { return (uint)s->world.params->leaves_if_far; }
 #else
 INLINE uint store_leaves_if_far(Store *s) { return 0u; }

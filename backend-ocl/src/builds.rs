@@ -125,8 +125,8 @@ pub(crate) enum Stage {
     /// Those that are completed by their vertices, where the tree is searched or weights differ, or reach far outside the domain; those are given up that
     /// double-double does not decide.
     Far,
-    /// Of them, where their weights are equal, those that end with one look at all that can still cut them, of some of which it is known what bounds others beside them far off;
-    /// those are given up for which that tells too little.
+    /// Of them, where their weights are equal, those that end with one look at all that can still cut them; some begin with what bounds their neighbours far off. Those are given up
+    /// for which that tells too little.
     Sweep,
     /// Those that need exact signs, or where equal weights go through the table of offsets sites beyond it, or that then reach far outside the domain.
     Exact,
@@ -210,7 +210,7 @@ impl Stage {
         match self {
             Self::Single | Self::First => FIRST,
             Self::Close => Shape { short: false, close: true, ..FIRST },
-            // (`Far` with 96: a Lévy flight 0.162 instead of 0.156 s; 80, 112 and 152 are 2 to 16 % longer. `Sweep` with 80 or 128: 3 to 7 %. Cells that need more room take 20 % longer
+            // (`Far` with 96: a Lévy flight 0.162 instead of 0.156 s; 80, 112 and 152 take 2 to 16 % longer. `Sweep` with 80 or 128: 3 to 7 %. Cells that need more room take 20 % longer
             // with 168. `First` by the tree with 80, 112 or 128: 3 to 18 %.)
             Self::Far => Shape { cells: 1, registers: Some(128), short: false, far: true, ..FIRST },
             Self::Sweep => Shape { cells: 1, registers: Some(96), short: false, sweep: true, ..FIRST },

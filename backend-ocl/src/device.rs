@@ -78,6 +78,8 @@ pub(crate) struct Device {
     domain: Option<Arc<DomainGrid>>,
     /// Cells of this call at most.
     most_cells: usize,
+    /// Whether those that are left were given up by a sweep, and are not to be swept again.
+    was_swept: bool,
     /// What the first pass of the next call begins with, and for how many sites that was found.
     first: Option<(usize, Capacities)>,
 }
@@ -168,6 +170,7 @@ impl Device {
             lengths: Lengths::default(),
             domain: None,
             most_cells: 0,
+            was_swept: false,
             first: None,
         })
     }

@@ -11,13 +11,13 @@ use laguerre_core::cell::search_store::WIDTH;
 use laguerre_core::{Error, Result};
 use std::ops::Range;
 
-/// Cells that are completed by their vertices, as most of a call are, from which on all but the first of their block begin with what bounds that far off. (Of 100,000 sites on a bumpy
-/// surface 44 instead of 23 ms, scanned 41 and 28, on a line 21 and 14, in a plane 9.2 and 8.0, on a jittered sphere 60 and 61; of 200,000 88 and 41, 98 and 80, 51 and 31, 17 and
-/// 13, 102 and 89. One NVIDIA H200.)
+/// Cells that are completed by their vertices, as most of a call are, from which on all but the first of their block begin with what bounds that far off. (Of 20,000 sites on a bumpy
+/// surface that takes 3.5 ms, of 100,000 23 instead of 44, scanned 28 and 41, on a line 14 and 21, in a plane 8.0 and 9.2, on a jittered sphere 61 and 60; of 200,000 41 and 88, 80 and
+/// 98, 31 and 51, 13 and 17, 89 and 102. One NVIDIA H200.)
 const WORTH_SHOWING: usize = if IN_TESTS { 1 << 7 } else { 1 << 14 };
-/// Cells that the first stage did not complete, where most of a call are, from which on they are swept. (45,000 of a Lévy flight take 7 instead of 9.5 ms; of fewer than 65,536
-/// sites nothing but what is near is looked at before, and 22,000 take 7.5 instead of 5.5.)
-const WORTH_SWEEPING: usize = if IN_TESTS { 1 } else { 1 << 15 };
+/// Cells that the first stage did not complete from which on they are swept. (45,000 of a Lévy flight take 7 instead of 9.5 ms; of fewer than 65,536 sites nothing but what is near is
+/// looked at before, and 22,000 take 7.5 instead of 5.5.)
+const WORTH_SWEEPING: usize = if IN_TESTS { 1 << 6 } else { 1 << 15 };
 pub(super) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 impl Device {
@@ -37,7 +37,8 @@ impl Device {
         let Way::Together(lanes, Stage::Far) = way else {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         };
-        let are_many = turns.len() >= WORTH_SHOWING && (IN_TESTS || 2 * turns.len() > self.most_cells);
+        let are_many =
+            turns.len() >= WORTH_SHOWING && (IN_TESTS || 2 * turns.len() > self.most_cells) && !self.was_swept;
         if !(are_many && self.may_sweep() && stride == 1 && self.choose_leaders(cells, turns.clone())?) {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         }

@@ -31,7 +31,7 @@ const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
 /// Cells that the table of offsets does not complete, most of which reach beyond it, from which on they are searched by the tree at once, and not by the table with exact signs
 /// before. (8,000 of 100,000 Soneira-Peebles sites take 4.2 ms in all that comes, and took 8.5; of 50,000 scanned ones, of which most reach beyond, 14 and 36. One NVIDIA H200.)
-pub(super) const WORTH_LEAVING: u32 = if IN_TESTS { 1 } else { 1 << 10 };
+pub(super) const WORTH_LEAVING: u32 = if IN_TESTS { 1 << 5 } else { 1 << 10 };
 
 /// How many have to reach beyond what the first stage searches, or to need more room, where weights differ, for an octree to tell where cells are. (With weights of
 /// transport from crowded sites 1,500 to all of a sample do; of white sites 200 to 380, of other weights 2 to 250. Of a million of an NFW profile 1,900 do: 0.53 s
@@ -103,7 +103,7 @@ impl Device {
         Ok(Stage::First)
     }
 
-    /// Has all that comes searched by the tree, where it went through the table of offsets, and not in a domain: says whether.
+    /// Gives up the table of offsets for all that is still to come, where weights are equal and there is no domain; says whether there was one.
     pub(super) fn leave_table(&mut self) -> bool {
         let params = &mut self.shared.params;
         let leaves = params.has_table != 0 && params.equal_weights != 0 && self.domain.is_none();
@@ -124,7 +124,7 @@ impl Device {
         Ok((first.later + first.left > MOST_OF_SAMPLE, has_weights && first.beyond + first.left > WORTH_AN_OCTREE))
     }
 
-    /// Leaves that are looked at for a cell that reaches far, of so many cells of which most fail or do not. (As whether there is a table, this is decided by a
+    /// Leaves that are looked at for a cell that reaches far, of so many cells of which most fail or do not. (As whether there is a table, and what is swept, this is decided by a
     /// device's share of the cells: where several decide otherwise, last bits of cells may be others.)
     pub(super) fn leaves_if_far(&self, cells: usize, most_fail: bool) -> u64 {
         match self.shared.params.equal_weights {

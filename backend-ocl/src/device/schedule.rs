@@ -77,6 +77,7 @@ impl Device {
             self.give_facets_back();
         }
         self.clear(request, sites, self.most_cells)?;
+        self.was_swept = false;
         self.results.are_kept = request.needs_facets() && of == 1;
         let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
@@ -171,8 +172,8 @@ impl Device {
         self.shared.params.has_table == 0 || self.shared.params.equal_weights == 0
     }
 
-    /// The stage of cells that need more room. (What of facets is asked for may leave signs open: so a cell ends in the same stage whatever that is, and has the
-    /// same bits.)
+    /// The stage of cells that need more room. (What of facets is asked for may leave signs open: so with facets and with the Laplacian alone a cell
+    /// ends in the same stage, and has the same bits.)
     fn stage_of_large(&self, request: &Request) -> Stage {
         if request.needs_facets() && self.domain.is_some() { Stage::Wide } else { Stage::Large }
     }
@@ -236,9 +237,9 @@ impl Device {
             if counters.full > 0 {
                 std::mem::swap(&mut memory.todo, &mut memory.full);
                 counters.full = 0;
-                // (Sweeps that are given up.)
-                if let Way::Together(lanes, Stage::Sweep) = way {
+                if let Way::Together(lanes, Stage::Far | Stage::Sweep) = way {
                     way = Way::Together(lanes, Stage::Far);
+                    self.was_swept = true;
                 }
             } else if let (Way::Together(lanes, stage), 1..) = (way, counters.later)
                 && matches!(
@@ -246,7 +247,7 @@ impl Device {
                     Stage::Single | Stage::First | Stage::Close | Stage::Far | Stage::Sweep | Stage::Large
                 )
             {
-                // What most cells need is more than a few more digits.
+                // (What most cells need is more than a few more digits.)
                 let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
                 let is_worth_leaving = counters.later >= WORTH_LEAVING && 2 * counters.beyond > counters.later;
                 now = Todo::Listed(counters.later as usize);
@@ -279,7 +280,7 @@ impl Device {
                     for_host.extend(self.callers(&now)?);
                     break;
                 }
-                let most_are_left = 2 * now.count() > all;
+                let most_are_left = now.count() >= WORTH_LEAVING as usize && 2 * now.count() > all;
                 way = match stage {
                     Stage::Exact if most_are_left && self.leave_table() => Way::Together(lanes, Stage::Far),
                     Stage::Large | Stage::Wide => Way::Together(lanes, Stage::Vast),

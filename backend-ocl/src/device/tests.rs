@@ -2,10 +2,12 @@
 
 use super::Device;
 #[cfg(feature = "test-util")]
+use super::schedule::Todo;
+#[cfg(feature = "test-util")]
 use crate::builds::{Lanes, Stage, Way};
 use crate::evaluate::Ocl;
 #[cfg(feature = "test-util")]
-use crate::interface::data::{FEW_SUMS, OUTCOME_STATUS};
+use crate::interface::data::{Counters, FEW_SUMS, OUTCOME_STATUS};
 #[cfg(feature = "test-util")]
 use crate::platform::DeviceId;
 use crate::platform::choose;
@@ -192,8 +194,14 @@ fn an_octree_leads_to_the_same_cells() {
                 assert_eq!(leaves, &listed[node.begin as usize..][..leaves.len()], "{i}");
             }
         }
-        let computed = device.compute(&watched, count, 0..count, 1).unwrap();
-        assert!(computed.for_host.is_empty());
+        device.clear(&watched, count, count).unwrap();
+        device.look_about(count, 0..0).unwrap();
+        // (The stage in which cells begin where there is one.)
+        device.shared.params.has_table = 0;
+        let far = Way::Together(Lanes::One, Stage::Far);
+        assert!(device.run(far, &Todo::Sorted(0..count), 1, 0..count, false).unwrap().is_none());
+        let Counters { full, later, left, .. } = device.counters;
+        assert_eq!([full, later, left], [0; 3]);
         device.read_results(&request, count).unwrap();
         (device.results.outcomes.clone(), device.results.sums.clone())
     };

@@ -61,8 +61,8 @@ INLINE uint store_held_key(Store *s, uint c) { return s->cell->candidate_key[(c 
 INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) + s->lane] = NO_SITE; }
 #endif
 
-// (A million sites of a Lévy flight take 0.161 instead of 0.183 s with it where cells are completed by their vertices, in a plane 0.078 and 0.085; swept 0.118 and 0.160, on a bumpy
-// surface, where nothing but what is near is looked at before, 0.192 and 0.187. One NVIDIA H200.)
+// (A million sites of a Lévy flight take 0.161 instead of 0.183 s with it where cells are completed by their vertices, in a plane 0.078 and 0.085; swept 0.118 and 0.160; of lognormal
+// radii those that need much room 5.5 and 13 ms. But on a bumpy surface, where nothing but what is near is looked at before a sweep, 0.192 and 0.187 s. One NVIDIA H200.)
 INLINE bool store_drops_candidates(Store *s) { return LANES > 1u; }
 // Vertices that are compared at a time where the tree is searched, so that what is read of them is waited for together: a million sites on a bumpy surface take 0.194 instead of
 // 0.207 s, on a jittered sphere 0.205 and 0.228; with 8 as long. One NVIDIA H200.
@@ -82,6 +82,7 @@ INLINE uint leaves_untouched(Store *s, uint j) {
         }
     }
 #else
+    // (A cell has some.)
     const uint last = s->vertices - 1u;
     ROLLED
     for (uint v = 0; (v <= last) && (is_within != 0u); v += COMPARED) {

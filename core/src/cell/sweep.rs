@@ -11,7 +11,7 @@ use super::search::Vantage;
 use super::search_store::{NO_SITE, NodeBox, NodeSlab, RoughVertex, SearchStore};
 use super::vector::{Real, Rough, V3, dot, sub};
 
-/// What single precision rounds off, of what is multiplied, at most: 46 roundings (see `may_cut_at`).
+/// What single precision rounds off, of what is multiplied: 46 roundings at most (see `may_cut_at`), 2.75e-6.
 const SWEEP_ROUNDINGS: Rough = 3e-6;
 const SWEEP_OUTWARD: Real = 1e-6;
 /// Where its squares underflow.
@@ -128,7 +128,8 @@ fn least_along(lo: Rough, hi: Rough, q: Rough, more: Rough) -> Rough {
 ///
 /// With u half of the last bit of single precision, X the `size` of the node, and L the sum of X and of v's components: q is off by `radius` + 3uL along each axis, which adds 2X times
 /// that; |q| < 2L and |d − 2q| < 5L, so that no sum is above 7LX, and the roundings of four sums, of three factors, and of seven products where they are not fused are 40uLX at most: in all
-/// 2X·radius + 46uLX. (Of 17 million nodes that a bisector just meets, with the vertex as far off as its radius allows, none is missed, and 0.78 of that is used.)
+/// 2X·radius + 46uLX. (Of 17 million nodes that a bisector just meets, with the vertex as far off as its radius allows, none is missed, and 0.78 of what is allowed is used. Sites and
+/// vertices are within some thousands of a frame of size 1, where nothing overflows.)
 #[inline(always)]
 fn may_cut_at(node: RoughNode, p: RoughVertex) -> bool {
     let size: Rough = ((p.x.abs() + p.y.abs()) + p.z.abs()) + node.size;

@@ -66,7 +66,7 @@ HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool chec
         } else if (status != UNTOUCHED) {
             return status;
         } else if (checks) {
-            // (After each cut sites on a bumpy surface took 1 % longer.)
+            // (After each cut sites on a bumpy surface took 4 % longer, one NVIDIA H200.)
             if (cuts > 0) {
                 there = store_drop_held(s, there);
             }

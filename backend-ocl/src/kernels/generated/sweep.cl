@@ -69,7 +69,8 @@ INLINE float least_along(float lo, float hi, float q, float more) {
 //
 // With u half of the last bit of single precision, X the `size` of the node, and L the sum of X and of v's components: q is off by `radius` + 3uL along each axis, which adds 2X times
 // that; |q| < 2L and |d − 2q| < 5L, so that no sum is above 7LX, and the roundings of four sums, of three factors, and of seven products where they are not fused are 40uLX at most: in all
-// 2X·radius + 46uLX. (Of 17 million nodes that a bisector just meets, with the vertex as far off as its radius allows, none is missed, and 0.78 of that is used.)
+// 2X·radius + 46uLX. (Of 17 million nodes that a bisector just meets, with the vertex as far off as its radius allows, none is missed, and 0.78 of what is allowed is used. Sites and
+// vertices are within some thousands of a frame of size 1, where nothing overflows.)
 INLINE bool may_cut_at(RoughNode node, RoughVertex p) {
     const float size = ((fabs(p.x) + fabs(p.y)) + fabs(p.z)) + node.size;
     const float height = fma(node.normal.x, p.x, fma(node.normal.y, p.y, node.normal.z * p.z));

@@ -274,7 +274,7 @@ typedef struct {
 
 // core/src/cell/sweep.rs
 
-// What single precision rounds off, of what is multiplied, at most: 46 roundings (see `may_cut_at`).
+// What single precision rounds off, of what is multiplied: 46 roundings at most (see `may_cut_at`), 2.75e-6.
 #define SWEEP_ROUNDINGS ((float)(REAL(3e-6)))
 
 #define SWEEP_OUTWARD ((real)(REAL(1e-6)))

@@ -112,11 +112,18 @@ fn above_nothing(x: Rough) -> Rough {
     return x.max(SWEEP_NOTHING);
 }
 
+/// a·b + c; on devices rounded once.
+#[cfg_attr(opencl, returns("fma(a, b, c)"))]
+#[inline(always)]
+fn fused(a: Rough, b: Rough, c: Rough) -> Rough {
+    return (a * b) + c;
+}
+
 /// x² − 2qx of the x in a range for which that is least, and what is given.
 #[inline(always)]
 fn least_along(lo: Rough, hi: Rough, q: Rough, more: Rough) -> Rough {
     let x: Rough = -((-(q.max(lo))).max(-hi));
-    return x.mul_add(SWEEP_MINUS_TWICE.mul_add(q, x), more);
+    return fused(x, fused(SWEEP_MINUS_TWICE, q, x), more);
 }
 
 /// Whether a site of a node may be as near to a vertex as the cell's own; the vertex is off by up to `radius` along each axis.
@@ -133,16 +140,16 @@ fn least_along(lo: Rough, hi: Rough, q: Rough, more: Rough) -> Rough {
 #[inline(always)]
 fn may_cut_at(node: RoughNode, p: RoughVertex) -> bool {
     let size: Rough = ((p.x.abs() + p.y.abs()) + p.z.abs()) + node.size;
-    let height: Rough = node.normal.x.mul_add(p.x, node.normal.y.mul_add(p.y, node.normal.z * p.z));
+    let height: Rough = fused(node.normal.x, p.x, fused(node.normal.y, p.y, node.normal.z * p.z));
     let across: Rough = above_nothing(height - node.above) - above_nothing(node.below - height);
     let mut end: Rough = node.below;
     if across > SWEEP_NOTHING {
         end = node.above;
     }
     let slab: Rough = (SWEEP_MINUS_TWICE * across) * end;
-    let x: Rough = least_along(node.lo.x, node.hi.x, (-across).mul_add(node.normal.x, p.x), slab);
-    let xy: Rough = least_along(node.lo.y, node.hi.y, (-across).mul_add(node.normal.y, p.y), x);
-    let least: Rough = least_along(node.lo.z, node.hi.z, (-across).mul_add(node.normal.z, p.z), xy);
-    let lost: Rough = SWEEP_ROUNDINGS.mul_add(size, SWEEP_TWICE * p.radius);
-    return !(least > node.size.mul_add(lost, SWEEP_LEAST_SQUARE));
+    let x: Rough = least_along(node.lo.x, node.hi.x, fused(-across, node.normal.x, p.x), slab);
+    let xy: Rough = least_along(node.lo.y, node.hi.y, fused(-across, node.normal.y, p.y), x);
+    let least: Rough = least_along(node.lo.z, node.hi.z, fused(-across, node.normal.z, p.z), xy);
+    let lost: Rough = fused(SWEEP_ROUNDINGS, size, SWEEP_TWICE * p.radius);
+    return !(least > fused(node.size, lost, SWEEP_LEAST_SQUARE));
 }

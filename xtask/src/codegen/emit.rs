@@ -449,7 +449,6 @@ impl<'a> Emitter<'a> {
             "abs" => Ok(format!("fabs{}", grouped(&receiver))),
             "sqrt" => Ok(format!("sqrt{}", grouped(&receiver))),
             "max" => Ok(format!("fmax({receiver}, {})", arguments.join(""))),
-            "mul_add" => Ok(format!("fma({receiver}, {})", arguments.join(", "))),
             "wrapping_sub" => Ok(format!("({receiver} - {})", arguments.join(""))),
             _ => self.unit.error(call.method.span(), "such method"),
         }

@@ -54,10 +54,15 @@ INLINE float above_nothing(float x) {
     return fmax(x, SWEEP_NOTHING);
 }
 
+// a·b + c; on devices rounded once.
+INLINE float fused(float a, float b, float c) {
+    return fma(a, b, c);
+}
+
 // x² − 2qx of the x in a range for which that is least, and what is given.
 INLINE float least_along(float lo, float hi, float q, float more) {
     const float x = -(fmax((-(fmax(q, lo))), -hi));
-    return fma(x, fma(SWEEP_MINUS_TWICE, q, x), more);
+    return fused(x, fused(SWEEP_MINUS_TWICE, q, x), more);
 }
 
 // Whether a site of a node may be as near to a vertex as the cell's own; the vertex is off by up to `radius` along each axis.
@@ -73,16 +78,16 @@ INLINE float least_along(float lo, float hi, float q, float more) {
 // vertices are within some thousands of a frame of size 1, where nothing overflows.)
 INLINE bool may_cut_at(RoughNode node, RoughVertex p) {
     const float size = ((fabs(p.x) + fabs(p.y)) + fabs(p.z)) + node.size;
-    const float height = fma(node.normal.x, p.x, fma(node.normal.y, p.y, node.normal.z * p.z));
+    const float height = fused(node.normal.x, p.x, fused(node.normal.y, p.y, node.normal.z * p.z));
     const float across = above_nothing(height - node.above) - above_nothing(node.below - height);
     float end = node.below;
     if (across > SWEEP_NOTHING) {
         end = node.above;
     }
     const float slab = (SWEEP_MINUS_TWICE * across) * end;
-    const float x = least_along(node.lo.x, node.hi.x, fma((-across), node.normal.x, p.x), slab);
-    const float xy = least_along(node.lo.y, node.hi.y, fma((-across), node.normal.y, p.y), x);
-    const float least = least_along(node.lo.z, node.hi.z, fma((-across), node.normal.z, p.z), xy);
-    const float lost = fma(SWEEP_ROUNDINGS, size, SWEEP_TWICE * p.radius);
-    return !(least > fma(node.size, lost, SWEEP_LEAST_SQUARE));
+    const float x = least_along(node.lo.x, node.hi.x, fused(-across, node.normal.x, p.x), slab);
+    const float xy = least_along(node.lo.y, node.hi.y, fused(-across, node.normal.y, p.y), x);
+    const float least = least_along(node.lo.z, node.hi.z, fused(-across, node.normal.z, p.z), xy);
+    const float lost = fused(SWEEP_ROUNDINGS, size, SWEEP_TWICE * p.radius);
+    return !(least > fused(node.size, lost, SWEEP_LEAST_SQUARE));
 }

@@ -40,6 +40,7 @@ INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab);
 INLINE float lower(real x);
 INLINE float upper(real x);
 INLINE float above_nothing(float x);
+INLINE float fused(float a, float b, float c);
 INLINE float least_along(float lo, float hi, float q, float more);
 INLINE bool may_cut_at(RoughNode node, RoughVertex p);
 HOT void settle_near(Store *s, V3 center, real proven);

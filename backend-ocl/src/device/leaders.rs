@@ -8,6 +8,7 @@ use crate::interface::data::{ALL_TURNS, MOST_KEPT};
 use crate::interface::kernels::ChooseLeaders;
 use laguerre_core::cell::FACETS;
 use laguerre_core::cell::search_store::WIDTH;
+use laguerre_core::passes::Cells as _;
 use laguerre_core::{Error, Result};
 use std::ops::Range;
 
@@ -38,7 +39,7 @@ impl Device {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         };
         let are_many =
-            turns.len() >= WORTH_SHOWING && (IN_TESTS || 2 * turns.len() > self.most_cells) && !self.was_swept;
+            turns.len() >= WORTH_SHOWING && (IN_TESTS || 2 * cells.count() > self.most_cells) && !self.was_swept;
         if !(are_many && self.may_sweep() && stride == 1 && self.choose_leaders(cells, turns.clone())?) {
             return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
         }

@@ -158,7 +158,6 @@ impl Device {
             (Stage::Facets, request.needs_facets()),
             (Stage::Surface, self.domain.is_some()),
             (Stage::Far, is_tree && begin != Stage::Far),
-            (Stage::Sweep, is_tree && self.may_sweep()),
             (Stage::Exact, !is_tree),
             (self.stage_of_large(request), cells >= WORTH_BUILDING_LARGE),
         ];

@@ -1,4 +1,4 @@
-//! Cells that begin with what bounds others far off (`kernels/README.md`).
+//! Cells that end with one look at all that can still cut them, of which some begin with what bounds others far off (`kernels/README.md`).
 
 use super::Device;
 use super::schedule::Todo;

@@ -107,9 +107,10 @@ fn upper(x: Real) -> Rough {
     return (x + (SWEEP_OUTWARD * x.abs())) as Rough;
 }
 
+/// What of a range is nearest.
 #[inline(always)]
-fn above_nothing(x: Rough) -> Rough {
-    return x.max(SWEEP_NOTHING);
+fn within(lo: Rough, hi: Rough, x: Rough) -> Rough {
+    return -((-(x.max(lo))).max(-hi));
 }
 
 /// a·b + c; on devices rounded once.
@@ -122,7 +123,7 @@ fn fused(a: Rough, b: Rough, c: Rough) -> Rough {
 /// x² − 2qx of the x in a range for which that is least, and what is given.
 #[inline(always)]
 fn least_along(lo: Rough, hi: Rough, q: Rough, more: Rough) -> Rough {
-    let x: Rough = -((-(q.max(lo))).max(-hi));
+    let x: Rough = within(lo, hi, q);
     return fused(x, fused(SWEEP_MINUS_TWICE, q, x), more);
 }
 
@@ -141,11 +142,8 @@ fn least_along(lo: Rough, hi: Rough, q: Rough, more: Rough) -> Rough {
 fn may_cut_at(node: RoughNode, p: RoughVertex) -> bool {
     let size: Rough = ((p.x.abs() + p.y.abs()) + p.z.abs()) + node.size;
     let height: Rough = fused(node.normal.x, p.x, fused(node.normal.y, p.y, node.normal.z * p.z));
-    let across: Rough = above_nothing(height - node.above) - above_nothing(node.below - height);
-    let mut end: Rough = node.below;
-    if across > SWEEP_NOTHING {
-        end = node.above;
-    }
+    let end: Rough = within(node.below, node.above, height);
+    let across: Rough = height - end;
     let slab: Rough = (SWEEP_MINUS_TWICE * across) * end;
     let x: Rough = least_along(node.lo.x, node.hi.x, fused(-across, node.normal.x, p.x), slab);
     let xy: Rough = least_along(node.lo.y, node.hi.y, fused(-across, node.normal.y, p.y), x);

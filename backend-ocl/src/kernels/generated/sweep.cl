@@ -50,8 +50,9 @@ INLINE float upper(real x) {
     return (float)(x + (SWEEP_OUTWARD * fabs(x)));
 }
 
-INLINE float above_nothing(float x) {
-    return fmax(x, SWEEP_NOTHING);
+// What of a range is nearest.
+INLINE float within(float lo, float hi, float x) {
+    return -(fmax((-(fmax(x, lo))), -hi));
 }
 
 // a·b + c; on devices rounded once.
@@ -61,7 +62,7 @@ INLINE float fused(float a, float b, float c) {
 
 // x² − 2qx of the x in a range for which that is least, and what is given.
 INLINE float least_along(float lo, float hi, float q, float more) {
-    const float x = -(fmax((-(fmax(q, lo))), -hi));
+    const float x = within(lo, hi, q);
     return fused(x, fused(SWEEP_MINUS_TWICE, q, x), more);
 }
 
@@ -79,11 +80,8 @@ INLINE float least_along(float lo, float hi, float q, float more) {
 INLINE bool may_cut_at(RoughNode node, RoughVertex p) {
     const float size = ((fabs(p.x) + fabs(p.y)) + fabs(p.z)) + node.size;
     const float height = fused(node.normal.x, p.x, fused(node.normal.y, p.y, node.normal.z * p.z));
-    const float across = above_nothing(height - node.above) - above_nothing(node.below - height);
-    float end = node.below;
-    if (across > SWEEP_NOTHING) {
-        end = node.above;
-    }
+    const float end = within(node.below, node.above, height);
+    const float across = height - end;
     const float slab = (SWEEP_MINUS_TWICE * across) * end;
     const float x = least_along(node.lo.x, node.hi.x, fused(-across, node.normal.x, p.x), slab);
     const float xy = least_along(node.lo.y, node.hi.y, fused(-across, node.normal.y, p.y), x);

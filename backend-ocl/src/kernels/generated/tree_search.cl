@@ -39,7 +39,7 @@ INLINE bool may_cut(Store *s, uint level, uint node);
 INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab);
 INLINE float lower(real x);
 INLINE float upper(real x);
-INLINE float above_nothing(float x);
+INLINE float within(float lo, float hi, float x);
 INLINE float fused(float a, float b, float c);
 INLINE float least_along(float lo, float hi, float q, float more);
 INLINE bool may_cut_at(RoughNode node, RoughVertex p);

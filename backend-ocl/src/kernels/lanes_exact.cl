@@ -17,7 +17,7 @@ INLINE uint side_of(Plane plane, V3 position, real radius) {
 INLINE uint mark_in_double(Store *s, uint v, uint k) {
     V3 position;
     real radius;
-    if (find_vertex_once(s, unpacked(s->cell->triplet[v]), &position, &radius) != COMPLETE) {
+    if (find_vertex_closely(s, unpacked(s->cell->triplet[v]), FINE_ENOUGH, &position, &radius) != COMPLETE) {
         return MARK_UNCERTAIN;
     }
     return side_of(s->cell->plane[k], position, radius);
@@ -42,7 +42,7 @@ OUTLINE uint settle_closely(CELL_SPACE Cell *cell, uint v, uint k, uint mark) {
 }
 #endif
 
-#if SETTLES_CLOSELY || WITH_FACETS
+#if SETTLES_CLOSELY || TAKES_CLOSELY
 // A new vertex of nearly dependent planes.
 OUTLINE uint place_closely(CELL_SPACE Cell *cell, uint v, uint is_fine) {
     Store store;
@@ -52,7 +52,10 @@ OUTLINE uint place_closely(CELL_SPACE Cell *cell, uint v, uint is_fine) {
     const Triplet t = unpacked(cell->triplet[v]);
     V3 position;
     real radius;
-    const uint status = wide_position(cell->plane[t.a], cell->plane[t.b], cell->plane[t.c], &position, &radius);
+    uint status = find_vertex_closely(&store, t, (is_fine != 0u) ? WITHIN_ROUNDING : ROUGH_ENOUGH, &position, &radius);
+    if (status != COMPLETE) {
+        status = wide_position(cell->plane[t.a], cell->plane[t.b], cell->plane[t.c], &position, &radius);
+    }
     if (status == COMPLETE) {
         store_set_position(&store, v, position, radius);
     }

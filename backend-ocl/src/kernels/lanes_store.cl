@@ -22,6 +22,15 @@
 // all is done in 1.1 s (one NVIDIA H200). WITH_CLOSE for cells of which most have some, by the table of offsets.
 // And whether half-spaces that no vertex lies on are dropped.
 #define SETTLES_CLOSELY (((WITH_FAR || WITH_SWEEP) || WITH_CLOSE) && !WITH_EXACT)
+
+// Shares of a vertex's largest component that it may be off by: where it is rounded to single precision; where that decides how many sites may have the least power
+// there, or a sign; and where it is a rounding.
+#define ROUGH_ENOUGH REAL(6e-8)
+#define FINE_ENOUGH REAL(4e-12)
+#define WITHIN_ROUNDING REAL(1.2e-15)
+
+// Whether some vertices of what a stage takes are of nearly dependent planes: of facets.
+#define TAKES_CLOSELY WITH_FACETS
 #define COMPACTS (WITH_EXACT || SETTLES_CLOSELY)
 
 // Whether the tree is searched: where there is no table of offsets, or for what is beyond it; few cells reach so far, and without a domain hardly

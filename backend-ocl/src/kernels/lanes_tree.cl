@@ -84,15 +84,12 @@ INLINE void store_set_settled(Store *s, uint v, uint settled) {
 
 INLINE void store_settle_own(Store *s, uint v) { s->cell->triplet[v] |= SETTLED; }
 
-// Where a vertex is off by more than this share of its distance it is worked out in double-double: what it is off by decides how many sites may
-// have the least power there.
-#define FINE_ENOUGH REAL(1e-12)
 INLINE uint store_fine_position(Store *s, uint v, V3 *position, real *radius) {
     const Triplet t = store_triplet(s, v);
 #if WITH_EXACT
     return find_vertex(s, t, position, radius);
 #else
-    if ((find_vertex_once(s, t, position, radius) == COMPLETE) && (*radius <= (FINE_ENOUGH * norm_1(*position)))) {
+    if (find_vertex_closely(s, t, FINE_ENOUGH, position, radius) == COMPLETE) {
         return COMPLETE;
     }
     // (Its arguments cannot stay in registers.)

@@ -354,6 +354,20 @@ __kernel void parity_find_vertex_refined(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_find_vertex_closely(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Triplet t = take_Triplet(&in);
+    const real most = take_real(&in);
+    V3 position = take_V3(&in);
+    real radius = take_real(&in);
+    const uint result = find_vertex_closely(s, t, most, &position, &radius);
+    give_uint(&out, result);
+    give_V3(&out, position);
+    give_real(&out, radius);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_find_vertex_once(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

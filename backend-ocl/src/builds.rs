@@ -120,13 +120,13 @@ pub(crate) enum Stage {
     Close,
     /// Those that may meet the surface, finished; those are given up that need exact signs. With facets those that do, with exact signs.
     Surface,
-    /// Where facets are asked for all that the stages before have finished; those that the surface cuts are `Surface`'s.
-    Facets,
+    /// The integrals of what `Sweep` has finished, and where facets are asked for of all that the stages before have; those that the surface cuts are `Surface`'s.
+    Integrals,
     /// Those that are completed by their vertices, where the tree is searched or weights differ, or reach far outside the domain; those are given up that
     /// double-double does not decide.
     Far,
     /// Of them, where their weights are equal, those that end with one look at all that can still cut them; some begin with what bounds their neighbours far off. Those are given up
-    /// for which that tells too little.
+    /// for which that tells too little. What it finishes it gives as records, so that its text has nothing of integrals.
     Sweep,
     /// Those that need exact signs, or where equal weights go through the table of offsets sites beyond it, or that then reach far outside the domain.
     Exact,
@@ -171,7 +171,7 @@ impl Stage {
         Self::First,
         Self::Close,
         Self::Surface,
-        Self::Facets,
+        Self::Integrals,
         Self::Far,
         Self::Sweep,
         Self::Exact,
@@ -210,12 +210,12 @@ impl Stage {
         match self {
             Self::Single | Self::First => FIRST,
             Self::Close => Shape { short: false, close: true, ..FIRST },
-            // (`Far` with 96: a Lévy flight 0.162 instead of 0.156 s; 80, 112 and 152 take 2 to 16 % longer. `Sweep` with 80 or 128: 3 to 7 %. Cells that need more room take 20 % longer
-            // with 168. `First` by the tree with 80, 112 or 128: 3 to 18 %.)
+            // (`Far` with 96: a Lévy flight 0.162 instead of 0.156 s; 80, 112 and 152 take 2 to 16 % longer. `Sweep`, of whose cells a processor's local memory holds 30, with 72: 1 to 3 %,
+            // with 96, 6 to 8. Cells that need more room take 20 % longer with 168. `First` by the tree with 80, 112 or 128: 3 to 18 %.)
             Self::Far => Shape { cells: 1, registers: Some(128), short: false, far: true, ..FIRST },
-            Self::Sweep => Shape { cells: 1, registers: Some(96), short: false, sweep: true, ..FIRST },
+            Self::Sweep => Shape { cells: 1, registers: Some(64), short: false, sweep: true, ..FIRST },
             Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, takes: true, ..FIRST },
-            Self::Facets => Shape { cells: 4, registers: Some(128), takes: true, ..FIRST },
+            Self::Integrals => Shape { cells: 4, registers: Some(128), takes: true, ..FIRST },
             Self::Exact => EXACT,
             Self::Large => Shape { exact: false, ..Self::Wide.shape() },
             Self::Wide => Shape { cells: 1, registers: Some(128), room: 1, teams: 4, ..EXACT },
@@ -228,7 +228,7 @@ impl Stage {
         self.shape().short && !(matches!(self, Self::Surface) && flags & FACETS != 0)
     }
 
-    /// Whether what it finishes may be given to another stage: to `Surface`, or where facets are asked for to `Facets`.
+    /// Whether what it finishes may be given to another stage: to `Surface`, or where facets are asked for, and of `Sweep`, to `Integrals`.
     pub(crate) const fn gives(self) -> bool {
         matches!(self, Self::Single | Self::First | Self::Close | Self::Far | Self::Sweep)
     }
@@ -253,7 +253,7 @@ impl Way {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Asked {
     /// The flags of `integrate_cell` that the text is built for: of second moments no stage but those whose text is short without; that of
-    /// facets no more than areas are asked for none, which leaves their moments out when it runs. Stages that give cells to `Facets` are built for nothing of it.
+    /// facets no more than areas are asked for none, which leaves their moments out when it runs. Stages that give all cells to `Integrals` are built for nothing of it.
     flags: u32,
     /// Whether there is a domain, and whether weights differ, where cells are shared: those kernels are faster if they know that there is
     /// none, or that they do not (by 3 % and by 8 %, one NVIDIA H200).
@@ -272,7 +272,7 @@ impl Asked {
         let has = |is_so: fn(Stage) -> bool| stage.is_some_and(is_so);
         let (is_shared, equal_weights) = (stage.is_some(), params.equal_weights != 0);
         let flags = match params.flags {
-            flags if has(Stage::gives) && flags & FACETS != 0 => 0,
+            flags if has(Stage::gives) && (flags & FACETS != 0 || has(|stage| stage == Stage::Sweep)) => 0,
             flags if stage.is_some_and(|stage| stage.is_short(flags)) => flags & !FACET_AREAS,
             flags => flags & !(FACET_AREAS | SECOND_MOMENTS),
         };

@@ -30,13 +30,20 @@ pub fn all() -> Result<Vec<WarpText>> {
             if !is_built {
                 continue;
             }
-            let flags = if stage == Stage::Facets { FACETS } else { 0 };
-            let params = Params { has_domain, equal_weights, has_table: 1, flags, ..Params::default() };
-            let way = Way::Together(Lanes::Warp, stage);
-            let build = Build::Cells(way, Asked::of(&params, way));
-            let what = if has_domain == 1 { ", domain and weights" } else { "" };
-            let (name, text) = (format!("{stage:?}{what}"), build.text().whole()?);
-            texts.push(WarpText { name, text, options: build.options() });
+            let (all, what): (&[u32], _) = match (stage, has_domain) {
+                (Stage::Integrals, 0) => (&[0, FACETS], ""),
+                (Stage::Integrals, _) => (&[FACETS], ", domain and weights"),
+                (_, 0) => (&[0], ""),
+                _ => (&[0], ", domain and weights"),
+            };
+            for &flags in all {
+                let params = Params { has_domain, equal_weights, has_table: 1, flags, ..Params::default() };
+                let way = Way::Together(Lanes::Warp, stage);
+                let build = Build::Cells(way, Asked::of(&params, way));
+                let facets = if flags == FACETS { ", facets" } else { "" };
+                let (name, text) = (format!("{stage:?}{facets}{what}"), build.text().whole()?);
+                texts.push(WarpText { name, text, options: build.options() });
+            }
         }
     }
     Ok(texts)

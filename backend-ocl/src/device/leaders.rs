@@ -1,8 +1,9 @@
 //! Cells that end with one look at all that can still cut them, of which some begin with what bounds others far off (`kernels/README.md`).
 
 use super::Device;
+use super::room::{FEWEST_CELLS, LONGEST_SWEPT};
 use super::schedule::Todo;
-use crate::builds::{Stage, Way};
+use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;
 use crate::interface::data::{ALL_TURNS, MOST_KEPT};
 use crate::interface::kernels::ChooseLeaders;
@@ -19,6 +20,8 @@ const WORTH_SHOWING: usize = if IN_TESTS { 1 << 7 } else { 1 << 14 };
 /// Cells that the first stage did not complete from which on they are swept. (45,000 of a Lévy flight take 7 instead of 9.5 ms; of fewer than 65,536 sites nothing but what is near is
 /// looked at before, and 22,000 take 7.5 instead of 5.5.)
 const WORTH_SWEEPING: usize = if IN_TESTS { 1 << 6 } else { 1 << 15 };
+/// Cells that are swept at a time.
+const MOST_SWEPT: usize = 1 << 18;
 pub(super) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 impl Device {
@@ -35,8 +38,10 @@ impl Device {
         turns: Range<usize>,
         interior_only: bool,
     ) -> Result<Option<Error>> {
-        let Way::Together(lanes, Stage::Far) = way else {
-            return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS);
+        let lanes = match way {
+            Way::Together(lanes, Stage::Sweep) => return self.run_swept(lanes, cells, turns, ALL_TURNS),
+            Way::Together(lanes, Stage::Far) => lanes,
+            _ => return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS),
         };
         let are_many =
             turns.len() >= WORTH_SHOWING && (IN_TESTS || 2 * cells.count() > self.most_cells) && !self.was_swept;
@@ -46,7 +51,33 @@ impl Device {
         if let Some(late) = self.launch(way, cells, stride, turns.clone(), interior_only, 0)? {
             return Ok(Some(late));
         }
-        self.launch(Way::Together(lanes, Stage::Sweep), cells, stride, turns, interior_only, 1)?.map_or(Ok(None), Err)
+        self.run_swept(lanes, cells, turns, 1)
+    }
+
+    /// Sweeps cells, so many at a time that there is room for the record of each, and then has their integrals.
+    fn run_swept(&mut self, lanes: Lanes, cells: &Todo, turns: Range<usize>, turn_of: u32) -> Result<Option<Error>> {
+        let (mut begin, mut most) = (turns.start, MOST_SWEPT);
+        while begin < turns.end {
+            let count = most.min(turns.end - begin);
+            let room = count * LONGEST_SWEPT;
+            if !self.memory.near.grow_if_possible(&self.context, room)? && most > FEWEST_CELLS {
+                most /= 2;
+                continue;
+            }
+            self.memory.near.grow(&self.context, room)?;
+            self.shared.params.near_room = room as u32;
+            self.counters.near = 0;
+            let swept = Way::Together(lanes, Stage::Sweep);
+            if let Some(late) = self.launch(swept, cells, 1, begin..begin + count, false, turn_of)? {
+                return Err(late);
+            }
+            begin += count;
+            let given = self.counters.surface as usize;
+            if given > 0 {
+                self.at_once(lanes, Stage::Integrals, given)?;
+            }
+        }
+        Ok(None)
     }
 
     /// Whether cells may be completed by one look at all that can cut them. (In a domain not measured. With facets batches, and room for records, would decide which

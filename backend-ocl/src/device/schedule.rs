@@ -155,7 +155,7 @@ impl Device {
         let is_tree = self.is_tree();
         let stages = [
             (Stage::First, begin == Stage::Single),
-            (Stage::Facets, request.needs_facets()),
+            (Stage::Integrals, request.needs_facets()),
             (Stage::Surface, self.domain.is_some()),
             (Stage::Far, is_tree && begin != Stage::Far),
             (Stage::Exact, !is_tree),
@@ -363,12 +363,12 @@ impl Device {
     /// their records are there. How many these are, and the seconds that they took.
     fn sum_facets(&mut self, lanes: Lanes, given: usize) -> Result<(usize, f64)> {
         if self.domain.is_none() {
-            return self.at_once(lanes, Stage::Facets, given).map(|_| (0, 0.0));
+            return self.at_once(lanes, Stage::Integrals, given).map(|_| (0, 0.0));
         }
         // (What is left there are records, and no sites.)
         let kept = std::mem::take(&mut self.counters.left);
         std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
-        let summed = self.at_once(lanes, Stage::Facets, given);
+        let summed = self.at_once(lanes, Stage::Integrals, given);
         std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
         let cut = std::mem::replace(&mut self.counters.left, kept) as usize;
         summed?;
@@ -380,7 +380,7 @@ impl Device {
     }
 
     /// Runs a stage over the cells of a batch, or their records, that stand in the list `surface`; returns the seconds it took.
-    fn at_once(&mut self, lanes: Lanes, stage: Stage, count: usize) -> Result<f64> {
+    pub(super) fn at_once(&mut self, lanes: Lanes, stage: Stage, count: usize) -> Result<f64> {
         let begin = self.seconds;
         // (The list of all cells is for later batches.)
         std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);

@@ -299,6 +299,7 @@ INLINE uint clip_together(Store *s, Trial trial) {
 #if COMPACTS
 // Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`); returns how many are left. (Vertices stay settled:
 // where they did not, and all were asked for again, six cells of a million sites on a jittered sphere took 226 ms, and now 107; one NVIDIA H200.)
+#define PLANE_TURNS ((LANES_P + (LANES - 1u)) / LANES)
 OUTLINE uint compact_together(CELL_SPACE Cell *cell, uint lane, uint planes, uint vertices) {
     for (uint f = lane; f < LANES_P; f += LANES) {
         cell->row[f] = 0;
@@ -311,18 +312,20 @@ OUTLINE uint compact_together(CELL_SPACE Cell *cell, uint lane, uint planes, uin
         cell->row[t.c] = 1;
     }
     lanes_wait();
-    Plane plane[LANES_P / LANES];
-    uint source[LANES_P / LANES];
-    uint used[LANES_P / LANES];
-    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+    Plane plane[PLANE_TURNS];
+    uint source[PLANE_TURNS];
+    uint used[PLANE_TURNS];
+    for (uint turn = 0; turn < PLANE_TURNS; turn++) {
         const uint f = (turn * LANES) + lane;
-        plane[turn] = cell->plane[f];
-        source[turn] = cell->source[f];
+        if (f < planes) {
+            plane[turn] = cell->plane[f];
+            source[turn] = cell->source[f];
+        }
         used[turn] = lanes_with((f < planes) && (cell->row[f] != 0u));
     }
     lanes_wait();
     uint kept = 0;
-    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+    for (uint turn = 0; turn < PLANE_TURNS; turn++) {
         if (((used[turn] >> lane) & 1u) != 0u) {
             const uint to = kept + popcount(used[turn] & ((1u << lane) - 1u));
             cell->plane[to] = plane[turn];

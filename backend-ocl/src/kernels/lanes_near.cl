@@ -15,8 +15,8 @@
 INLINE uint caps_begin(uint vertices, uint planes) { return (1u + vertices) + (((vertices + planes) + 3u) / 4u); }
 
 #if GIVES_CELLS
-// Whether all finished cells are another stage's, which sums their facets.
-INLINE uint gives_all(Store *s) { return s->world.params->flags & FACETS; }
+// Whether all finished cells are another stage's, which has their integrals.
+INLINE uint gives_all(Store *s) { return (WITH_SWEEP != 0) ? 1u : (s->world.params->flags & FACETS); }
 
 // Which face of the box a half-space is: where some were dropped it has another number than at first. (Without that such cells were found anew in the stage
 // WITH_EXACT, or worse.)

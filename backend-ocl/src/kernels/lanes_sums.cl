@@ -71,7 +71,7 @@ OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, ui
 #else
         V3 position;
         real radius;
-#if WITH_FACETS
+#if TAKES_CLOSELY
         if (find_vertex_refined(&share, store_triplet(&share, v), &position, &radius) != COMPLETE) {
             status |= place_closely(cell, (LANES * v) + lane, 1);
             continue;

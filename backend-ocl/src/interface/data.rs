@@ -126,7 +126,7 @@ pub(crate) struct Params {
     /// Nodes of the quadrature rule, and the polynomial's degree.
     pub(crate) nodes: u32,
     pub(crate) degree: u32,
-    /// Room for records of cells near the surface.
+    /// Room for records of finished cells.
     pub(crate) near_room: u32,
 }
 
@@ -155,7 +155,7 @@ pub(crate) struct Counters {
     pub(crate) facets: u32,
     /// The most triangles that a cell tried.
     pub(crate) tried: u32,
-    /// Length of the records of cells near the surface.
+    /// Length of the records of finished cells.
     pub(crate) near: u32,
     /// Of those for later, those that reach beyond what was searched.
     pub(crate) beyond: u32,

@@ -69,12 +69,12 @@ kernels! {
         output facet_seconds: FacetSecond,
         atomic counters: Counters,
         /// Lists of the cells that did not end: those near the surface, or where lanes share a cell their records; those for the next stage, or pass, with
-        /// more room; those for which there was no room for facets; and those left to another way, or to the host.
+        /// more room; those for which there was no room for facets, or whose sweep was given up; and those left to another way, or to the host.
         output surface: u32,
         output later: u32,
         output full: u32,
         output left: u32,
-        /// Records of cells near the surface.
+        /// Records of finished cells: of those near the surface, or that were swept; where facets are asked for of all.
         output near: [u32; 4],
         /// Where cells live that are too large for local memory.
         output vast: u64,

@@ -253,7 +253,7 @@ INLINE uint clip_together(Store *s, Trial trial) {
         real radius;
         store_set_triplet(s, slot, t);
         enter_edges(cell, t, slot);
-        if (find_vertex_once(s, t, &position, &radius) == COMPLETE) {
+        if (find_vertex_once(s, t, ONCE_ENOUGH, &position, &radius) == COMPLETE) {
             store_set_position(s, slot, position, radius);
         } else {
 #if WITH_EXACT
@@ -297,9 +297,9 @@ INLINE uint clip_together(Store *s, Trial trial) {
 }
 
 #if COMPACTS
+#define PLANE_TURNS ((LANES_P + (LANES - 1u)) / LANES)
 // Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`); returns how many are left. (Vertices stay settled:
 // where they did not, and all were asked for again, six cells of a million sites on a jittered sphere took 226 ms, and now 107; one NVIDIA H200.)
-#define PLANE_TURNS ((LANES_P + (LANES - 1u)) / LANES)
 OUTLINE uint compact_together(CELL_SPACE Cell *cell, uint lane, uint planes, uint vertices) {
     for (uint f = lane; f < LANES_P; f += LANES) {
         cell->row[f] = 0;

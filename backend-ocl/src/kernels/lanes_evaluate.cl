@@ -51,6 +51,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     Store *s = &store;
 #if WITH_SWEEP
     s->kept_count = 0;
+    s->checks_near = (turn_of != ALL_TURNS) ? 1u : 0u;
     // (Where nothing is kept of its block, as where the first cell there needs more room, it begins with what is kept of another of the same node: of a million sites on a
     // bumpy surface 8,000 instead of 51,000 sweeps are given up, scanned 84,000 instead of 212,000.)
     if (turn_of != ALL_TURNS) {
@@ -137,6 +138,9 @@ __kernel void cells(CELLS_ARGUMENTS) {
         return;
     }
     CellSums part = (CellSums){ 0 };
+#if WITH_FACETS && WITH_SWEEP
+#error "swept cells have no room for facets"
+#endif
 #if WITH_FACETS
     FacetSum facet[LANES_P / LANES];
 #else

@@ -13,7 +13,7 @@ INLINE uint side_of(Plane plane, V3 position, real radius) {
     return (value > bound) ? MARK_KEEP : ((value < -bound) ? MARK_CONFLICT : MARK_UNCERTAIN);
 }
 
-// The side of vertex v of half-space k in double precision.
+// The side of vertex v of half-space k in double precision, of a place that is refined where it must be.
 INLINE uint mark_in_double(Store *s, uint v, uint k) {
     V3 position;
     real radius;

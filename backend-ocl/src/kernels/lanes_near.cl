@@ -1,4 +1,4 @@
-// Finished cells on their way from the stage that cuts all cells to one that TAKES_CELLS: those near the domain's surface, or where facets are asked for all. A
+// Finished cells on their way from the stage that cuts all cells to one that TAKES_CELLS: those near the domain's surface, those that were swept, or where facets are asked for all. A
 // record: site, numbers of half-spaces and of vertices, winding number, whether exact arithmetic was needed and whether the surface is near; the vertices in single precision; their
 // triplets, and what is beyond the half-spaces: a site, a face of the box, or what a cap cut off; and the half-spaces of caps.
 

@@ -20,17 +20,30 @@
 // Whether signs that single precision leaves open, and vertices of nearly dependent planes, are settled in double precision and double-double: of
 // cells that reach far they are many. Of a million sites on a bumpy surface 99 % went on to the stage WITH_EXACT, for 2.9 s; now none does, and
 // all is done in 1.1 s (one NVIDIA H200). WITH_CLOSE for cells of which most have some, by the table of offsets.
-// And whether half-spaces that no vertex lies on are dropped.
 #define SETTLES_CLOSELY (((WITH_FAR || WITH_SWEEP) || WITH_CLOSE) && !WITH_EXACT)
 
-// Shares of a vertex's largest component that it may be off by: where it is rounded to single precision; where that decides how many sites may have the least power
-// there, or a sign; and where it is a rounding.
+// Shares of a vertex's largest component that it may be off by: where it is rounded to single precision (in another frame than the site's it rounds less); where that decides
+// how many sites may have the least power there, or a sign; and where it is a rounding.
+#if HAS_ORIGIN
+#define ROUGH_ENOUGH FINE_ENOUGH
+#else
 #define ROUGH_ENOUGH REAL(6e-8)
+#endif
 #define FINE_ENOUGH REAL(4e-12)
 #define WITHIN_ROUNDING REAL(1.2e-15)
 
+// The share of a new vertex's determinant from which on Cramer's rule alone tells where it is roughly. Where cells are swept it may be off by 2e-5 of itself: few of the signs there are open for
+// that, and those are settled closely. (With this, 2⁻³², a million sites on a line take 0.078 s, with 2⁻³⁰ 0.079, with 2⁻²⁸ 0.084, with 2⁻³⁶ 0.084, with `NEARLY_DEPENDENT` 0.095; one NVIDIA
+// H200.)
+#if WITH_SWEEP
+#define ONCE_ENOUGH REAL(2.3283064365386963e-10)
+#else
+#define ONCE_ENOUGH NEARLY_DEPENDENT
+#endif
+
 // Whether some vertices of what a stage takes are of nearly dependent planes: of facets, and of swept cells.
 #define TAKES_CLOSELY (WITH_FACETS || (TAKES_CELLS && !WITH_DOMAIN))
+// Whether half-spaces that no vertex lies on are dropped.
 #define COMPACTS (WITH_EXACT || SETTLES_CLOSELY)
 
 // Whether the tree is searched: where there is no table of offsets, or for what is beyond it; few cells reach so far, and without a domain hardly
@@ -39,7 +52,7 @@
 #define SEARCHES_TREE (!WITH_TABLE || SEARCHES_BEYOND)
 
 // Whether there may be an octree over the container (`make_octree` of the host: only where weights differ, and where most cells begin with the stage WITH_FAR).
-// Elsewhere its text would only be in the way: `First` by the tree has 8,100 instead of 10,200 instructions, of which the nearest cache holds 8,192, `Sweep` 12,100
+// Elsewhere its text would only be in the way: `First` by the tree has 8,100 instead of 10,200 instructions, of which the nearest cache holds 8,192, `Sweep` had 12,100
 // instead of 15,800.
 #define WITH_OCTREE (SEARCHES_TREE && (WITH_WEIGHTS && WITH_FAR))
 
@@ -201,6 +214,7 @@ typedef struct {
     // What bounds another cell far off: how many sites, and where these are.
     uint kept_count;
     __global const uint *kept;
+    uint checks_near;
 #endif
 #if WITH_TABLE
     // Of the search of the table: it, the site's voxel, and the candidates that the lane holds.

@@ -58,9 +58,9 @@ INLINE uint settle_sums(Store *s, CellSums *sums) {
 }
 
 // All vertices in double precision: they take the place of the rough ones. Where signs are not settled closely, or records are taken, nearly all were born by `find_vertex_once`;
-// the rest of `find_vertex`, which is never reached there, takes 3 % of the time of even sites for being there. (Of facets some planes are nearly dependent, of
-// cells that reach far: areas of clusters with weights of a first step of transport were off by 1e-9 of their mean without refinement, and are by 3e-12.
-// Those of particles that were a lattice are placed in double-double.)
+// the rest of `find_vertex`, which is never reached there, takes 3 % of the time of even sites for being there. (Of facets, and of swept cells, some planes are nearly dependent, as
+// cells reach far: areas of clusters with weights of a first step of transport were off by 1e-9 of their mean without refinement, and are by 3e-12. Those, and of particles that were a
+// lattice, are placed closely.)
 OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, uint *exact) {
     Store share = share_of(cell, lane, vertices, 1);
     uint status = COMPLETE;
@@ -77,7 +77,7 @@ OUTLINE uint refine_together(CELL_SPACE Cell *cell, uint lane, uint vertices, ui
             continue;
         }
 #else
-        status |= find_vertex_once(&share, store_triplet(&share, v), &position, &radius);
+        status |= find_vertex_once(&share, store_triplet(&share, v), NEARLY_DEPENDENT, &position, &radius);
 #endif
         store_set_position(&share, v, position, radius);
 #endif

@@ -24,7 +24,8 @@ INLINE uint store_held(Store *s, uint count) { return count; }
 INLINE uint store_held_site(Store *s, uint c) { return s->candidate[c]; }
 INLINE uint store_held_key(Store *s, uint c) { return s->candidate_key[c]; }
 INLINE void store_let_go(Store *s, uint c) { s->candidate_key[c] = NO_SITE; }
-INLINE bool store_drops_candidates(Store *s) { return false; }
+INLINE uint store_cuts_before_look(Store *s) { return NO_SITE; }
+INLINE bool store_checks_near(Store *s) { return false; }
 INLINE uint store_drop_held(Store *s, uint count) { return count; }
 
 // In single precision, as `store_farthest`; so is the place.

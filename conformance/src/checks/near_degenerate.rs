@@ -40,6 +40,18 @@ pub fn vertices_lie_on_their_planes(_: &dyn Backend) -> Verdict {
             ensure!(exact::position(a, b, c, &mut exactly) == cell::COMPLETE, "a vertex without a position");
             let (off, radius) = ((vector(exactly) - at).abs().max_element(), store.radius(v));
             ensure!(off <= radius, "a vertex of share {share:e} is {off:e} off, not within {radius:e}");
+            // As devices ask: for less where less will do.
+            for most in [6e-8, 4e-12, 1.2e-15] {
+                let (mut place, mut radius) = (v3(0.0, 0.0, 0.0), 0.0);
+                let told = cell::find_vertex_closely(&store, store.triplet(v), most, &mut place, &mut radius);
+                let (off, at) =
+                    ((vector(exactly) - vector(place)).abs().max_element(), vector(place).abs().max_element());
+                ensure!(told == cell::COMPLETE || share < TOLD_CLOSELY, "a vertex of share {share:e} is not told");
+                ensure!(
+                    told != cell::COMPLETE || (off <= radius && radius <= most * at),
+                    "a vertex of share {share:e} is {off:e} off, not within {radius:e}, or more than {most:e} of {at:e}"
+                );
+            }
             for plane in [a, b, c] {
                 let off = height(plane, store.position(v)).abs();
                 // 4 roundings for what is measured here, 8 for the position's correction.
@@ -332,6 +344,9 @@ fn sums_to(backend: &dyn Backend, domain: &Domain, sites: &[[f64; 3]]) -> Verdic
 
 /// Below this share of the norms' product the library refines what Cramer's rule gives.
 const REFINED_BELOW: f64 = 1.0 / 512.0;
+
+/// From this share on steps of Newton's method lead to any place.
+const TOLD_CLOSELY: f64 = 1e-10;
 
 /// Below this share it computes positions exactly, and below this sine feet on edges.
 const EXACT_BELOW: f64 = 1e-10;

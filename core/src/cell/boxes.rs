@@ -5,7 +5,7 @@
 //! complete. A cell is in some ten boxes, which list much the same sites. (Asked for vertex by vertex it had some thirty questions: a million sites of a
 //! Plummer cluster with weights of transport took 0.23 s so, now 0.11, the octree not counted; one NVIDIA H100.)
 
-use super::candidates::{CUTS_BEFORE_LOOK, Held, key_limit, nearest_held, take_held};
+use super::candidates::{Held, key_limit, nearest_held, take_held};
 use super::far::{next_unsettled, share_of_all};
 use super::search::{NEAR, Vantage, Wanted, gather, search_near};
 use super::search_store::{
@@ -15,6 +15,9 @@ use super::search_store::{
 use super::status::{COMPLETE, CUT, EMPTY, UNTOUCHED};
 use super::tree::{OctreePlace, octree_box_at};
 use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, add, dot, norm_1};
+
+/// Cuts after which it is looked which of a box's candidates may still cut the cell.
+const CUTS_IN_BOX: u32 = 6;
 
 /// Beyond all that is in a container.
 #[cfg_attr(opencl, single(1e30))]
@@ -208,7 +211,7 @@ pub(super) fn visit_leaves<S: SearchStore>(
                     reach = s.square_of_reach(vantage.center);
                     limit = key_limit(s, reach, NO_SITE);
                     cuts += 1;
-                    is_looked_at = cuts < CUTS_BEFORE_LOOK;
+                    is_looked_at = cuts < CUTS_IN_BOX;
                 } else if status != UNTOUCHED {
                     return status;
                 }

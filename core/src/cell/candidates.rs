@@ -5,10 +5,6 @@ use super::search_store::{NO_SITE, SearchStore};
 use super::status::{CUT, UNTOUCHED};
 use super::vector::{Real, Rough, V3, dot};
 
-/// Cuts since the last look after which it is looked which of the candidates may still cut the cell: by each lane those that it holds. (Of the sites that a white
-/// cell visits 27 of 43 do not cut it; a million white sites take 0.0194 s so, 0.0206 without, of a Plummer cluster 0.036 and 0.038; with 3 to 14 cuts it is as long;
-/// one NVIDIA H200.)
-pub(super) const CUTS_BEFORE_LOOK: u32 = 6;
 /// Lanes that hold a candidate within reach, at least, for that to be worth while.
 const WORTH_A_LOOK: u32 = 4;
 
@@ -106,7 +102,7 @@ pub(super) fn visit_candidates<S: SearchStore>(
                 there = s.drop_held(there);
             }
             cuts = 0;
-        } else if s.drops_candidates() && (cuts >= CUTS_BEFORE_LOOK) {
+        } else if cuts >= s.cuts_before_look() {
             if s.count_of(s.lanes_with(held.key < limit)) >= WORTH_A_LOOK {
                 there = s.drop_held(there);
             }

@@ -82,7 +82,7 @@ pub use status::*;
 pub use store::{CellStore, ClipStore, CutStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle, Voxel};
 pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
 pub(crate) use vector::{add, cross, dot, norm_1, norm_max, scale, sub};
-pub use vertex::{Triplet, find_vertex_closely, find_vertex_once, find_vertex_refined};
+pub use vertex::{NEARLY_DEPENDENT, Triplet, find_vertex_closely, find_vertex_once, find_vertex_refined};
 pub use wide::Minors;
 
 /// The flags of [`integrate_cell`] that answer a request.

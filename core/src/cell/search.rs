@@ -167,6 +167,7 @@ pub fn search_near<S: SearchStore>(
     let mut reach: Rough = s.square_of_reach(vantage.center);
     let mut is_rest: bool = false;
     let mut looked: u32 = 0;
+    let checks: bool = (what != NEAR) || s.checks_near();
     loop {
         let is_batch: bool = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
         if is_batch && ((count + (LEAVES_AT_ONCE * WIDTH)) <= MOST_CANDIDATES) {
@@ -198,13 +199,15 @@ pub fn search_near<S: SearchStore>(
             };
             open = open_blocks(s, question, open);
         } else if count > 0 {
-            let status: u32 =
-                visit_candidates(s, vantage.center, count, wanted.below, what != NEAR, &mut reach, visited);
+            let status: u32 = visit_candidates(s, vantage.center, count, wanted.below, checks, &mut reach, visited);
             if status != UNTOUCHED {
                 return status;
             }
             s.lanes_wait();
             count = 0;
+            if (what == NEAR) && checks {
+                reach = s.square_of_reach(vantage.center);
+            }
             if *visited > most_sites {
                 return UNTOUCHED;
             }

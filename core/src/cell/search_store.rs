@@ -247,8 +247,12 @@ pub trait SearchStore: Lanes {
     fn let_go(&mut self, c: u32) {
         self.set_candidate(c, self.candidate(c), NO_SITE);
     }
-    /// Whether [`drop_held`](Self::drop_held) is worth its time while a cell is cut by the sites around its own: where many lanes look at the same time.
-    fn drops_candidates(&self) -> bool {
+    /// Cuts by the sites around a cell's own since the last [`drop_held`](Self::drop_held) after which it is worth its time: where many lanes look at the same time.
+    fn cuts_before_look(&self) -> u32 {
+        NO_SITE
+    }
+    /// Whether sites around are looked at before they cut, as those far off are: where most cells reach far, and what does not cut a cell takes as long to find out as what does.
+    fn checks_near(&self) -> bool {
         false
     }
     /// Takes out those that certainly leave the cell untouched, each lane its own, as far as it is looked: where none is, all within reach are visited. Returns how

@@ -167,7 +167,7 @@ HOT uint visit_leaves(Store *s, Vantage vantage, uint leaves, bool is_home, uint
                     reach = store_square_of_reach(s, vantage.center);
                     limit = key_limit(s, reach, NO_SITE);
                     cuts += 1;
-                    is_looked_at = cuts < CUTS_BEFORE_LOOK;
+                    is_looked_at = cuts < CUTS_IN_BOX;
                 } else if (status != UNTOUCHED) {
                     return status;
                 }

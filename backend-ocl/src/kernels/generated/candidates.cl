@@ -71,7 +71,7 @@ HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool chec
                 there = store_drop_held(s, there);
             }
             cuts = 0;
-        } else if (store_drops_candidates(s) && (cuts >= CUTS_BEFORE_LOOK)) {
+        } else if (cuts >= store_cuts_before_look(s)) {
             if (store_count_of(s, store_lanes_with(s, held.key < limit)) >= WORTH_A_LOOK) {
                 there = store_drop_held(s, there);
             }

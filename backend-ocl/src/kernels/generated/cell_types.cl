@@ -113,11 +113,11 @@ typedef struct {
 #define NEARLY_DEPENDENT ((real)(REAL(2.3841857910156e-7)))
 #endif
 
-// Down to this share steps of Newton's method lead to the vertex, each by the factor `ROUNDINGS_OF_PLACE` u over the share: here a 4096th.
+// Down to this share steps of Newton's method lead to the vertex, each by the factor `ROUNDINGS_OF_PLACE` u over the share: here a 16,384th (in single precision a 16th).
 #if SINGLE
 #define REFINABLE ((real)(REAL(3.0517578125e-5)))
 #else
-#define REFINABLE ((real)(REAL(1.4551915228366852e-11)))
+#define REFINABLE ((real)(REAL(5.820766091346741e-11)))
 #endif
 
 // Steps that `find_vertex_closely` takes at most: what they leave of the first error down there is less than a rounding.

@@ -207,7 +207,7 @@ typedef struct {
     // Nodes of the quadrature rule, and the polynomial's degree.
     uint nodes;
     uint degree;
-    // Room for records of cells near the surface.
+    // Room for records of finished cells.
     uint near_room;
 } Params;
 
@@ -232,7 +232,7 @@ typedef struct {
     uint facets;
     // The most triangles that a cell tried.
     uint tried;
-    // Length of the records of cells near the surface.
+    // Length of the records of finished cells.
     uint near;
     // Of those for later, those that reach beyond what was searched.
     uint beyond;

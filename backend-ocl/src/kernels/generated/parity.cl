@@ -372,9 +372,10 @@ __kernel void parity_find_vertex_once(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
     const Triplet t = take_Triplet(&in);
+    const real least = take_real(&in);
     V3 position = take_V3(&in);
     real radius = take_real(&in);
-    const uint result = find_vertex_once(s, t, &position, &radius);
+    const uint result = find_vertex_once(s, t, least, &position, &radius);
     give_uint(&out, result);
     give_V3(&out, position);
     give_real(&out, radius);

@@ -69,6 +69,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
     float reach = store_square_of_reach(s, vantage.center);
     bool is_rest = 0;
     uint looked = 0;
+    const bool checks = (what != NEAR) || store_checks_near(s);
     for (;;) {
         const bool is_batch = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
         if (is_batch && ((count + (LEAVES_AT_ONCE * WIDTH)) <= MOST_CANDIDATES)) {
@@ -94,12 +95,15 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
             const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = ((REAL(0.25) * within) / vantage.lambda) * SAFE, .vertices = 0, .sweeps = what == SWEEP };
             open = open_blocks(s, question, open);
         } else if (count > 0) {
-            const uint status = visit_candidates(s, vantage.center, count, wanted.below, what != NEAR, &reach, visited);
+            const uint status = visit_candidates(s, vantage.center, count, wanted.below, checks, &reach, visited);
             if (status != UNTOUCHED) {
                 return status;
             }
             store_lanes_wait(s);
             count = 0;
+            if ((what == NEAR) && checks) {
+                reach = store_square_of_reach(s, vantage.center);
+            }
             if (*visited > most_sites) {
                 return UNTOUCHED;
             }

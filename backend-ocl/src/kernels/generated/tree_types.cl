@@ -345,6 +345,9 @@ typedef struct {
 
 // core/src/cell/boxes.rs
 
+// Cuts after which it is looked which of a box's candidates may still cut the cell.
+#define CUTS_IN_BOX ((uint)(6))
+
 // Beyond all that is in a container.
 #if SINGLE
 #define NO_END ((real)(REAL(1e30)))
@@ -358,11 +361,6 @@ typedef struct {
 #define RINGS ((uint)(16))
 
 // core/src/cell/candidates.rs
-
-// Cuts since the last look after which it is looked which of the candidates may still cut the cell: by each lane those that it holds. (Of the sites that a white
-// cell visits 27 of 43 do not cut it; a million white sites take 0.0194 s so, 0.0206 without, of a Plummer cluster 0.036 and 0.038; with 3 to 14 cuts it is as long;
-// one NVIDIA H200.)
-#define CUTS_BEFORE_LOOK ((uint)(6))
 
 // Lanes that hold a candidate within reach, at least, for that to be worth while.
 #define WORTH_A_LOOK ((uint)(4))

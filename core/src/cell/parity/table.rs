@@ -37,7 +37,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex(&mut s, t, &mut position, &mut radius), [position, radius]),
     host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex_refined(&s, t, &mut position, &mut radius), [position, radius]),
     host!(s, (t: Triplet, most: f64, position: V3, radius: f64) vertex::find_vertex_closely(&s, t, most, &mut position, &mut radius), [position, radius]),
-    host!(s, (t: Triplet, position: V3, radius: f64) vertex::find_vertex_once(&s, t, &mut position, &mut radius), [position, radius]),
+    host!(s, (t: Triplet, least: f64, position: V3, radius: f64) vertex::find_vertex_once(&s, t, least, &mut position, &mut radius), [position, radius]),
     host!(s, (t: Triplet) vertex::cramer(&s, t), []),
     host!((by: Cramer, inverse: f64) vertex::solve(by, inverse), []),
     host!((plane: Plane, x: V3) vertex::residual(plane, x), []),

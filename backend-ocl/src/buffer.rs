@@ -87,6 +87,11 @@ impl<T: Copy + Send + Sync> Room<T> {
         Ok(())
     }
 
+    /// How many of it.
+    pub(crate) fn length(&self) -> usize {
+        self.length
+    }
+
     /// Bytes of it.
     pub(crate) fn bytes(&self) -> u64 {
         (self.length * size_of::<T>()) as u64

@@ -210,8 +210,8 @@ impl Stage {
         match self {
             Self::Single | Self::First => FIRST,
             Self::Close => Shape { short: false, close: true, ..FIRST },
-            // (`Far` with 96: a Lévy flight 0.162 instead of 0.156 s; 80, 112 and 152 take 2 to 16 % longer. `Sweep`, of whose cells a processor's local memory holds 30, with 72: 1 to 3 %,
-            // with 96, 6 to 8. Cells that need more room take 20 % longer with 168. `First` by the tree with 80, 112 or 128: 3 to 18 %.)
+            // (`Far` with 96: a Lévy flight 0.162 instead of 0.156 s; 80, 112 and 152 take 2 to 16 % longer. `Sweep`, of whose cells a processor's local memory holds 30, takes 1 to 3 %
+            // longer with 72, 6 to 8 with 96. Cells that need more room take 20 % longer with 168. `First` by the tree with 80, 112 or 128: 3 to 18 %.)
             Self::Far => Shape { cells: 1, registers: Some(128), short: false, far: true, ..FIRST },
             Self::Sweep => Shape { cells: 1, registers: Some(64), short: false, sweep: true, ..FIRST },
             Self::Surface => Shape { cells: 4, registers: Some(168), surface: true, takes: true, ..FIRST },

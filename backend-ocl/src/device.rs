@@ -80,6 +80,8 @@ pub(crate) struct Device {
     most_cells: usize,
     /// Whether those that are left were given up by a sweep, and are not to be swept again.
     was_swept: bool,
+    /// Cells that are swept at a time: fewer once the device had no memory for the records of more.
+    swept_at_once: usize,
     /// What the first pass of the next call begins with, and for how many sites that was found.
     first: Option<(usize, Capacities)>,
 }
@@ -171,6 +173,7 @@ impl Device {
             domain: None,
             most_cells: 0,
             was_swept: false,
+            swept_at_once: leaders::SWEPT_AT_ONCE,
             first: None,
         })
     }

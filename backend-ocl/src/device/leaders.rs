@@ -1,7 +1,7 @@
 //! Cells that end with one look at all that can still cut them, of which some begin with what bounds others far off (`kernels/README.md`).
 
 use super::Device;
-use super::room::{FEWEST_CELLS, LONGEST_SWEPT};
+use super::room::LONGEST_SWEPT;
 use super::schedule::Todo;
 use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;
@@ -20,8 +20,10 @@ const WORTH_SHOWING: usize = if IN_TESTS { 1 << 7 } else { 1 << 14 };
 /// Cells that the first stage did not complete from which on they are swept. (45,000 of a Lévy flight take 7 instead of 9.5 ms; of fewer than 65,536 sites nothing but what is near is
 /// looked at before, and 22,000 take 7.5 instead of 5.5.)
 const WORTH_SWEEPING: usize = if IN_TESTS { 1 << 6 } else { 1 << 15 };
-/// Cells that are swept at a time.
-const MOST_SWEPT: usize = 1 << 18;
+/// Cells that are swept at a time, at first: more gain nothing, and the record of each has 1.5 kB.
+pub(super) const SWEPT_AT_ONCE: usize = if IN_TESTS { 1 << 9 } else { 1 << 18 };
+/// For so few there is always room.
+const FEWEST_SWEPT: usize = if IN_TESTS { 1 << 5 } else { 1 << 10 };
 pub(super) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 impl Device {
@@ -39,7 +41,10 @@ impl Device {
         interior_only: bool,
     ) -> Result<Option<Error>> {
         let lanes = match way {
-            Way::Together(lanes, Stage::Sweep) => return self.run_swept(lanes, cells, turns, ALL_TURNS),
+            Way::Together(lanes, Stage::Sweep) => {
+                debug_assert!(stride == 1 && !interior_only, "swept cells are not sampled, and have no domain");
+                return self.run_swept(lanes, cells, turns, ALL_TURNS).map(|()| None);
+            }
             Way::Together(lanes, Stage::Far) => lanes,
             _ => return self.launch(way, cells, stride, turns, interior_only, ALL_TURNS),
         };
@@ -51,17 +56,18 @@ impl Device {
         if let Some(late) = self.launch(way, cells, stride, turns.clone(), interior_only, 0)? {
             return Ok(Some(late));
         }
-        self.run_swept(lanes, cells, turns, 1)
+        self.run_swept(lanes, cells, turns, 1).map(|()| None)
     }
 
     /// Sweeps cells, so many at a time that there is room for the record of each, and then has their integrals.
-    fn run_swept(&mut self, lanes: Lanes, cells: &Todo, turns: Range<usize>, turn_of: u32) -> Result<Option<Error>> {
-        let (mut begin, mut most) = (turns.start, MOST_SWEPT);
+    fn run_swept(&mut self, lanes: Lanes, cells: &Todo, turns: Range<usize>, turn_of: u32) -> Result<()> {
+        let mut begin = turns.start;
         while begin < turns.end {
-            let count = most.min(turns.end - begin);
+            let count = self.swept_at_once.min(turns.end - begin);
             let room = count * LONGEST_SWEPT;
-            if !self.memory.near.grow_if_possible(&self.context, room)? && most > FEWEST_CELLS {
-                most /= 2;
+            let may_halve = count > FEWEST_SWEPT;
+            if may_halve && !self.memory.near.grow_if_possible(&self.context, room)? {
+                self.swept_at_once = count / 2;
                 continue;
             }
             self.memory.near.grow(&self.context, room)?;
@@ -69,7 +75,12 @@ impl Device {
             self.counters.near = 0;
             let swept = Way::Together(lanes, Stage::Sweep);
             if let Some(late) = self.launch(swept, cells, 1, begin..begin + count, false, turn_of)? {
-                return Err(late);
+                if !may_halve {
+                    return Err(late);
+                }
+                self.memory.near.free();
+                self.swept_at_once = count / 2;
+                continue;
             }
             begin += count;
             let given = self.counters.surface as usize;
@@ -77,7 +88,7 @@ impl Device {
                 self.at_once(lanes, Stage::Integrals, given)?;
             }
         }
-        Ok(None)
+        Ok(())
     }
 
     /// Whether cells may be completed by one look at all that can cut them. (In a domain not measured. With facets batches, and room for records, would decide which

@@ -28,7 +28,7 @@ const MOST_VAST: u64 = 1024;
 const NEAR_LENGTH: usize = 40;
 const RECORD_LENGTH: usize = 56;
 const LONGEST_RECORD: usize = 1 + 64 + (64 + 64) / 4 + 2 * 16;
-/// For any that was swept: 64 vertices and 40 half-spaces.
+/// For any that was swept: 64 vertices and 40 half-spaces (`LANES_P`, `lanes_store.cl`).
 pub(super) const LONGEST_SWEPT: usize = 1 + 64 + (64 + 40) / 4;
 
 /// Cells of a batch near the surface that there is room for at a time. Of few cells all may be.

@@ -359,7 +359,7 @@ impl Device {
         Ok(())
     }
 
-    /// Sums up the cells of a batch whose records stand in the list `surface`, and their facets; those that the surface cuts in the stage for them, while
+    /// Sums up the cells of a batch whose records stand in the list `surface`, and their facets (`Stage::Integrals`); those that the surface cuts in the stage for them, while
     /// their records are there. How many these are, and the seconds that they took.
     fn sum_facets(&mut self, lanes: Lanes, given: usize) -> Result<(usize, f64)> {
         if self.domain.is_none() {
@@ -406,6 +406,8 @@ impl Device {
         memory.facet_moments.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
         memory.near.grow(context, 1)?;
+        // (It may have been given back since.)
+        shared.params.near_room = memory.near.length().min(shared.params.near_room as usize) as u32;
         memory.vast.grow(context, 1)?;
         memory.leaders.grow(context, 1)?;
         memory.kept.grow(context, 1)?;

@@ -22,8 +22,8 @@ const WORTH_SHOWING: usize = if IN_TESTS { 1 << 7 } else { 1 << 14 };
 const WORTH_SWEEPING: usize = if IN_TESTS { 1 << 6 } else { 1 << 15 };
 /// Cells that are swept at a time, at first: more gain nothing, and the record of each has 1.5 kB.
 pub(super) const SWEPT_AT_ONCE: usize = if IN_TESTS { 1 << 9 } else { 1 << 18 };
-/// For so few there is always room.
-const FEWEST_SWEPT: usize = if IN_TESTS { 1 << 5 } else { 1 << 10 };
+/// Fewer are not tried where memory lacks: they would not fill a large GPU.
+const FEWEST_SWEPT: usize = if IN_TESTS { 1 << 5 } else { 1 << 14 };
 pub(super) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 impl Device {
@@ -65,9 +65,9 @@ impl Device {
         while begin < turns.end {
             let count = self.swept_at_once.min(turns.end - begin);
             let room = count * LONGEST_SWEPT;
-            let may_halve = count > FEWEST_SWEPT;
+            let may_halve = self.swept_at_once > FEWEST_SWEPT;
             if may_halve && !self.memory.near.grow_if_possible(&self.context, room)? {
-                self.swept_at_once = count / 2;
+                self.swept_at_once /= 2;
                 continue;
             }
             self.memory.near.grow(&self.context, room)?;
@@ -79,7 +79,7 @@ impl Device {
                     return Err(late);
                 }
                 self.memory.near.free();
-                self.swept_at_once = count / 2;
+                self.swept_at_once /= 2;
                 continue;
             }
             begin += count;

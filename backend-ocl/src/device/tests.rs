@@ -7,11 +7,13 @@ use super::schedule::Todo;
 use crate::builds::{Lanes, Stage, Way};
 use crate::evaluate::Ocl;
 #[cfg(feature = "test-util")]
-use crate::interface::data::{Counters, FEW_SUMS, OUTCOME_STATUS};
+use crate::interface::data::{ALL_TURNS, Counters, FEW_SUMS, MOST_KEPT, OUTCOME_STATUS};
 #[cfg(feature = "test-util")]
 use crate::platform::DeviceId;
 use crate::platform::choose;
 use laguerre_core::algebra::Algebra as _;
+#[cfg(feature = "test-util")]
+use laguerre_core::cell::COMPLETE;
 #[cfg(feature = "test-util")]
 use laguerre_core::cell::ring::{RINGS, end_of_ring};
 #[cfg(feature = "test-util")]
@@ -212,6 +214,54 @@ fn an_octree_leads_to_the_same_cells() {
         let (own, other) = (sums[i * FEW_SUMS as usize], sums_with[i * FEW_SUMS as usize]);
         assert!((own - other).abs() < 1e-12 * mean, "{i}: {own} {other}");
     }
+}
+
+/// Of cells that reach far on a bumpy surface the first of each block show the others what bounds them there, and the others are swept, so many at a time: they are the cells that all are by
+/// their vertices.
+#[cfg(feature = "test-util")]
+#[test]
+fn cells_on_a_surface_are_swept() {
+    let Some(mut device) = open() else { return };
+    device.share_cells();
+    let bump = |[x, y, _]: [f64; 3]| [x, y, 0.5 + 0.1 * (9.0 * x).sin() * (7.0 * y).cos()];
+    let sites: Vec<[f64; 3]> = spread(2000).into_iter().map(bump).collect();
+    let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let (request, count) = (Request::moments(), sites.len());
+    let watched = Watched::new(&request, &());
+    let mut cells = |is_swept: bool| {
+        device.bring_sites(&diagram).unwrap();
+        let container = diagram.framed_container().unwrap();
+        device.load(&container, &request, None).unwrap();
+        device.sort(&|| Ok(false)).unwrap().unwrap();
+        device.clear(&watched, count, count).unwrap();
+        device.look_about(count, 0..0).unwrap();
+        device.shared.params.has_table = 0;
+        let (far, all) = (Way::Together(Lanes::One, Stage::Far), Todo::Sorted(0..count));
+        let ran = match is_swept {
+            true => device.run(far, &all, 1, 0..count, false),
+            false => device.launch(far, &all, 1, 0..count, false, ALL_TURNS),
+        };
+        assert!(ran.unwrap().is_none());
+        device.read_results(&request, count).unwrap();
+        let mean = container.lo.iter().zip(&container.hi).map(|(lo, hi)| hi - lo).product::<f64>() / count as f64;
+        let Counters { full, later, left, .. } = device.counters;
+        (device.results.outcomes.clone(), device.results.sums.clone(), (full + later + left) as usize, mean)
+    };
+    let ((with, sums_with, given_up, mean), (outcomes, sums, left, _)) = (cells(true), cells(false));
+    let mut kept = Vec::new();
+    device.memory.kept.read(&device.queue, usize::MAX, &mut kept).unwrap();
+    let show = kept.iter().step_by(MOST_KEPT as usize).filter(|&&sites| sites > 0).count();
+    assert!(show > 10 && given_up + left < count / 4, "{show}, {given_up} and {left} of {count}");
+    let mut compared = 0;
+    for i in 0..count {
+        let [status, its] = [outcomes[i], with[i]].map(|outcome| outcome & OUTCOME_STATUS);
+        if its == COMPLETE && status == COMPLETE {
+            let (own, other) = (sums[i * FEW_SUMS as usize], sums_with[i * FEW_SUMS as usize]);
+            assert!((own - other).abs() < 1e-12 * mean, "{i}: {own} {other}");
+            compared += 1;
+        }
+    }
+    assert!(compared + given_up + left >= count, "{compared}, {given_up} and {left} of {count}");
 }
 
 /// Points spread evenly, but not regularly.

@@ -32,8 +32,8 @@
 #define FINE_ENOUGH REAL(4e-12)
 #define WITHIN_ROUNDING REAL(1.2e-15)
 
-// The share of a new vertex's determinant from which on Cramer's rule alone tells where it is roughly. Where cells are swept it may be off by 2e-5 of itself: few of the signs there are open for
-// that, and those are settled closely. (With this, 2⁻³², a million sites on a line take 0.078 s, with 2⁻³⁰ 0.079, with 2⁻²⁸ 0.084, with 2⁻³⁶ 0.084, with `NEARLY_DEPENDENT` 0.095; one NVIDIA
+// The share of a new vertex's determinant from which on Cramer's rule alone tells where it is roughly. Where cells are swept it may be off by 9e-5 of its largest component: few of the signs there are open for
+// that, and those are settled closely. (With this, 2⁻³², a million sites on a line took 0.078 s when that was chosen, with 2⁻³⁰ 0.079, with 2⁻²⁸ 0.084, with 2⁻³⁶ 0.084, with `NEARLY_DEPENDENT` 0.095; one NVIDIA
 // H200.)
 #if WITH_SWEEP
 #define ONCE_ENOUGH REAL(2.3283064365386963e-10)

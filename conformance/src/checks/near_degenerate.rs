@@ -52,6 +52,15 @@ pub fn vertices_lie_on_their_planes(_: &dyn Backend) -> Verdict {
                     "a vertex of share {share:e} is {off:e} off, not within {radius:e}, or more than {most:e} of {at:e}"
                 );
             }
+            // And as a sweep does of its new vertices.
+            let (mut place, mut radius) = (v3(0.0, 0.0, 0.0), 0.0);
+            let told = cell::find_vertex_once(&store, store.triplet(v), TOLD_ROUGHLY, &mut place, &mut radius);
+            let off = (vector(exactly) - vector(place)).abs().max_element();
+            ensure!(told == cell::COMPLETE || share < 1.1 * TOLD_ROUGHLY, "a vertex of share {share:e} is not told");
+            ensure!(
+                told != cell::COMPLETE || off <= radius,
+                "a vertex of share {share:e} is roughly {off:e} off, not within {radius:e}"
+            );
             for plane in [a, b, c] {
                 let off = height(plane, store.position(v)).abs();
                 // 4 roundings for what is measured here, 8 for the position's correction.
@@ -347,6 +356,9 @@ const REFINED_BELOW: f64 = 1.0 / 512.0;
 
 /// From this share on steps of Newton's method lead to any place.
 const TOLD_CLOSELY: f64 = 1e-10;
+
+/// From this share on a device that sweeps cells takes what Cramer's rule tells: 2⁻³².
+const TOLD_ROUGHLY: f64 = 2.328_306_436_538_696_3e-10;
 
 /// Below this share it computes positions exactly, and below this sine feet on edges.
 const EXACT_BELOW: f64 = 1e-10;

@@ -54,7 +54,7 @@ pub(super) fn take_held<S: SearchStore>(s: &mut S, held: Held, least: u32) -> u3
 }
 
 /// Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
-/// after. Where it `checks`, it is instead by all but those that are known to leave it untouched, whatever they reach.
+/// after. Where it `checks`, it is instead by all but those that are known to leave it untouched, whatever they reach, and `reach` stays what it was.
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub(super) fn visit_candidates<S: SearchStore>(

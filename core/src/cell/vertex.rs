@@ -19,8 +19,8 @@ pub struct Triplet {
     pub c: u32,
 }
 
-/// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
-/// position is computed in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
+/// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and
+/// `find_vertex` computes the position in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
 ///
 /// In single precision two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the others' radius says
 /// what they have lost.
@@ -115,7 +115,7 @@ fn refine_by<S: Polytope>(s: &S, t: Triplet, by: Cramer, position: &mut V3, radi
     }
 }
 
-/// A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
+/// A step of Newton's method: residuals from which little is rounded off, so that it ends within a rounding in every direction, also the one
 /// in which the planes hardly tell one point from the next.
 #[inline(always)]
 fn step_by<S: Polytope>(s: &S, t: Triplet, by: Cramer, inverse: Real, position: &mut V3, radius: &mut Real) {

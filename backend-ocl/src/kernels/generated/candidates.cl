@@ -33,7 +33,7 @@ INLINE uint take_held(Store *s, Held held, uint least) {
 }
 
 // Cuts the cell by those candidates that it reaches, nearest first: `UNTOUCHED`, or how it ended. `reach` is the square of its reach, before and
-// after. Where it `checks`, it is instead by all but those that are known to leave it untouched, whatever they reach.
+// after. Where it `checks`, it is instead by all but those that are known to leave it untouched, whatever they reach, and `reach` stays what it was.
 HOT uint visit_candidates(Store *s, V3 center, uint count, uint below, bool checks, float *reach, uint *visited) {
     uint limit = below;
     uint cuts = 0;

@@ -102,8 +102,8 @@ typedef struct {
     uint c;
 } Triplet;
 
-// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and the
-// position is computed in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
+// Below this share of `‖n_a‖₁‖n_b‖₁‖n_c‖₁` of the determinant the three normals count as nearly dependent, and
+// `find_vertex` computes the position in double-double. The refined one below is off by the square of `ROUNDINGS_OF_PLACE` u over the share: here by 2u.
 //
 // In single precision two roundings would leave out every twentieth vertex; so far down one in ten thousand is left out, and the others' radius says
 // what they have lost.

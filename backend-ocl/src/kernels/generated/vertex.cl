@@ -60,7 +60,7 @@ INLINE void refine_by(Store *s, Triplet t, Cramer by, V3 *position, real *radius
     }
 }
 
-// A step of Newton's method: residuals in double-double, so that it ends within a rounding in every direction, also the one
+// A step of Newton's method: residuals from which little is rounded off, so that it ends within a rounding in every direction, also the one
 // in which the planes hardly tell one point from the next.
 INLINE void step_by(Store *s, Triplet t, Cramer by, real inverse, V3 *position, real *radius) {
     const real amplified = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;

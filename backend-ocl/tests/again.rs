@@ -5,7 +5,6 @@
 
 mod loader;
 
-use std::env;
 use std::fs;
 use std::path::Path;
 
@@ -13,7 +12,6 @@ use laguerre_core::required::is_required;
 use laguerre_core::shapes::icosphere;
 use laguerre_core::{Backend, DeviceChoice, Domain, ErrorKind, PowerDiagram, Precision, Request, Session};
 use laguerre_ocl::Ocl;
-use loader::loader;
 
 const SITES: usize = 3000;
 
@@ -233,14 +231,7 @@ fn what_other_weights_bring(log: &Path) -> Vec<String> {
 
 #[test]
 fn nothing_is_made_or_brought_twice() {
-    let Some(loader) = loader() else { return };
-    let log = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("calls-{}", std::process::id()));
-    fs::write(&log, "").unwrap();
-    // SAFETY: this is the only test of this program, and no other thread reads the environment yet.
-    unsafe {
-        env::set_var("OPENCL_DYLIB_PATH", &loader);
-        env::set_var("LAGUERRE_FAULT_CALLS", &log);
-    }
+    let Some(log) = loader::begin("calls", "") else { return };
     let mut wrong = Vec::new();
     for case in cases() {
         let backend = match Ocl::new(&DeviceChoice::First, Precision::F64) {

@@ -3,15 +3,12 @@
 
 mod loader;
 
-use std::env;
 use std::fs;
-use std::path::Path;
 
 use laguerre_core::required::if_available;
 use laguerre_core::shapes::icosphere;
 use laguerre_core::{Backend, DeviceChoice, PowerDiagram, Precision, Request};
 use laguerre_ocl::Ocl;
-use loader::loader;
 
 const SITES: usize = 3000;
 
@@ -20,14 +17,7 @@ const LARGE: usize = 600_000;
 
 #[test]
 fn facets_that_stay_are_not_lost_with_their_memory() {
-    let Some(loader) = loader() else { return };
-    let log = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("little-{}", std::process::id()));
-    // SAFETY: this is the only test of this program, and no other thread reads the environment yet.
-    unsafe {
-        env::set_var("OPENCL_DYLIB_PATH", &loader);
-        env::set_var("LAGUERRE_FAULT", format!("clCreateBuffer:>{LARGE}:-4"));
-        env::set_var("LAGUERRE_FAULT_CALLS", &log);
-    }
+    let Some(log) = loader::begin("little", &format!("clCreateBuffer:>{LARGE}:-4")) else { return };
     let Some(backend) = if_available("ocl", Ocl::new(&DeviceChoice::First, Precision::F64)) else { return };
     let at = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
     // Of the larger box few cells meet the ball, and their facets have room in half of the memory; of the smaller one they do not.

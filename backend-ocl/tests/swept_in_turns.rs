@@ -3,14 +3,11 @@
 
 mod loader;
 
-use std::env;
 use std::fs;
-use std::path::Path;
 
 use laguerre_core::required::if_available;
 use laguerre_core::{Backend, CellStatus, DeviceChoice, ErrorKind, PowerDiagram, Precision, Request};
 use laguerre_ocl::Ocl;
-use loader::loader;
 
 const SITES: usize = 3000;
 
@@ -19,14 +16,7 @@ const LARGE: usize = 600_000;
 
 #[test]
 fn fewer_are_swept_where_there_is_no_room() {
-    let Some(loader) = loader() else { return };
-    let log = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("swept-{}", std::process::id()));
-    // SAFETY: this is the only test of this program, and no other thread reads the environment yet.
-    unsafe {
-        env::set_var("OPENCL_DYLIB_PATH", &loader);
-        env::set_var("LAGUERRE_FAULT", format!("clCreateBuffer:>{LARGE}:-4"));
-        env::set_var("LAGUERRE_FAULT_CALLS", &log);
-    }
+    let Some(log) = loader::begin("swept", &format!("clCreateBuffer:>{LARGE}:-4")) else { return };
     // (Where lanes share cells anyway it is not another backend.)
     let opened = Ocl::sharing_cells(&DeviceChoice::First, Precision::F64).or_else(|error| match error.kind() {
         ErrorKind::Unavailable => Ocl::new(&DeviceChoice::First, Precision::F64),

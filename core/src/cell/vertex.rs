@@ -107,12 +107,17 @@ pub fn find_vertex_refined<S: Polytope>(s: &S, t: Triplet, position: &mut V3, ra
 #[inline(always)]
 fn refine_by<S: Polytope>(s: &S, t: Triplet, by: Cramer, position: &mut V3, radius: &mut Real) {
     let inverse: Real = 1.0 / by.det;
-    let amplified: Real = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
-    *position = solve(by, inverse);
-    *radius = amplified * (by.offsets + (norm_max(*position) * by.size));
+    place_by(by, inverse, position, radius);
     if by.det < (WORTH_REFINING * by.size) {
         step_by(s, t, by, inverse, position, radius);
     }
+}
+
+/// Where Cramer's rule alone has the vertex, and what it may be off by.
+#[inline(always)]
+fn place_by(by: Cramer, inverse: Real, position: &mut V3, radius: &mut Real) {
+    *position = solve(by, inverse);
+    *radius = ((ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse) * (by.offsets + (norm_max(*position) * by.size));
 }
 
 /// A step of Newton's method: residuals from which little is rounded off, so that it ends within a rounding in every direction, also the one
@@ -137,8 +142,7 @@ pub fn find_vertex_closely<S: Polytope>(s: &S, t: Triplet, most: Real, position:
         return UNCERTAIN;
     }
     let inverse: Real = 1.0 / by.det;
-    *position = solve(by, inverse);
-    *radius = ((ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse) * (by.offsets + (norm_max(*position) * by.size));
+    place_by(by, inverse, position, radius);
     let mut steps: u32 = 0;
     while (*radius > (most * norm_max(*position))) && (steps < MOST_STEPS) {
         step_by(s, t, by, inverse, position, radius);

@@ -22,6 +22,7 @@ HOT uint place_vertex(Store *s, uint v);
 HOT uint find_vertex(Store *s, Triplet t, V3 *position, real *radius);
 HOT uint find_vertex_refined(Store *s, Triplet t, V3 *position, real *radius);
 INLINE void refine_by(Store *s, Triplet t, Cramer by, V3 *position, real *radius);
+INLINE void place_by(Cramer by, real inverse, V3 *position, real *radius);
 INLINE void step_by(Store *s, Triplet t, Cramer by, real inverse, V3 *position, real *radius);
 HOT uint find_vertex_closely(Store *s, Triplet t, real most, V3 *position, real *radius);
 HOT uint find_vertex_once(Store *s, Triplet t, real least, V3 *position, real *radius);

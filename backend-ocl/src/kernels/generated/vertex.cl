@@ -52,12 +52,16 @@ HOT uint find_vertex_refined(Store *s, Triplet t, V3 *position, real *radius) {
 // By Cramer's rule, refined where that is worth it.
 INLINE void refine_by(Store *s, Triplet t, Cramer by, V3 *position, real *radius) {
     const real inverse = REAL(1.0) / by.det;
-    const real amplified = (ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse;
-    *position = solve(by, inverse);
-    *radius = amplified * (by.offsets + (norm_max(*position) * by.size));
+    place_by(by, inverse, position, radius);
     if (by.det < (WORTH_REFINING * by.size)) {
         step_by(s, t, by, inverse, position, radius);
     }
+}
+
+// Where Cramer's rule alone has the vertex, and what it may be off by.
+INLINE void place_by(Cramer by, real inverse, V3 *position, real *radius) {
+    *position = solve(by, inverse);
+    *radius = ((ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse) * (by.offsets + (norm_max(*position) * by.size));
 }
 
 // A step of Newton's method: residuals from which little is rounded off, so that it ends within a rounding in every direction, also the one
@@ -79,8 +83,7 @@ HOT uint find_vertex_closely(Store *s, Triplet t, real most, V3 *position, real 
         return UNCERTAIN;
     }
     const real inverse = REAL(1.0) / by.det;
-    *position = solve(by, inverse);
-    *radius = ((ROUNDINGS_OF_PLACE * UNIT_ROUNDOFF) * inverse) * (by.offsets + (norm_max(*position) * by.size));
+    place_by(by, inverse, position, radius);
     uint steps = 0;
     while ((*radius > (most * norm_max(*position))) && (steps < MOST_STEPS)) {
         step_by(s, t, by, inverse, position, radius);

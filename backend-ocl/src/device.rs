@@ -111,6 +111,8 @@ rooms! {
         cut: u32 = "a list of cells",
         /// Records of finished cells (`lanes_near.cl`).
         near: [u32; 4] = "finished cells",
+        begun: [u32; 4] = "cells that have been begun",
+        begun_places: u32 = "cells that have been begun",
         vast: u64 = "cells that need much room",
         leaders: u32 = "cells that others begin with",
         kept: u32 = "what bounds cells far off",

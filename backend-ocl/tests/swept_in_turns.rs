@@ -39,6 +39,7 @@ fn fewer_are_swept_where_there_is_no_room() {
     let calls = fs::read_to_string(&log).unwrap();
     let sizes = calls.lines().filter_map(|call| call.strip_prefix("clCreateBuffer ")?.parse::<usize>().ok());
     let refused = sizes.filter(|&size| size > LARGE).count();
-    assert_eq!(refused, 1, "{calls}");
+    // (Room for cells that one stage keeps for another, and for those that are swept at a time.)
+    assert_eq!(refused, 2, "{calls}");
     let _ = fs::remove_file(&log);
 }

@@ -88,6 +88,25 @@ impl Device {
         self.memory.rows.read(&self.queue, sites, &mut self.results.rows)
     }
 
+    /// Makes room for the records of so many cells that a stage keeps for another, where stages do; of fewer, or none, where memory lacks. Those that have none are begun anew.
+    pub(super) fn make_room_for_begun(&mut self, cells: usize) -> Result<()> {
+        let Self { context, queue, memory, shared, domain, memory_size, .. } = self;
+        if shared.params.equal_weights == 0 || domain.is_some() {
+            return Ok(());
+        }
+        let most = ((*memory_size / SHARE_OF_MEMORY) as usize / size_of::<[u32; 4]>()).min(i32::MAX as usize);
+        let mut room = (cells.max(FEWEST_CELLS) * RECORD_LENGTH).min(most);
+        while room >= LONGEST_RECORD && !memory.begun.grow_if_possible(context, room)? {
+            room /= 2;
+        }
+        let sites = shared.params.tree_sites as usize;
+        if room >= LONGEST_RECORD && memory.begun_places.grow_if_possible(context, sites)? {
+            memory.begun_places.fill_with(context, queue, 0, sites)?;
+            shared.params.begun_room = room as u32;
+        }
+        Ok(())
+    }
+
     /// Cells that are computed at a time where they are too large for local memory.
     pub(super) const fn vast_cells(&self) -> usize {
         let share = self.memory_size / SHARE_OF_MEMORY / (8 * VAST_WORDS as u64);

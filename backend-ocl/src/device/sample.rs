@@ -38,11 +38,14 @@ pub(super) const WORTH_LEAVING: u32 = if IN_TESTS { 1 << 5 } else { 1 << 10 };
 /// without, 0.15 with; one NVIDIA H100. Signs that are open alone do not tell: a fluid's particles that were a lattice have them, and the octree is half of its time.)
 const WORTH_AN_OCTREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 
-/// Leaves that are looked at for a cell that reaches far, where most cells of a sample end without. (Of a million sites on a jittered sphere that takes 0.402 to 0.274 s. Of a Lévy
-/// flight 0.175 s with 40, 0.162 with 100, 0.155 with 200, no less with 400. Where most do not, and all begin in `Far`, it would take longer: in a plane 0.190 instead of
-/// 0.090 s.) And where weights differ, when what their bounds say is nearer may be farther than sites that cut: 0.065 to 0.057 s where they are a sinusoid. One NVIDIA H200.
-const LEAVES_IF_FAR: u64 = 200;
-const LEAVES_IF_WEIGHTED: u64 = 400;
+/// Of cells that begin where they are completed by their vertices, the share that is given up by one stage and kept for another, at most but for a few sites on rough surfaces.
+const SHARE_GIVEN_UP: usize = 8;
+
+/// Leaves that are looked at for a cell that reaches far in a domain, where most cells of a sample end without. (Without one sites from all over tell more: before these were asked,
+/// a Lévy flight took 0.175 s with 40 leaves, 0.162 with 100, 0.155 with 200, no less with 400.) And where weights differ, when what their bounds say is nearer may be farther than sites that cut: 0.065 to 0.057 s
+/// where they are a sinusoid. One NVIDIA H200.
+const LEAVES_IF_FAR: u32 = 200;
+const LEAVES_IF_WEIGHTED: u32 = 400;
 
 impl Device {
     /// Room such that few cells fail: what sufficed in the last call, or what a sample of the cells needs.
@@ -103,34 +106,40 @@ impl Device {
         Ok(Stage::First)
     }
 
-    /// Gives up the table of offsets for all that is still to come, where weights are equal and there is no domain; says whether there was one.
-    pub(super) fn leave_table(&mut self) -> bool {
+    /// Gives up the table of offsets for all that is still to come, so many cells, where weights are equal and there is no domain; says whether there was one.
+    pub(super) fn leave_table(&mut self, cells: usize) -> Result<bool> {
         let params = &mut self.shared.params;
         let leaves = params.has_table != 0 && params.equal_weights != 0 && self.domain.is_none();
         if leaves {
             params.has_table = 0;
+            self.make_room_for_begun(cells / SHARE_GIVEN_UP)?;
         }
-        leaves
+        Ok(leaves)
     }
 
     /// Of the cells of a range, where they are many, whether most are not completed by the first stage; and whether so many reach far, where weights differ,
     /// that an octree is worth its time.
     pub(super) fn failures(&mut self, lanes: Lanes, share: Range<usize>) -> Result<(bool, bool)> {
-        if share.len() < WORTH_A_SAMPLE {
+        let cells = share.len();
+        if cells < WORTH_A_SAMPLE {
+            self.make_room_for_begun(cells)?;
             return Ok((false, false));
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
         let has_weights = self.shared.params.equal_weights == 0;
-        Ok((first.later + first.left > MOST_OF_SAMPLE, has_weights && first.beyond + first.left > WORTH_AN_OCTREE))
+        let most_fail = first.later + first.left > MOST_OF_SAMPLE;
+        let fail = (first.later + first.left) as usize * (cells / SAMPLE_TOGETHER);
+        self.make_room_for_begun(if most_fail { cells / SHARE_GIVEN_UP } else { fail + fail / 8 })?;
+        Ok((most_fail, has_weights && first.beyond + first.left > WORTH_AN_OCTREE))
     }
 
     /// Leaves that are looked at for a cell that reaches far, of so many cells of which most fail or do not. (As whether there is a table, and what is swept, this is decided by a
     /// device's share of the cells: where several decide otherwise, last bits of cells may be others.)
-    pub(super) fn leaves_if_far(&self, cells: usize, most_fail: bool) -> u64 {
+    pub(super) fn leaves_if_far(&self, cells: usize, most_fail: bool) -> u32 {
         match self.shared.params.equal_weights {
             _ if most_fail => 0,
             0 => LEAVES_IF_WEIGHTED,
-            _ if cells < WORTH_A_SAMPLE => 0,
+            _ if cells < WORTH_A_SAMPLE || self.domain.is_none() => 0,
             _ => LEAVES_IF_FAR,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Device;
 #[cfg(feature = "test-util")]
-use super::schedule::Todo;
+use super::schedule::{FIRST, Todo};
 #[cfg(feature = "test-util")]
 use crate::builds::{Lanes, Stage, Way};
 use crate::evaluate::Ocl;
@@ -18,6 +18,8 @@ use laguerre_core::cell::COMPLETE;
 use laguerre_core::cell::ring::{RINGS, end_of_ring};
 #[cfg(feature = "test-util")]
 use laguerre_core::cell::search_store::{HAS_PARTS, MOST_LEAVES, OctreeStore as _};
+#[cfg(feature = "test-util")]
+use laguerre_core::passes::Cells as _;
 #[cfg(feature = "test-util")]
 use laguerre_core::power_octree::{Home, PowerOctree};
 use laguerre_core::required::if_available;
@@ -262,6 +264,45 @@ fn cells_on_a_surface_are_swept() {
         }
     }
     assert!(compared + given_up + left >= count, "{compared}, {given_up} and {left} of {count}");
+}
+
+/// What the first stage has begun of cells that reach far is swept, and what is given up by `Far`, after what the first stage has left for other reasons: they are the cells that all are by
+/// their vertices.
+#[cfg(feature = "test-util")]
+#[test]
+fn cells_that_are_begun_are_swept() {
+    let Some(mut device) = open() else { return };
+    device.share_cells();
+    let bump = |[x, y, z]: [f64; 3]| [x, y, 0.5 + 0.1 * (9.0 * x).sin() * (7.0 * y).cos() + 1e-3 * z];
+    let sites: Vec<[f64; 3]> = spread(2000).into_iter().map(bump).collect();
+    let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let (request, count) = (Request::moments(), sites.len());
+    let watched = Watched::new(&request, &());
+    let mut cells = |stage: Stage| {
+        device.bring_sites(&diagram).unwrap();
+        let container = diagram.framed_container().unwrap();
+        device.load(&container, &request, None).unwrap();
+        device.sort(&|| Ok(false)).unwrap().unwrap();
+        device.most_cells = count;
+        device.clear(&watched, count, count).unwrap();
+        device.look_about(count, 0..0).unwrap();
+        (device.shared.params.has_table, device.was_swept) = (0, true);
+        device.make_room_for_begun(if stage == Stage::First { count } else { 0 }).unwrap();
+        let (all, together) = (Todo::Sorted(0..count), Some((Lanes::One, stage)));
+        let mut for_host = Vec::new();
+        let passed = device.pass(&watched, FIRST, &all, true, together, &mut for_host).unwrap();
+        assert_eq!((passed.failed.count(), for_host.len()), (0, 0));
+        device.read_results(&request, count).unwrap();
+        (device.results.outcomes.clone(), device.results.sums.clone(), device.counters.begun)
+    };
+    let ((outcomes, sums, _), (with, sums_with, begun)) = (cells(Stage::Far), cells(Stage::First));
+    assert!(begun > 10_000, "{begun}");
+    let mean = 1.0 / count as f64;
+    for i in 0..count {
+        assert_eq!([outcomes[i], with[i]].map(|outcome| outcome & OUTCOME_STATUS), [COMPLETE; 2], "{i}");
+        let (own, other) = (sums[i * FEW_SUMS as usize], sums_with[i * FEW_SUMS as usize]);
+        assert!((own - other).abs() < 1e-12 * mean, "{i}: {own} {other}");
+    }
 }
 
 /// Points spread evenly, but not regularly.

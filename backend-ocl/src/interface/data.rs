@@ -106,8 +106,6 @@ pub(crate) struct Params {
     pub(crate) facet_base: u64,
     /// How many sums are written for each cell.
     pub(crate) sums_width: u64,
-    /// Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
-    pub(crate) leaves_if_far: u64,
     pub(crate) grid_dims: [u32; 3],
     pub(crate) domain_dims: [u32; 3],
     pub(crate) has_domain: u32,
@@ -128,6 +126,10 @@ pub(crate) struct Params {
     pub(crate) degree: u32,
     /// Room for records of finished cells.
     pub(crate) near_room: u32,
+    /// Room for those of cells that have been begun.
+    pub(crate) begun_room: u32,
+    /// Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
+    pub(crate) leaves_if_far: u32,
 }
 
 /// Range of the sites of one group, or of all.
@@ -159,4 +161,6 @@ pub(crate) struct Counters {
     pub(crate) near: u32,
     /// Of those for later, those that reach beyond what was searched.
     pub(crate) beyond: u32,
+    /// Length of the records of cells that have been begun.
+    pub(crate) begun: u32,
 }

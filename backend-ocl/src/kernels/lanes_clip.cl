@@ -296,7 +296,7 @@ INLINE uint clip_together(Store *s, Trial trial) {
     return CUT;
 }
 
-#if COMPACTS
+#if COMPACTS || KEEPS_BEGUN
 #define PLANE_TURNS ((LANES_P + (LANES - 1u)) / LANES)
 // Drops the half-spaces that no vertex lies on and renumbers the others in order (`compact_planes`); returns how many are left. (Vertices stay settled:
 // where they did not, and all were asked for again, six cells of a million sites on a jittered sphere took 226 ms, and now 107; one NVIDIA H200.)

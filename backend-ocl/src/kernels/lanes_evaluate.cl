@@ -49,9 +49,14 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #endif
     Store store;
     Store *s = &store;
-#if WITH_SWEEP
+    s->world = WORLD_OF_ARGUMENTS;
+    s->own = site;
+#if KEEPS_BEGUN || GOES_ON
     s->kept_count = 0;
-    s->checks_near = (turn_of != ALL_TURNS) ? 1u : 0u;
+    s->next = NEAR;
+#endif
+#if WITH_SWEEP
+    s->is_shown = (turn_of != ALL_TURNS) ? 1u : 0u;
     // (Where nothing is kept of its block, as where the first cell there needs more room, it begins with what is kept of another of the same node: of a million sites on a
     // bumpy surface 8,000 instead of 51,000 sweeps are given up, scanned 84,000 instead of 212,000.)
     if (turn_of != ALL_TURNS) {
@@ -61,8 +66,12 @@ __kernel void cells(CELLS_ARGUMENTS) {
         s->kept_count = lanes_alike(kept_of_block[0]);
         s->kept = kept_of_block + 1u;
     }
+    if (s->is_shown == 0u) {
+        s->kept_count = sites_about(s);
+    }
+#elif GOES_ON
+    s->kept_count = sites_about(s);
 #endif
-    s->world = WORLD_OF_ARGUMENTS;
     s->tried = 0;
     s->last_tried = 0;
     const double4 own = sites[site];
@@ -74,7 +83,6 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->cell = cell;
     s->site = (Site){ .x = own.x, .y = own.y, .z = own.z };
     s->weight = own.w;
-    s->own = site;
     s->lane = own_lane();
 #if TEAMS > 1
     s->team = lanes_alike((uint)get_local_id(0) / LANES);
@@ -126,6 +134,17 @@ __kernel void cells(CELLS_ARGUMENTS) {
     uint status = complete_by_table(s, vantage, shells, &visited, &extent);
 #else
     real above = REAL(0.0);
+#if GOES_ON
+    const uint begun_at = (params->begun_room != 0u) ? lanes_alike(begun_places[site]) : 0u;
+    if (IS_FIRST_TEAM && (begun_at != 0u)) {
+        __global const uint4 *record = begun + (begun_at - 1u);
+        take_cell(s, record);
+        s->planes = lanes_alike(s->planes);
+        s->vertices = lanes_alike(s->vertices);
+        s->next = lanes_alike(s->next);
+        above = (real)as_float(record->z);
+    }
+#endif
     uint status = complete_by_tree(s, vantage, &visited, &extent, &above);
 #if KEEPS_FAR && !WITH_SWEEP
     if ((turn_of == 0u) && ((status == COMPLETE) && (above > REAL(0.0)))) {
@@ -211,9 +230,30 @@ __kernel void cells(CELLS_ARGUMENTS) {
     const uint exact = lanes_with(s->exact);
 #if GIVES_CELLS
     uint place = 0;
-    if (status == FINISHED) {
-        status = give_cell(s, near, counters, site, exact, &place);
+#if KEEPS_BEGUN
+    // (What ends so has been cut by whole half-spaces. Once all near have cut it another stage has to look no more at them.)
+    const bool may_go_on = ((status == BEYOND) || (status == LEFT)) || ((WITH_SWEEP != 0) && (status == BATCH_FULL));
+    const bool is_begun = (may_go_on && (s->next != NEAR)) && (params->begun_room != 0u);
+    if (is_begun && (s->planes > SWEPT_P)) {
+        s->planes = lanes_alike(compact_together(cell, s->lane, s->planes, s->vertices));
     }
+    if (is_begun || (status == FINISHED)) {
+        const bool is_given = give_cell(
+            s, is_begun ? begun : near, is_begun ? &counters->begun : &counters->near, is_begun ? params->begun_room : params->near_room, site, exact, above,
+            &place
+        );
+        if (!is_begun) {
+            status = is_given ? FINISHED : BATCH_FULL;
+        } else if (is_given && (s->lane == 0u)) {
+            begun_places[site] = place + 1u;
+        }
+    }
+#else
+    // (A stage WITH_EXACT might cut it in another order, and which cells have no room depends on which came first: no bit is to.)
+    if (status == FINISHED) {
+        status = give_cell(s, near, &counters->near, params->near_room, site, exact, REAL(0.0), &place) ? FINISHED : BATCH_FULL;
+    }
+#endif
 #endif
     if (s->lane != 0u) {
         return;

@@ -25,19 +25,21 @@ INLINE uint face_of(Plane plane) {
     return TAG_FACE + ((2u * axis) + ((((plane.n.x + plane.n.y) + plane.n.z) < REAL(0.0)) ? 1u : 0u));
 }
 
-// Writes the record of a cell, whose place is `place`: `FINISHED`, or `BATCH_FULL` where there is no room. (A stage WITH_EXACT might cut it in another order, and
-// which cells have no room depends on which came first: no bit is to.)
-INLINE uint give_cell(
-    Store *s, __global uint4 *near, volatile __global Counters *counters, uint site, uint exact, uint *place
+// Writes the record of a cell, whose place is `place`, where there is room for it: whether there is. `proven` is what `search_near` says of one that is not finished.
+INLINE bool give_cell(
+    Store *s, __global uint4 *records, volatile __global uint *used, uint room, uint site, uint exact, real proven, uint *place
 ) {
 #if WITH_DOMAIN
     const uint about = (uint)s->cell->winding;
-    const uint is_near = s->cell->is_near;
+    const uint next = s->cell->is_near;
+#elif KEEPS_BEGUN
+    const uint about = as_uint(convert_float_rtz(proven));
+    const uint next = s->next;
 #else
-    const uint about = 1u;
-    const uint is_near = 0;
+    const uint about = 0;
+    const uint next = 0;
 #endif
-    const uint kind = ((exact != 0u) ? 1u : 0u) | (is_near << 1);
+    const uint kind = ((exact != 0u) ? 1u : 0u) | (next << 1);
     const uint caps_at = caps_begin(s->vertices, s->planes);
     uint length = caps_at;
 #if CUTS_OUTSIDE
@@ -48,14 +50,15 @@ INLINE uint give_cell(
 #endif
     uint begin = 0;
     if (s->lane == 0u) {
-        begin = atomic_add(&counters->near, length);
+        // (Where there is none the number is not to grow until it begins anew.)
+        begin = (*used < room) ? atomic_add(used, length) : room;
     }
     begin = lane_value(begin, 0);
     *place = begin;
-    if ((begin + length) > s->world.params->near_room) {
-        return BATCH_FULL;
+    if ((begin + length) > room) {
+        return false;
     }
-    __global uint4 *record = near + begin;
+    __global uint4 *record = records + begin;
     if (s->lane == 0u) {
         *record = (uint4)(site, s->planes | (s->vertices << 16), about, kind);
     }
@@ -82,11 +85,11 @@ INLINE uint give_cell(
         caps += popcount(are_caps);
     }
 #endif
-    return FINISHED;
+    return true;
 }
 #endif
 
-#if TAKES_CELLS
+#if TAKES_CELLS || GOES_ON
 // The cell of a record; that of the box has been begun. (Without a domain nobody looks at the rough places, which are from where the stage that gave the cell
 // had its origin.)
 INLINE void take_cell(Store *s, __global const uint4 *record) {
@@ -97,12 +100,15 @@ INLINE void take_cell(Store *s, __global const uint4 *record) {
 #if WITH_DOMAIN
     cell->winding = (int)record->z;
     cell->is_near = record->w >> 1;
+#elif GOES_ON
+    // (A sweep that was given up began with what another cell had shown. Another one begins with sites from all over.)
+    s->next = min(record->w >> 1, (WITH_SWEEP != 0) ? KEPT : (SWEEP + 1u));
 #endif
     __global const uint *word = (__global const uint *)((record + 1) + s->vertices);
     for (uint v = s->lane; v < s->vertices; v += LANES) {
         cell->rough[v] = as_float4(record[1u + v]);
         cell->triplet[v] = word[v];
-#if WITH_SURFACE
+#if WITH_SURFACE || GOES_ON
         enter_edges(cell, unpacked(word[v]), v);
 #endif
     }

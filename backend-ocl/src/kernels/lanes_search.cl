@@ -67,7 +67,7 @@ INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) 
 // it is as long. Where the tree is searched a Lévy flight takes 0.106 s with 3 cuts, 0.109 with 6, a jittered sphere 0.176 and 0.179. One NVIDIA H200.)
 INLINE uint store_cuts_before_look(Store *s) { return (LANES > 1u) ? ((WITH_TABLE != 0) ? 6u : 3u) : NO_SITE; }
 #if WITH_SWEEP
-INLINE bool store_checks_near(Store *s) { return s->checks_near != 0u; }
+INLINE bool store_checks_near(Store *s) { return s->is_shown != 0u; }
 #else
 INLINE bool store_checks_near(Store *s) { return false; }
 #endif

@@ -14,6 +14,12 @@
 // all to the one WITH_FACETS, which leaves the records of those that the surface cuts to that; all that are swept to one for their integrals.
 #define GIVES_CELLS (!TAKES_CELLS && !WITH_EXACT && !WITH_ROOM)
 
+// Whether what does not end here is kept as it is, for a stage that goes on with it; and whether what is kept is gone on with here. (Not where weights differ: rough places are then in the frame
+// of where a stage has the cell.)
+#define MAY_BE_BEGUN ((!WITH_TABLE && !(WITH_WEIGHTS || WITH_DOMAIN)) && !(WITH_EXACT || TAKES_CELLS))
+#define KEEPS_BEGUN (MAY_BE_BEGUN && !WITH_ROOM)
+#define GOES_ON (MAY_BE_BEGUN && (WITH_FAR || WITH_SWEEP))
+
 // Whether what of a cell is far outside the domain is cut off.
 #define CUTS_OUTSIDE (WITH_DOMAIN && (WITH_EXACT || WITH_FAR))
 
@@ -67,6 +73,9 @@
 // for the others.
 #define KEEPS_FAR (WITH_SWEEP || (SEARCHES_TREE && ((WITH_FAR && !WITH_EXACT) && !WITH_ROOM)))
 
+// Half-spaces of a cell that is swept. (64 vertices lie on 34 at most, and those that none lies on are dropped. With room for 64 half-spaces a bumpy surface takes 6 % longer, a Lévy
+// flight 2.)
+#define SWEPT_P 40u
 // Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more, in local memory (1) and in global (2).
 // What needs still more is left to the kernel that computes a cell with one work-item. (Of each directed edge the vertex is kept.)
 #if WITH_ROOM == 2
@@ -79,8 +88,7 @@ typedef ushort Place;
 #define LANES_P 128u
 #define LANES_V 256u
 #elif WITH_SWEEP
-// (64 vertices lie on 34 half-spaces at most, and those that none lies on are dropped. With room for 64 half-spaces a bumpy surface takes 6 % longer, a Lévy flight 2.)
-#define LANES_P 40u
+#define LANES_P SWEPT_P
 #define LANES_V 64u
 #else
 #define LANES_P 64u
@@ -211,10 +219,14 @@ typedef struct {
     uint team;
 #endif
 #if WITH_SWEEP
-    // What bounds another cell far off: how many sites, and where these are.
-    uint kept_count;
+    // Whether what bounds another cell far off is kept for it; and where.
+    uint is_shown;
     __global const uint *kept;
-    uint checks_near;
+#endif
+#if KEEPS_BEGUN || GOES_ON
+    // How many sites are kept for it, or come from all over; and what is searched next (`NEAR`, …).
+    uint kept_count;
+    uint next;
 #endif
 #if WITH_TABLE
     // Of the search of the table: it, the site's voxel, and the candidates that the lane holds.

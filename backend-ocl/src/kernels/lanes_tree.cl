@@ -163,27 +163,36 @@ INLINE void keep_far(Store *s, V3 slope, real above, __global uint *kept) {
 // the square of twice the radius within which no other site can cut it than those that were near, 0 where that was not found.
 INLINE uint complete_by_tree(Store *s, Vantage vantage, uint *visited, float *extent, real *above) {
     uint status = UNTOUCHED;
-#if WITH_SWEEP
-    // (One place that searches, for the text's size.)
-    for (uint what = NEAR; (what <= SWEEP) && (status == UNTOUCHED); what++) {
-        if ((what == KEPT) && (s->kept_count == 0u)) {
-            continue;
-        }
-        status = search_from(s, vantage, what, visited, above);
-        if ((what == NEAR) && (status == UNTOUCHED)) {
-            settle_near(s, vantage.center, *above);
+#if GOES_ON
+    if (IS_FIRST_TEAM) {
+        // (One place that searches, for the text's size.)
+        ROLLED
+        for (uint what = s->next; (what <= ((WITH_SWEEP != 0) ? SWEEP : KEPT)) && (status == UNTOUCHED); what++) {
+            if (what == KEPT) {
+                settle_near(s, vantage.center, *above);
+            }
+            // (So that the compiler knows it where nothing is swept.)
+            const uint known = ((WITH_SWEEP != 0) || (what == NEAR)) ? what : KEPT;
+            status = search_from(s, vantage, known, visited, above);
+            s->next = (status == UNTOUCHED) ? (what + 1u) : s->next;
         }
     }
-    status = (status == UNTOUCHED) ? BATCH_FULL : ((status == UNCERTAIN) ? OPEN : status);
 #else
     if (IS_FIRST_TEAM) {
         status = search_from(s, vantage, NEAR, visited, above);
+#if KEEPS_BEGUN
+        s->next = (status == UNTOUCHED) ? KEPT : NEAR;
+#endif
 #if WITH_FAR
         if (status == UNTOUCHED) {
             settle_near(s, vantage.center, *above);
         }
 #endif
     }
+#endif
+#if WITH_SWEEP
+    status = (status == UNTOUCHED) ? BATCH_FULL : ((status == UNCERTAIN) ? OPEN : status);
+#else
     status = store_first_says(s, status);
     if (status == UNTOUCHED) {
 #if WITH_FAR && !WITH_EXACT

@@ -26,10 +26,33 @@ INLINE RoughVertex store_rough_vertex(Store *s, uint v) {
     const float4 p = s->cell->rough[v];
     return (RoughVertex){ .x = p.x, .y = p.y, .z = p.z, .radius = p.w };
 }
-INLINE uint store_kept_count(Store *s) { return s->kept_count; }
-INLINE uint store_kept_site(Store *s, uint i) { return s->kept[i]; }
 #else
 INLINE RoughVertex store_rough_vertex(Store *s, uint v) { return (RoughVertex){ .x = 0.0f, .y = 0.0f, .z = 0.0f, .radius = 0.0f }; }
+#endif
+#if LANES && GOES_ON
+// Sites from all over, so many of each node beside one that holds the cell's own, but for leaves: spread evenly along the curve, one of all nodes before the next of each. What decides how
+// many, and why there are any, is in `README.md`.
+#define OF_NODE ((WITH_SWEEP != 0) ? 8u : 32u)
+INLINE uint sites_about(Store *s) { return (OF_NODE * WIDTH) * store_top_level(s); }
+INLINE uint site_about(Store *s, uint i) {
+    const uint nodes = WIDTH * store_top_level(s);
+    const uint turn = i / nodes;
+    const uint node = i % nodes;
+    const uint size = (WIDTH * WIDTH) << (3u * (node / WIDTH));
+    const uint first = (s->own & ~((size * WIDTH) - 1u)) + ((node % WIDTH) * size);
+    const uint site = first + (((2u * turn) + 1u) * (size / (2u * OF_NODE)));
+    return (site < store_sites(s)) ? site : s->own;
+}
+INLINE uint store_kept_count(Store *s) { return s->kept_count; }
+INLINE uint store_kept_site(Store *s, uint i) {
+#if WITH_SWEEP
+    if (s->is_shown != 0u) {
+        return s->kept[i];
+    }
+#endif
+    return site_about(s, i);
+}
+#else
 INLINE uint store_kept_count(Store *s) { return 0u; }
 INLINE uint store_kept_site(Store *s, uint i) { return NO_SITE; }
 #endif
@@ -57,7 +80,7 @@ INLINE uint store_tied(Store *s, uint team, uint i) { return store_candidate(s, 
 #endif
 #import "octree_store.cl"
 #if LANES && ((WITH_FAR || WITH_SWEEP) || WITH_WEIGHTS)
-INLINE uint store_leaves_if_far(Store *s) { return (uint)s->world.params->leaves_if_far; }
+INLINE uint store_leaves_if_far(Store *s) { return s->world.params->leaves_if_far; }
 #else
 INLINE uint store_leaves_if_far(Store *s) { return 0u; }
 #endif

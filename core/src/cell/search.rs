@@ -16,7 +16,8 @@
 use super::candidates::{Held, key_limit, nearest_held, reach_of_site, take_held, visit_candidates};
 use super::ring::{block_of_site, level_of_block};
 use super::search_store::{
-    HOME_KNOWN, HOME_UNKNOWN, LEAVES_AT_ONCE, MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights, SearchStore, WIDTH,
+    HOME_KNOWN, HOME_UNKNOWN, KEPT_AT_ONCE, LEAVES_AT_ONCE, MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights,
+    SearchStore, WIDTH,
 };
 use super::status::{COMPLETE, CUT, UNTOUCHED};
 use super::sweep::gather_kept;
@@ -43,7 +44,7 @@ const FAR_SQUARE: Real = 500.0;
 const MOST_NEAR_LEAVES: u32 = 400;
 const MOST_NEAR_SITES: u32 = 400;
 
-/// What is searched: all near a cell, and then what it reaches; the sites that bound another cell beside it far off; and all that can still cut it at a vertex (`sweep.rs`).
+/// What is searched: all near a cell, and then what it reaches; sites that are known to bound what is beside it far off, or come from all over; and all that can still cut it at a vertex (`sweep.rs`).
 pub const NEAR: u32 = 0;
 /// The second.
 pub const KEPT: u32 = 1;
@@ -157,9 +158,7 @@ pub fn search_near<S: SearchStore>(
         *proven = 0.0;
         wanted.below = near_key(s, vantage, &mut near);
         open = open_path(s);
-    } else if what == KEPT {
-        count = gather_kept(s, vantage);
-    } else {
+    } else if what == SWEEP {
         open = open_top(s, 0);
         most_leaves = MOST_SWEPT_LEAVES;
         most_sites = *visited + MOST_SWEPT_SITES;
@@ -167,6 +166,7 @@ pub fn search_near<S: SearchStore>(
     let mut reach: Rough = s.square_of_reach(vantage.center);
     let mut is_rest: bool = false;
     let mut looked: u32 = 0;
+    let mut gathered: u32 = 0;
     let checks: bool = (what != NEAR) || s.checks_near();
     loop {
         let is_batch: bool = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
@@ -239,7 +239,15 @@ pub fn search_near<S: SearchStore>(
             wanted.below = NO_SITE;
             open = open_path(s);
         } else if what == KEPT {
-            return UNTOUCHED;
+            if gathered == s.kept_count() {
+                return UNTOUCHED;
+            }
+            count = s.kept_count() - gathered;
+            if count > KEPT_AT_ONCE {
+                count = KEPT_AT_ONCE;
+            }
+            gather_kept(s, vantage, gathered, count);
+            gathered += count;
         } else {
             return COMPLETE;
         }

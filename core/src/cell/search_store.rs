@@ -23,6 +23,8 @@ pub const MOST_CANDIDATES: u32 = 112;
 
 /// Leaves whose sites become candidates at one time.
 pub const LEAVES_AT_ONCE: u32 = 4;
+/// Sites that are kept, or come from all over, that become candidates at a time: no more than there is room for.
+pub const KEPT_AT_ONCE: u32 = 96;
 
 /// The box of a node's sites, in the diagram's frame.
 #[repr(C)]
@@ -270,7 +272,7 @@ pub trait SearchStore: Lanes {
     /// Sets it.
     fn set_asked(&mut self, i: u32, asked: Asked);
 
-    /// How many sites are kept that bound another cell beside this one far off: no more than there is room for candidates.
+    /// How many sites are tried before all that can cut the cell: such as bound another cell beside it far off, or some from all over.
     fn kept_count(&self) -> u32 {
         0
     }

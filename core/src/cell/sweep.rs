@@ -43,13 +43,12 @@ struct RoughNode {
     size: Rough,
 }
 
-/// Makes the sites that bound another cell far off candidates; returns how many they are.
+/// Makes some of the sites that are kept candidates, from the `first` on.
 #[inline(always)]
-pub(super) fn gather_kept<S: SearchStore>(s: &mut S, vantage: Vantage) -> u32 {
-    let count: u32 = s.kept_count();
+pub(super) fn gather_kept<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, count: u32) {
     let mut i: u32 = s.lane();
     while i < count {
-        let j: u32 = s.kept_site(i);
+        let j: u32 = s.kept_site(first + i);
         let mut key: u32 = NO_SITE;
         if j != s.own_site() {
             key = s.key_below(reach_of_site(s, vantage.slope, j));
@@ -58,7 +57,6 @@ pub(super) fn gather_kept<S: SearchStore>(s: &mut S, vantage: Vantage) -> u32 {
         i += s.lanes();
     }
     s.lanes_wait();
-    return count;
 }
 
 /// Whether a site of a node may have less power than the cell's own at a vertex that is not settled; of weights that are all the same.

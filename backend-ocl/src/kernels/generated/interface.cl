@@ -187,8 +187,6 @@ typedef struct {
     ulong facet_base;
     // How many sums are written for each cell.
     ulong sums_width;
-    // Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
-    ulong leaves_if_far;
     uint grid_dims[3];
     uint domain_dims[3];
     uint has_domain;
@@ -209,6 +207,10 @@ typedef struct {
     uint degree;
     // Room for records of finished cells.
     uint near_room;
+    // Room for those of cells that have been begun.
+    uint begun_room;
+    // Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
+    uint leaves_if_far;
 } Params;
 
 // Range of the sites of one group, or of all.
@@ -236,6 +238,8 @@ typedef struct {
     uint near;
     // Of those for later, those that reach beyond what was searched.
     uint beyond;
+    // Length of the records of cells that have been begun.
+    uint begun;
 } Counters;
 
 // backend-ocl/src/interface/kernels.rs
@@ -357,6 +361,8 @@ typedef struct {
     __global uint *full, \
     __global uint *left, \
     __global uint4 *near, \
+    __global uint4 *begun, \
+    __global uint *begun_places, \
     __global ulong *vast
 
 #define ENTER_SITES_ARGUMENTS \
@@ -838,4 +844,4 @@ typedef char size_of_FacetRecord[(sizeof(FacetRecord) == 16) ? 1 : -1];
 typedef char size_of_OctreeBox[(sizeof(OctreeBox) == 64) ? 1 : -1];
 typedef char size_of_Params[(sizeof(Params) == 368) ? 1 : -1];
 typedef char size_of_Range[(sizeof(Range) == 64) ? 1 : -1];
-typedef char size_of_Counters[(sizeof(Counters) == 36) ? 1 : -1];
+typedef char size_of_Counters[(sizeof(Counters) == 40) ? 1 : -1];

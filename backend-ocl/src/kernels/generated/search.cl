@@ -59,9 +59,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
         *proven = REAL(0.0);
         wanted.below = near_key(s, vantage, &near);
         open = open_path(s);
-    } else if (what == KEPT) {
-        count = gather_kept(s, vantage);
-    } else {
+    } else if (what == SWEEP) {
         open = open_top(s, 0);
         most_leaves = MOST_SWEPT_LEAVES;
         most_sites = *visited + MOST_SWEPT_SITES;
@@ -69,6 +67,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
     float reach = store_square_of_reach(s, vantage.center);
     bool is_rest = 0;
     uint looked = 0;
+    uint gathered = 0;
     const bool checks = (what != NEAR) || store_checks_near(s);
     for (;;) {
         const bool is_batch = (open.leaves >= LEAVES_AT_ONCE) || ((open.leaves > 0) && (open.blocks == 0));
@@ -135,7 +134,15 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
             wanted.below = NO_SITE;
             open = open_path(s);
         } else if (what == KEPT) {
-            return UNTOUCHED;
+            if (gathered == store_kept_count(s)) {
+                return UNTOUCHED;
+            }
+            count = store_kept_count(s) - gathered;
+            if (count > KEPT_AT_ONCE) {
+                count = KEPT_AT_ONCE;
+            }
+            gather_kept(s, vantage, gathered, count);
+            gathered += count;
         } else {
             return COMPLETE;
         }

@@ -1,11 +1,10 @@
 // Generated from core/src/cell/sweep.rs by `cargo xtask codegen`; do not edit.
 
-// Makes the sites that bound another cell far off candidates; returns how many they are.
-INLINE uint gather_kept(Store *s, Vantage vantage) {
-    const uint count = store_kept_count(s);
+// Makes some of the sites that are kept candidates, from the `first` on.
+INLINE void gather_kept(Store *s, Vantage vantage, uint first, uint count) {
     uint i = store_lane(s);
     while (i < count) {
-        const uint j = store_kept_site(s, i);
+        const uint j = store_kept_site(s, first + i);
         uint key = NO_SITE;
         if (j != store_own_site(s)) {
             key = store_key_below(s, reach_of_site(s, vantage.slope, j));
@@ -14,7 +13,6 @@ INLINE uint gather_kept(Store *s, Vantage vantage) {
         i += store_lanes(s);
     }
     store_lanes_wait(s);
-    return count;
 }
 
 // Whether a site of a node may have less power than the cell's own at a vertex that is not settled; of weights that are all the same.

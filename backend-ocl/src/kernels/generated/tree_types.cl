@@ -22,6 +22,9 @@
 // Leaves whose sites become candidates at one time.
 #define LEAVES_AT_ONCE ((uint)(4))
 
+// Sites that are kept, or come from all over, that become candidates at a time: no more than there is room for.
+#define KEPT_AT_ONCE ((uint)(96))
+
 // The box of a node's sites, in the diagram's frame.
 typedef struct {
     // Minimum corner.
@@ -234,7 +237,7 @@ typedef struct {
 
 #define MOST_NEAR_SITES ((uint)(400))
 
-// What is searched: all near a cell, and then what it reaches; the sites that bound another cell beside it far off; and all that can still cut it at a vertex (`sweep.rs`).
+// What is searched: all near a cell, and then what it reaches; sites that are known to bound what is beside it far off, or come from all over; and all that can still cut it at a vertex (`sweep.rs`).
 #define NEAR ((uint)(0))
 
 // The second.

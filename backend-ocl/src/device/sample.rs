@@ -29,6 +29,8 @@ const SHARE_OF_SCRATCH: u64 = 32;
 /// where it is, for all cells to begin in the stage of those that reach far; or to have open signs, where weights differ, for those that settle them by the table.
 const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
+/// The same to fail where weights are equal, as what the first stage has begun is gone on with. (A Lévy flight of which 56 % fail, where less counts as near, takes 0.062 s so, and 0.233 in the other way, one NVIDIA H200.)
+const NEARLY_ALL_OF_SAMPLE: u32 = 7 * (SAMPLE_TOGETHER as u32 / 8);
 /// Cells that the table of offsets does not complete, most of which reach beyond it, from which on they are searched by the tree at once, and not by the table with exact signs
 /// before. (8,000 of 100,000 Soneira-Peebles sites take 4.2 ms in all that comes, and took 8.5; of 50,000 scanned ones, of which most reach beyond, 14 and 36. One NVIDIA H200.)
 pub(super) const WORTH_LEAVING: u32 = if IN_TESTS { 1 << 5 } else { 1 << 10 };
@@ -127,7 +129,7 @@ impl Device {
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
         let has_weights = self.shared.params.equal_weights == 0;
-        let most_fail = first.later + first.left > MOST_OF_SAMPLE;
+        let most_fail = first.later + first.left > if has_weights { MOST_OF_SAMPLE } else { NEARLY_ALL_OF_SAMPLE };
         let fail = (first.later + first.left) as usize * (cells / SAMPLE_TOGETHER);
         self.make_room_for_begun(if most_fail { cells / SHARE_GIVEN_UP } else { fail + fail / 8 })?;
         Ok((most_fail, has_weights && first.beyond + first.left > WORTH_AN_OCTREE))

@@ -380,7 +380,7 @@ INLINE uint has_room(Store *s) {
 // Cuts by a half-space that `source` says whose it is: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint cut_together(Store *s, Plane plane, uint source) {
     if (has_room(s) == 0u) {
-        return (COMPACTS != 0) ? LEFT : OPEN;
+        return (COMPACTS != 0) ? LEFT : ((KEEPS_BEGUN != 0) ? BEYOND : OPEN);
     }
     if (s->lane == 0u) {
         s->cell->plane[s->planes] = plane;

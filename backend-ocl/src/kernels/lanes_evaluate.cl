@@ -54,9 +54,11 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if KEEPS_BEGUN || GOES_ON
     s->kept_count = 0;
     s->next = NEAR;
+    s->checks_near = 0;
 #endif
 #if WITH_SWEEP
     s->is_shown = (turn_of != ALL_TURNS) ? 1u : 0u;
+    s->checks_near = s->is_shown;
     // (Where nothing is kept of its block, as where the first cell there needs more room, it begins with what is kept of another of the same node: of a million sites on a
     // bumpy surface 8,000 instead of 51,000 sweeps are given up, scanned 84,000 instead of 212,000.)
     if (turn_of != ALL_TURNS) {
@@ -142,6 +144,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         s->planes = lanes_alike(s->planes);
         s->vertices = lanes_alike(s->vertices);
         s->next = lanes_alike(s->next);
+        s->checks_near = 1;
         above = (real)as_float(record->z);
     }
 #endif
@@ -231,9 +234,9 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #if GIVES_CELLS
     uint place = 0;
 #if KEEPS_BEGUN
-    // (What ends so has been cut by whole half-spaces. Once all near have cut it another stage has to look no more at them.)
+    // (What ends so has been cut by whole half-spaces.)
     const bool may_go_on = ((status == BEYOND) || (status == LEFT)) || ((WITH_SWEEP != 0) && (status == BATCH_FULL));
-    const bool is_begun = (may_go_on && (s->next != NEAR)) && (params->begun_room != 0u);
+    const bool is_begun = may_go_on && (params->begun_room != 0u);
     if (is_begun && (s->planes > SWEPT_P)) {
         s->planes = lanes_alike(compact_together(cell, s->lane, s->planes, s->vertices));
     }

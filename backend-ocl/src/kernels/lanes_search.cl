@@ -66,8 +66,8 @@ INLINE void store_let_go(Store *s, uint c) { s->cell->candidate_key[(c * LANES) 
 // (Of the sites that a white cell visits 27 of 43 do not cut it: a million white sites take 0.0194 instead of 0.0206 s with it, of a Plummer cluster 0.036 and 0.038; with 3 to 14 cuts
 // it is as long. Where the tree is searched a Lévy flight takes 0.106 s with 3 cuts, 0.109 with 6, a jittered sphere 0.176 and 0.179. One NVIDIA H200.)
 INLINE uint store_cuts_before_look(Store *s) { return (LANES > 1u) ? ((WITH_TABLE != 0) ? 6u : 3u) : NO_SITE; }
-#if WITH_SWEEP
-INLINE bool store_checks_near(Store *s) { return s->is_shown != 0u; }
+#if GOES_ON
+INLINE bool store_checks_near(Store *s) { return s->checks_near != 0u; }
 #else
 INLINE bool store_checks_near(Store *s) { return false; }
 #endif

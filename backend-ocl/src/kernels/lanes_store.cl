@@ -227,6 +227,8 @@ typedef struct {
     // How many sites are kept for it, or come from all over; and what is searched next (`NEAR`, …).
     uint kept_count;
     uint next;
+    // Whether near sites are looked at before they cut: some may have.
+    uint checks_near;
 #endif
 #if WITH_TABLE
     // Of the search of the table: it, the site's voxel, and the candidates that the lane holds.

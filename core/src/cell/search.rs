@@ -205,7 +205,7 @@ pub fn search_near<S: SearchStore>(
             }
             s.lanes_wait();
             count = 0;
-            if (what == NEAR) && checks {
+            if (what != SWEEP) && checks {
                 reach = s.square_of_reach(vantage.center);
             }
             if *visited > most_sites {
@@ -242,12 +242,12 @@ pub fn search_near<S: SearchStore>(
             if gathered == s.kept_count() {
                 return UNTOUCHED;
             }
-            count = s.kept_count() - gathered;
-            if count > KEPT_AT_ONCE {
-                count = KEPT_AT_ONCE;
+            let mut some: u32 = s.kept_count() - gathered;
+            if some > KEPT_AT_ONCE {
+                some = KEPT_AT_ONCE;
             }
-            gather_kept(s, vantage, gathered, count);
-            gathered += count;
+            count = gather_kept(s, vantage, gathered, some, key_limit(s, reach, NO_SITE));
+            gathered += some;
         } else {
             return COMPLETE;
         }

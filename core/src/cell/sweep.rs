@@ -8,7 +8,7 @@
 
 use super::candidates::reach_of_site;
 use super::search::Vantage;
-use super::search_store::{NO_SITE, NodeBox, NodeSlab, RoughVertex, SearchStore};
+use super::search_store::{NodeBox, NodeSlab, RoughVertex, SearchStore};
 use super::vector::{Real, Rough, V3, dot, sub};
 
 /// What single precision rounds off, of what is multiplied: 46 roundings at most (see `may_cut_at`), 2.75e-6.
@@ -43,20 +43,27 @@ struct RoughNode {
     size: Rough,
 }
 
-/// Makes some of the sites that are kept candidates, from the `first` on.
+/// Makes those of some sites that are kept candidates, from the `first` on, which have a key below a limit; returns how many they are.
 #[inline(always)]
-pub(super) fn gather_kept<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, count: u32) {
+pub(super) fn gather_kept<S: SearchStore>(s: &mut S, vantage: Vantage, first: u32, count: u32, below: u32) -> u32 {
+    let mut there: u32 = 0;
     let mut i: u32 = s.lane();
-    while i < count {
-        let j: u32 = s.kept_site(first + i);
-        let mut key: u32 = NO_SITE;
-        if j != s.own_site() {
-            key = s.key_below(reach_of_site(s, vantage.slope, j));
+    while (i - s.lane()) < count {
+        let mut j: u32 = s.own_site();
+        if i < count {
+            j = s.kept_site(first + i);
         }
-        s.set_candidate(i, j, key);
+        let key: u32 = s.key_below(reach_of_site(s, vantage.slope, j));
+        let is_wanted: bool = (j != s.own_site()) && (key < below);
+        let all: u32 = s.lanes_with(is_wanted);
+        if is_wanted {
+            s.set_candidate(there + s.rank_in(all), j, key);
+        }
+        there += s.count_of(all);
         i += s.lanes();
     }
     s.lanes_wait();
+    return there;
 }
 
 /// Whether a site of a node may have less power than the cell's own at a vertex that is not settled; of weights that are all the same.

@@ -100,7 +100,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
             }
             store_lanes_wait(s);
             count = 0;
-            if ((what == NEAR) && checks) {
+            if ((what != SWEEP) && checks) {
                 reach = store_square_of_reach(s, vantage.center);
             }
             if (*visited > most_sites) {
@@ -137,12 +137,12 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
             if (gathered == store_kept_count(s)) {
                 return UNTOUCHED;
             }
-            count = store_kept_count(s) - gathered;
-            if (count > KEPT_AT_ONCE) {
-                count = KEPT_AT_ONCE;
+            uint some = store_kept_count(s) - gathered;
+            if (some > KEPT_AT_ONCE) {
+                some = KEPT_AT_ONCE;
             }
-            gather_kept(s, vantage, gathered, count);
-            gathered += count;
+            count = gather_kept(s, vantage, gathered, some, key_limit(s, reach, NO_SITE));
+            gathered += some;
         } else {
             return COMPLETE;
         }

@@ -1,18 +1,25 @@
 // Generated from core/src/cell/sweep.rs by `cargo xtask codegen`; do not edit.
 
-// Makes some of the sites that are kept candidates, from the `first` on.
-INLINE void gather_kept(Store *s, Vantage vantage, uint first, uint count) {
+// Makes those of some sites that are kept candidates, from the `first` on, which have a key below a limit; returns how many they are.
+INLINE uint gather_kept(Store *s, Vantage vantage, uint first, uint count, uint below) {
+    uint there = 0;
     uint i = store_lane(s);
-    while (i < count) {
-        const uint j = store_kept_site(s, first + i);
-        uint key = NO_SITE;
-        if (j != store_own_site(s)) {
-            key = store_key_below(s, reach_of_site(s, vantage.slope, j));
+    while ((i - store_lane(s)) < count) {
+        uint j = store_own_site(s);
+        if (i < count) {
+            j = store_kept_site(s, first + i);
         }
-        store_set_candidate(s, i, j, key);
+        const uint key = store_key_below(s, reach_of_site(s, vantage.slope, j));
+        const bool is_wanted = (j != store_own_site(s)) && (key < below);
+        const uint all = store_lanes_with(s, is_wanted);
+        if (is_wanted) {
+            store_set_candidate(s, there + store_rank_in(s, all), j, key);
+        }
+        there += store_count_of(s, all);
         i += store_lanes(s);
     }
     store_lanes_wait(s);
+    return there;
 }
 
 // Whether a site of a node may have less power than the cell's own at a vertex that is not settled; of weights that are all the same.

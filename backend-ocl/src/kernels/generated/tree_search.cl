@@ -34,7 +34,7 @@ INLINE real size_around(Store *s);
 HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *proven);
 HOT uint near_key(Store *s, Vantage vantage, real *near);
 HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint count);
-INLINE void gather_kept(Store *s, Vantage vantage, uint first, uint count);
+INLINE uint gather_kept(Store *s, Vantage vantage, uint first, uint count, uint below);
 INLINE bool may_cut(Store *s, uint level, uint node);
 INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab);
 INLINE float lower(real x);

@@ -78,7 +78,7 @@ pub(crate) struct Device {
     domain: Option<Arc<DomainGrid>>,
     /// Cells of this call at most.
     most_cells: usize,
-    /// Whether those that are left were given up by a sweep, and are not to be swept again.
+    /// Whether those that are left were given up by a sweep, or are tried once more.
     was_swept: bool,
     /// Cells that are swept at a time: fewer once the device had no memory for the records of more.
     swept_at_once: usize,

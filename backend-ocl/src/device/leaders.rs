@@ -17,8 +17,8 @@ use std::ops::Range;
 /// surface that takes 3.5 ms, of 100,000 23 instead of 44, scanned 28 and 41, on a line 14 and 21, in a plane 8.0 and 9.2, on a jittered sphere 61 and 60; of 200,000 41 and 88, 80 and
 /// 98, 31 and 51, 13 and 17, 89 and 102. One NVIDIA H200.)
 const WORTH_SHOWING: usize = if IN_TESTS { 1 << 7 } else { 1 << 14 };
-/// Cells that the first stage did not complete from which on they are swept. (45,000 of a Lévy flight take 7 instead of 9.5 ms; of fewer than 65,536 sites nothing but what is near is
-/// looked at before, and 22,000 take 7.5 instead of 5.5.)
+/// Cells that the first stage did not complete from which on they are swept. (45,000 of a Lévy flight took 7 instead of 9.5 ms, and 22,000 took 7.5 instead of 5.5, before what was begun was
+/// gone on with.)
 const WORTH_SWEEPING: usize = if IN_TESTS { 1 << 6 } else { 1 << 15 };
 /// Cells that are swept at a time, at first: more gain nothing, and the record of each has 1.5 kB.
 pub(super) const SWEPT_AT_ONCE: usize = if IN_TESTS { 1 << 9 } else { 1 << 18 };
@@ -66,20 +66,23 @@ impl Device {
             let count = self.swept_at_once.min(turns.end - begin);
             let room = count * LONGEST_SWEPT;
             let may_halve = self.swept_at_once > FEWEST_SWEPT;
-            if may_halve && !self.memory.near.grow_if_possible(&self.context, room)? {
-                self.swept_at_once /= 2;
-                continue;
+            if !self.memory.near.grow_if_possible(&self.context, room)? {
+                if may_halve {
+                    self.swept_at_once = (self.swept_at_once / 2).max(FEWEST_SWEPT);
+                    continue;
+                }
+                self.give_begun_up();
             }
             self.memory.near.grow(&self.context, room)?;
             self.shared.params.near_room = room as u32;
             self.counters.near = 0;
             let swept = Way::Together(lanes, Stage::Sweep);
             if let Some(late) = self.launch(swept, cells, 1, begin..begin + count, false, turn_of)? {
-                if !may_halve {
+                if !may_halve && !self.give_begun_up() {
                     return Err(late);
                 }
                 self.memory.near.free();
-                self.swept_at_once /= 2;
+                self.swept_at_once = (self.swept_at_once / 2).max(FEWEST_SWEPT);
                 continue;
             }
             begin += count;

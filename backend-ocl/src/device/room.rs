@@ -88,7 +88,7 @@ impl Device {
         self.memory.rows.read(&self.queue, sites, &mut self.results.rows)
     }
 
-    /// Makes room for the records of so many cells that a stage keeps for another, where stages do; of fewer, or none, where memory lacks. Those that have none are begun anew.
+    /// Makes room for the records of so many cells that a stage keeps for another, where stages do; of fewer, or none, where memory lacks. Without one a cell is begun anew.
     pub(super) fn make_room_for_begun(&mut self, cells: usize) -> Result<()> {
         let Self { context, queue, memory, shared, domain, memory_size, .. } = self;
         if shared.params.equal_weights == 0 || domain.is_some() {
@@ -100,11 +100,28 @@ impl Device {
             room /= 2;
         }
         let sites = shared.params.tree_sites as usize;
-        if room >= LONGEST_RECORD && memory.begun_places.grow_if_possible(context, sites)? {
-            memory.begun_places.fill_with(context, queue, 0, sites)?;
-            shared.params.begun_room = room as u32;
+        if room < LONGEST_RECORD || !memory.begun_places.grow_if_possible(context, sites)? {
+            self.give_begun_up();
+            return Ok(());
         }
+        memory.begun_places.fill_with(context, queue, 0, sites)?;
+        shared.params.begun_room = room as u32;
         Ok(())
+    }
+
+    /// Forgets what cells have been begun, and gives their memory back; whether there was any.
+    pub(super) fn give_begun_up(&mut self) -> bool {
+        let is_made = self.memory.begun.length() > 1;
+        self.shared.params.begun_room = 0;
+        self.memory.begun.free();
+        is_made
+    }
+
+    /// Forgets what cells have been begun where not all had room: which had would decide how the others are cut, and so the last bits of their volumes.
+    pub(super) fn forget_begun_in_part(&mut self) {
+        if self.counters.begun > self.shared.params.begun_room {
+            self.shared.params.begun_room = 0;
+        }
     }
 
     /// Cells that are computed at a time where they are too large for local memory.

@@ -22,8 +22,8 @@ pub(super) const MAY_FAIL: f64 = 0.05;
 /// Cells of the sample of those that are computed together: as many as a large GPU computes at two times, 0.3 ms.
 const SAMPLE_TOGETHER: usize = 4096;
 
-/// The share of a device's memory that what an octree is made with may keep.
-const SHARE_OF_SCRATCH: u64 = 32;
+/// The share of a device's memory that what an octree is made with may keep, and records of cells that were begun.
+pub(super) const SHARE_OF_SCRATCH: u64 = 32;
 
 /// How many of the sample have to reach beyond what the first stage searches, or to need more room, for the tree alone to be searched; and to fail,
 /// where it is, for all cells to begin in the stage of those that reach far; or to have open signs, where weights differ, for those that settle them by the table.
@@ -40,8 +40,8 @@ pub(super) const WORTH_LEAVING: u32 = if IN_TESTS { 1 << 5 } else { 1 << 10 };
 /// without, 0.15 with; one NVIDIA H100. Signs that are open alone do not tell: a fluid's particles that were a lattice have them, and the octree is half of its time.)
 const WORTH_AN_OCTREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 
-/// Of cells that begin where they are completed by their vertices, the share that is given up by one stage and kept for another, at most but for a few sites on rough surfaces.
-const SHARE_GIVEN_UP: usize = 8;
+/// Of cells that begin where they are completed by their vertices, the share that is given up by one stage and kept for another, at most (of a million scanned sites 110,000).
+const SHARE_GIVEN_UP: usize = 4;
 
 /// Leaves that are looked at for a cell that reaches far in a domain, where most cells of a sample end without. (Without one sites from all over tell more: before these were asked,
 /// a Lévy flight took 0.175 s with 40 leaves, 0.162 with 100, 0.155 with 200, no less with 400.) And where weights differ, when what their bounds say is nearer may be farther than sites that cut: 0.065 to 0.057 s
@@ -119,19 +119,19 @@ impl Device {
         Ok(leaves)
     }
 
-    /// Of the cells of a range, where they are many, whether most are not completed by the first stage; and whether so many reach far, where weights differ,
+    /// Of the cells of a range, where they are many, whether most are not completed by the first stage, or where weights are equal nearly all; and whether so many reach far, where weights differ,
     /// that an octree is worth its time.
     pub(super) fn failures(&mut self, lanes: Lanes, share: Range<usize>) -> Result<(bool, bool)> {
         let cells = share.len();
         if cells < WORTH_A_SAMPLE {
-            self.make_room_for_begun(cells)?;
+            self.make_room_for_begun(cells + cells / 4)?;
             return Ok((false, false));
         }
         let first = self.sample_of(Way::Together(lanes, Stage::First), &Todo::Sorted(share), SAMPLE_TOGETHER)?;
         let has_weights = self.shared.params.equal_weights == 0;
         let most_fail = first.later + first.left > if has_weights { MOST_OF_SAMPLE } else { NEARLY_ALL_OF_SAMPLE };
-        let fail = (first.later + first.left) as usize * (cells / SAMPLE_TOGETHER);
-        self.make_room_for_begun(if most_fail { cells / SHARE_GIVEN_UP } else { fail + fail / 8 })?;
+        let fail = (first.later + first.left) as usize * cells / SAMPLE_TOGETHER;
+        self.make_room_for_begun(if most_fail { cells / SHARE_GIVEN_UP } else { fail + fail / 4 })?;
         Ok((most_fail, has_weights && first.beyond + first.left > WORTH_AN_OCTREE))
     }
 

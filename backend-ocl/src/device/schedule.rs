@@ -1,7 +1,7 @@
 //! The scheduler of one device (paper, Alg. 1): passes, substeps, batches.
 
 use super::room::{FEWEST_CELLS, MOST_CELLS};
-use super::sample::{MAY_FAIL, WORTH_LEAVING};
+use super::sample::{MAY_FAIL, SHARE_OF_SCRATCH, WORTH_LEAVING};
 use super::{Computed, Device};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Lanes, Stage, Way};
@@ -116,6 +116,9 @@ impl Device {
             },
         );
         self.programs.settle();
+        if self.memory.begun.bytes() > self.memory_size / SHARE_OF_SCRATCH {
+            self.give_begun_up();
+        }
         let passes = passes?;
         let left = self.counters.left as usize;
         if left > 0 {
@@ -228,6 +231,7 @@ impl Device {
         while now.count() > 0 {
             let before = self.seconds;
             self.sweep(request, way, &now, interior_only, &mut second)?;
+            self.forget_begun_in_part();
             if is_second {
                 second.seconds += self.seconds - before;
             }
@@ -330,10 +334,8 @@ impl Device {
                 _ => None,
             };
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
-                // A driver that allocates late: nothing ran. What cells have been begun is known no more.
-                if self.shared.params.begun_room != 0 {
-                    self.shared.params.begun_room = 0;
-                    self.memory.begun.free();
+                // A driver that allocates late: nothing ran.
+                if self.give_begun_up() {
                     continue;
                 }
                 if !request.needs_facets() || batch <= FEWEST_CELLS {

@@ -267,7 +267,7 @@ fn cells_on_a_surface_are_swept() {
 }
 
 /// What the first stage has begun of cells that reach far is swept, and what is given up by `Far`, after what the first stage has left for other reasons: they are the cells that all are by
-/// their vertices.
+/// their vertices. Where not all have room for their record all are begun anew, for the same bits each time.
 #[cfg(feature = "test-util")]
 #[test]
 fn cells_that_are_begun_are_swept() {
@@ -278,7 +278,7 @@ fn cells_that_are_begun_are_swept() {
     let diagram = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
     let (request, count) = (Request::moments(), sites.len());
     let watched = Watched::new(&request, &());
-    let mut cells = |stage: Stage| {
+    let mut cells = |stage: Stage, room: usize| {
         device.bring_sites(&diagram).unwrap();
         let container = diagram.framed_container().unwrap();
         device.load(&container, &request, None).unwrap();
@@ -287,16 +287,25 @@ fn cells_that_are_begun_are_swept() {
         device.clear(&watched, count, count).unwrap();
         device.look_about(count, 0..0).unwrap();
         (device.shared.params.has_table, device.was_swept) = (0, true);
-        device.make_room_for_begun(if stage == Stage::First { count } else { 0 }).unwrap();
+        device.make_room_for_begun(room).unwrap();
         let (all, together) = (Todo::Sorted(0..count), Some((Lanes::One, stage)));
         let mut for_host = Vec::new();
         let passed = device.pass(&watched, FIRST, &all, true, together, &mut for_host).unwrap();
         assert_eq!((passed.failed.count(), for_host.len()), (0, 0));
         device.read_results(&request, count).unwrap();
-        (device.results.outcomes.clone(), device.results.sums.clone(), device.counters.begun)
+        let begun = (device.counters.begun, device.shared.params.begun_room);
+        (device.results.outcomes.clone(), device.results.sums.clone(), begun)
     };
-    let ((outcomes, sums, _), (with, sums_with, begun)) = (cells(Stage::Far), cells(Stage::First));
-    assert!(begun > 10_000, "{begun}");
+    let ((outcomes, sums, _), (with, sums_with, (begun, room))) =
+        (cells(Stage::Far, 0), cells(Stage::First, 2 * count));
+    assert!(begun > 10_000 && begun <= room, "{begun} of {room}");
+    let (in_part, again) = (cells(Stage::First, count / 4), cells(Stage::First, count / 4));
+    assert!(in_part.2.0 > 10_000 && in_part.2.1 == 0, "{:?}", in_part.2);
+    assert_eq!(in_part.1, again.1);
+    for i in 0..count {
+        let (own, other) = (sums[i * FEW_SUMS as usize], in_part.1[i * FEW_SUMS as usize]);
+        assert!((own - other).abs() < 1e-12 / count as f64, "{i}: {own} {other}");
+    }
     let mean = 1.0 / count as f64;
     for i in 0..count {
         assert_eq!([outcomes[i], with[i]].map(|outcome| outcome & OUTCOME_STATUS), [COMPLETE; 2], "{i}");

@@ -159,8 +159,8 @@ pub(crate) struct Counters {
     pub(crate) tried: u32,
     /// Length of the records of finished cells.
     pub(crate) near: u32,
-    /// Of those for later, those that reach beyond what was searched.
+    /// Of those for later, those that reach beyond what was searched, or have more half-spaces than there is room for.
     pub(crate) beyond: u32,
-    /// Length of the records of cells that have been begun.
+    /// Length of the records of cells that have been begun; more than there is room for where some had none.
     pub(crate) begun: u32,
 }

@@ -52,7 +52,7 @@ INLINE void set_word(uint *bits, uint lane, uint word, uint value) {
 #define FINISHED 34u
 // What exact arithmetic is asked of.
 #define UNSETTLED ((WITH_EXACT != 0) ? LEFT : OPEN)
-// As `OPEN`, for reaching beyond what is searched here.
+// As `OPEN`, for reaching beyond what is searched here, or for more half-spaces than there is room for in a stage that KEEPS_BEGUN: what is there is a whole cell, less far cut.
 #define BEYOND 35u
 
 INLINE uint edge_place(uint a, uint b) { return (a * LANES_P) + b; }
@@ -377,7 +377,7 @@ INLINE uint has_room(Store *s) {
     return s->planes < LANES_P;
 }
 
-// Cuts by a half-space that `source` says whose it is: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT` or `OPEN`.
+// Cuts by a half-space that `source` says whose it is: `CUT`, `UNTOUCHED`, `EMPTY`, `LEFT`, `OPEN` or `BEYOND`.
 INLINE uint cut_together(Store *s, Plane plane, uint source) {
     if (has_room(s) == 0u) {
         return (COMPACTS != 0) ? LEFT : ((KEEPS_BEGUN != 0) ? BEYOND : OPEN);

@@ -15,7 +15,8 @@
 // for its vertices and wait for each other at barriers; all else the first does. WITH_WEIGHTS where they differ: what only they need costs others 8 %.
 // WITH_TABLE where the table of offsets is gone through before the tree is searched (`lanes_table.cl`); WITH_CLOSE for cells of which most have open signs,
 // by that table; WITH_SWEEP for cells that end with one look at all that can still cut them, some of which begin
-// with what bounds others far off (`leaders.cl`), and whose integrals are another stage's (TAKES_CELLS).
+// with what bounds others far off (`leaders.cl`), and whose integrals are another stage's (TAKES_CELLS). What a stage of the tree does not complete it KEEPS_BEGUN, without a domain and with equal
+// weights, and the next GOES_ON.
 
 #import "lanes_table.cl"
 #import "lanes_near.cl"

@@ -1,6 +1,7 @@
-// Finished cells on their way from the stage that cuts all cells to one that TAKES_CELLS: those near the domain's surface, those that were swept, or where facets are asked for all. A
-// record: site, numbers of half-spaces and of vertices, winding number, whether exact arithmetic was needed and whether the surface is near; the vertices in single precision; their
-// triplets, and what is beyond the half-spaces: a site, a face of the box, or what a cap cut off; and the half-spaces of caps.
+// Cells on their way from one stage to another. Finished ones to one that TAKES_CELLS: those near the domain's surface, those that were swept, or where facets are asked for all; and what a stage that
+// KEEPS_BEGUN does not complete to one that GOES_ON. A record: site; numbers of half-spaces and of vertices; winding number, or without a domain what `search_near` has proved; whether exact arithmetic was
+// needed, and whether the surface is near, or what is searched next; the vertices in single precision; their triplets, and what is beyond the half-spaces: a site, a face of the box, or what a cap cut off;
+// and the half-spaces of caps.
 
 #import "lanes_clip.cl"
 #import "output.cl"
@@ -50,8 +51,8 @@ INLINE bool give_cell(
 #endif
     uint begin = 0;
     if (s->lane == 0u) {
-        // (Where there is none the number is not to grow until it begins anew.)
-        begin = (*used < room) ? atomic_add(used, length) : room;
+        // (What is used tells whether all had room, and is not to grow on until it begins anew.)
+        begin = (*used <= room) ? atomic_add(used, length) : room;
     }
     begin = lane_value(begin, 0);
     *place = begin;
@@ -90,8 +91,8 @@ INLINE bool give_cell(
 #endif
 
 #if TAKES_CELLS || GOES_ON
-// The cell of a record; that of the box has been begun. (Without a domain nobody looks at the rough places, which are from where the stage that gave the cell
-// had its origin.)
+// The cell of a record; that of the box has been begun. (Where weights differ rough places are from where the stage that gave the cell had its origin; but without a domain nobody
+// looks at them then.)
 INLINE void take_cell(Store *s, __global const uint4 *record) {
     CELL_SPACE Cell *cell = s->cell;
     s->planes = record->y & 0xFFFFu;

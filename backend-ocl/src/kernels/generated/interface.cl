@@ -236,9 +236,9 @@ typedef struct {
     uint tried;
     // Length of the records of finished cells.
     uint near;
-    // Of those for later, those that reach beyond what was searched.
+    // Of those for later, those that reach beyond what was searched, or have more half-spaces than there is room for.
     uint beyond;
-    // Length of the records of cells that have been begun.
+    // Length of the records of cells that have been begun; more than there is room for where some had none.
     uint begun;
 } Counters;
 

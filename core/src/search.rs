@@ -139,12 +139,13 @@ impl<'a> Search<'a> {
     /// about the cell's centre within which they cannot.
     fn near<S: CellStore>(&mut self, cell: &mut Cell<'_, S>) -> Option<Real> {
         let mut proven_square = 0.0;
+        let may_lie_outside = self.prepared.domain_grid().is_some() && !stands_within(cell);
         for chunk in 0..MOST_CHUNKS {
-            if !self.group.has_chunk(chunk) || !self.visit_chunk(cell, chunk) {
+            if !self.group.has_chunk(chunk) || !self.visit_chunk(cell, chunk, may_lie_outside) {
                 return None;
             }
             if self.prepared.domain_grid().is_some() {
-                if cell::lies_outside(cell.store) {
+                if may_lie_outside && cell::lies_outside(cell.store) {
                     cell.outcome.status = EMPTY;
                     return None;
                 }
@@ -224,7 +225,7 @@ impl<'a> Search<'a> {
     }
 
     /// Visits the sites of a chunk that may cut the cell, nearest bisector first; `false` ends the search.
-    fn visit_chunk<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, chunk: usize) -> bool {
+    fn visit_chunk<S: CellStore>(&mut self, cell: &mut Cell<'_, S>, chunk: usize, may_lie_outside: bool) -> bool {
         let tree = &self.prepared.sites;
         let leaves = self.group.leaves(chunk);
         let (position, weight) = (cell.position, cell.weight);
@@ -235,7 +236,7 @@ impl<'a> Search<'a> {
             // The nearest some first: the others are fewer once these have cut the cell.
             let near = self.group.near();
             let nearest = gather(leaves, &self.reaches, above, near.min(cell.reach_square), &mut self.candidates);
-            if !visit_all::<S, false>(tree, cell, nearest, Real::INFINITY, true) {
+            if !visit_all::<S, false>(tree, cell, nearest, Real::INFINITY, may_lie_outside) {
                 return false;
             }
             above = near;
@@ -333,6 +334,13 @@ fn gather<'c>(
         }
     }
     &mut candidates[..count]
+}
+
+/// Whether it is known that a cell does not lie outside the domain: of equal weights it has its site, and that is within, where no triangle is near. (Of sites all inside the bunny each
+/// cell was asked three times, for 3 % of all instructions.)
+fn stands_within<S: CellStore>(cell: &Cell<'_, S>) -> bool {
+    let voxel = cell.store.voxel_of(cell.store.site());
+    cell.slope.is_none() && cell.store.surface_voxels(voxel, voxel) == 0 && cell.store.winding(voxel) != 0
 }
 
 /// Visits candidates, nearest first; `false` ends the search. Unless `ALL` are to be, it leaves those that are more than a cell visits near.

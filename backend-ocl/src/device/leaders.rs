@@ -68,7 +68,7 @@ impl Device {
             let may_halve = self.swept_at_once > FEWEST_SWEPT;
             if !self.memory.near.grow_if_possible(&self.context, room)? {
                 if may_halve {
-                    self.swept_at_once = (self.swept_at_once / 2).max(FEWEST_SWEPT);
+                    self.swept_at_once /= 2;
                     continue;
                 }
                 self.give_begun_up();
@@ -78,11 +78,12 @@ impl Device {
             self.counters.near = 0;
             let swept = Way::Together(lanes, Stage::Sweep);
             if let Some(late) = self.launch(swept, cells, 1, begin..begin + count, false, turn_of)? {
-                if !may_halve && !self.give_begun_up() {
+                if may_halve {
+                    self.swept_at_once /= 2;
+                } else if !self.give_begun_up() {
                     return Err(late);
                 }
                 self.memory.near.free();
-                self.swept_at_once = (self.swept_at_once / 2).max(FEWEST_SWEPT);
                 continue;
             }
             begin += count;

@@ -88,7 +88,8 @@ impl Device {
         self.memory.rows.read(&self.queue, sites, &mut self.results.rows)
     }
 
-    /// Makes room for the records of so many cells that a stage keeps for another, where stages do; of fewer, or none, where memory lacks. Without one a cell is begun anew.
+    /// Makes room for the records of so many cells that a stage keeps for another, where stages do; of fewer, or none, where memory lacks. (Where it
+    /// does not suffice, or a cell has no record, cells are begun anew.)
     pub(super) fn make_room_for_begun(&mut self, cells: usize) -> Result<()> {
         let Self { context, queue, memory, shared, domain, memory_size, .. } = self;
         if shared.params.equal_weights == 0 || domain.is_some() {

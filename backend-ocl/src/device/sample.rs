@@ -29,7 +29,8 @@ pub(super) const SHARE_OF_SCRATCH: u64 = 32;
 /// where it is, for all cells to begin in the stage of those that reach far; or to have open signs, where weights differ, for those that settle them by the table.
 const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
-/// The same to fail where weights are equal, as what the first stage has begun is gone on with. (A Lévy flight of which 56 % fail, where less counts as near, takes 0.062 s so, and 0.233 in the other way, one NVIDIA H200.)
+/// The same to fail where weights are equal, as what the first stage has begun is gone on with. (A Lévy flight of which 56 % fail, where less counts as near, takes 0.062 s so, and 0.233
+/// in the other way, one NVIDIA H200.)
 const NEARLY_ALL_OF_SAMPLE: u32 = 7 * (SAMPLE_TOGETHER as u32 / 8);
 /// Cells that the table of offsets does not complete, most of which reach beyond it, from which on they are searched by the tree at once, and not by the table with exact signs
 /// before. (8,000 of 100,000 Soneira-Peebles sites take 4.2 ms in all that comes, and took 8.5; of 50,000 scanned ones, of which most reach beyond, 14 and 36. One NVIDIA H200.)
@@ -120,7 +121,7 @@ impl Device {
     }
 
     /// Of the cells of a range, where they are many, whether most are not completed by the first stage, or where weights are equal nearly all; and whether so many reach far, where weights differ,
-    /// that an octree is worth its time.
+    /// that an octree is worth its time. Makes room for the records of what is then begun and not completed.
     pub(super) fn failures(&mut self, lanes: Lanes, share: Range<usize>) -> Result<(bool, bool)> {
         let cells = share.len();
         if cells < WORTH_A_SAMPLE {

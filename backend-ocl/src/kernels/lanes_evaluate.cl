@@ -53,8 +53,9 @@ __kernel void cells(CELLS_ARGUMENTS) {
     s->world = WORLD_OF_ARGUMENTS;
     s->own = site;
 #if KEEPS_BEGUN || GOES_ON
-    s->kept_count = 0;
     s->next = NEAR;
+#endif
+#if GOES_ON
     s->checks_near = 0;
 #endif
 #if WITH_SWEEP
@@ -68,8 +69,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
         }
         s->kept_count = lanes_alike(kept_of_block[0]);
         s->kept = kept_of_block + 1u;
-    }
-    if (s->is_shown == 0u) {
+    } else {
         s->kept_count = sites_about(s);
     }
 #elif GOES_ON
@@ -238,26 +238,26 @@ __kernel void cells(CELLS_ARGUMENTS) {
     // (What ends so has been cut by whole half-spaces.)
     const bool may_go_on = ((status == BEYOND) || (status == LEFT)) || ((WITH_SWEEP != 0) && (status == BATCH_FULL));
     const bool is_begun = may_go_on && (params->begun_room != 0u);
+    const real proven = above;
     if (is_begun && (s->planes > SWEPT_P)) {
         s->planes = lanes_alike(compact_together(cell, s->lane, s->planes, s->vertices));
     }
+#else
+    const bool is_begun = false;
+    const real proven = REAL(0.0);
+#endif
     if (is_begun || (status == FINISHED)) {
         const bool is_given = give_cell(
-            s, is_begun ? begun : near, is_begun ? &counters->begun : &counters->near, is_begun ? params->begun_room : params->near_room, site, exact, above,
+            s, is_begun ? begun : near, is_begun ? &counters->begun : &counters->near, is_begun ? params->begun_room : params->near_room, site, exact, proven,
             &place
         );
+        // (A stage WITH_EXACT might cut a finished cell in another order, and which cells have no room depends on which came first: no bit is to.)
         if (!is_begun) {
             status = is_given ? FINISHED : BATCH_FULL;
         } else if (is_given && (s->lane == 0u)) {
             begun_places[site] = place + 1u;
         }
     }
-#else
-    // (A stage WITH_EXACT might cut it in another order, and which cells have no room depends on which came first: no bit is to.)
-    if (status == FINISHED) {
-        status = give_cell(s, near, &counters->near, params->near_room, site, exact, REAL(0.0), &place) ? FINISHED : BATCH_FULL;
-    }
-#endif
 #endif
     if (s->lane != 0u) {
         return;

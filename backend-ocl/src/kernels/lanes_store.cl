@@ -224,10 +224,12 @@ typedef struct {
     __global const uint *kept;
 #endif
 #if KEEPS_BEGUN || GOES_ON
-    // How many sites are kept for it, or come from all over; and what is searched next (`NEAR`, …).
-    uint kept_count;
+    // What is searched next (`NEAR`, …).
     uint next;
-    // Whether near sites are looked at before they cut: some may have.
+#endif
+#if GOES_ON
+    // How many sites are kept for it, or come from all over; and whether near ones are looked at before they cut: some may have.
+    uint kept_count;
     uint checks_near;
 #endif
 #if WITH_TABLE

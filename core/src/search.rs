@@ -129,10 +129,34 @@ impl<'a> Search<'a> {
         let slope = prepared.sites.has_weights().then(|| self.group.slope_at([x, y, z]));
         let mut cell = Cell::new(store, site, [x, y, z, weight], slope, epsilon);
         cell.measure();
+        if self.is_row && cell.slope.is_some() && self.begins_far(&cell) && !self.begin_far(&mut cell) {
+            return cell.outcome;
+        }
         if let Some(proven_square) = self.near(&mut cell) {
             self.far(&mut cell, proven_square);
         }
         cell.outcome
+    }
+
+    /// Whether a cell in a domain is cut by the sites that bound those before it far off, before any near one: where weights are so rough that what is near proves
+    /// nothing. (One cell in thirty is so, of blue noise with the weights that give cells of one volume in the bunny: 2.2 to 1.95 s of a million sites, two threads. Without a domain a
+    /// sinusoid takes 5 % longer so.)
+    #[inline(never)]
+    fn begins_far<S: CellStore>(&mut self, cell: &Cell<'_, S>) -> bool {
+        let is_kept = self.is_row && self.kept_of == cell.site as usize / SHARING && !self.kept.is_empty();
+        let may_be =
+            is_kept && cell.slope.is_some() && cell.enlarged.is_none() && self.prepared.domain_grid().is_some();
+        may_be && self.group.has_chunk(0) && self.group.proven_square(0, cell.position, cell.weight) <= 0.0
+    }
+
+    /// Visits the sites that are kept; `false` ends the search.
+    #[cold]
+    #[inline(never)]
+    fn begin_far<S: CellStore>(&mut self, cell: &mut Cell<'_, S>) -> bool {
+        let goes_on = self.visit_kept(cell, Real::NEG_INFINITY);
+        cell.has_begun = true;
+        cell.most_near += cell.outcome.visited;
+        goes_on
     }
 
     /// Visits the sites of the group's chunks until none beyond them can cut the cell. Where that is not worth while, the square of the radius
@@ -203,8 +227,7 @@ impl<'a> Search<'a> {
         }
         self.kept.iter().all(|&j| {
             let may_cut = j != cell.site && (above..cell.reach_square).contains(&self.reach(cell, j));
-            let is_there = || (0..cell.store.planes()).any(|f| cell.store.tag(f) == j);
-            !may_cut || is_there() || cell.visit(self.prepared.sites.site(j), j)
+            !may_cut || cell.is_cut_by(j) || cell.visit(self.prepared.sites.site(j), j)
         })
     }
 
@@ -378,7 +401,8 @@ fn visit_all<S: CellStore, const ALL: bool>(
                     return true;
                 }
                 let site = candidate as u32;
-                if site != cell.site && !cell.visit(tree.site(site), site) {
+                let is_known = site == cell.site || (!ALL && cell.has_begun && cell.is_cut_by(site));
+                if !is_known && !cell.visit(tree.site(site), site) {
                     return false;
                 }
             }

@@ -88,7 +88,11 @@ impl NullaryFnOnce for Job<'_> {
 #[inline(always)]
 pub(super) fn powers_at(leaf: &Leaf, place: V3) -> [f64; WIDTH] {
     let Leaf { at: [xs, ys, zs], weight } = leaf;
-    std::array::from_fn(|k| power_at(v3(xs[k], ys[k], zs[k]), weight[k], place))
+    let mut powers = [0.0; WIDTH];
+    for k in 0..WIDTH {
+        powers[k] = power_at(v3(xs[k], ys[k], zs[k]), weight[k], place);
+    }
+    powers
 }
 
 /// The sites of least power at some places, of equals one; 0 where there are none.

@@ -35,6 +35,8 @@ pub(super) struct Cell<'a, S> {
     pub(super) most_near: u32,
     /// Whether many sites in a row have not cut it, which has far to go.
     pub(super) is_idle: bool,
+    /// Whether it was cut by sites that are not near before those that are.
+    pub(super) has_begun: bool,
     pub(super) outcome: Outcome,
 }
 
@@ -63,6 +65,7 @@ impl<'a, S: CellStore> Cell<'a, S> {
             left_square: Real::INFINITY,
             most_near: if slope.is_some() { MOST_NEAR_WEIGHTED } else { MOST_NEAR },
             is_idle: false,
+            has_begun: false,
             outcome: Outcome { status: cell::COMPLETE, ..Outcome::default() },
         }
     }
@@ -102,6 +105,11 @@ impl<'a, S: CellStore> Cell<'a, S> {
                 false
             }
         }
+    }
+
+    /// Whether the bisector with a site is among its half-spaces.
+    pub(super) fn is_cut_by(&self, site: u32) -> bool {
+        (0..self.store.planes()).any(|f| self.store.tag(f) == site)
     }
 
     /// Whether `epsilon` leaves out the site at `d` from the cell's.

@@ -87,8 +87,11 @@ impl<S: CellStore> Searched<'_, '_, S> {
     #[inline(always)]
     fn may_cut(&self, number: u32) -> [bool; WIDTH] {
         let (Leaf { at: [xs, ys, zs], weight }, [px, py, pz]) = (self.tree.leaf(number), self.cell.position);
-        let others: [Other; WIDTH] =
-            std::array::from_fn(|k| other_at(v3(xs[k] - px, ys[k] - py, zs[k] - pz), weight[k] - self.cell.weight));
+        let mut others = [Other::default(); WIDTH];
+        // (Loops here and below: what `array::from_fn` calls is inlined or not, and if not, does without wide instructions: 4 % of a bumpy surface, and of clusters with weights of transport.)
+        for k in 0..WIDTH {
+            others[k] = other_at(v3(xs[k] - px, ys[k] - py, zs[k] - pz), weight[k] - self.cell.weight);
+        }
         let store = &*self.cell.store;
         let mut may = [false; WIDTH];
         for v in 0..store.vertices() {
@@ -158,7 +161,6 @@ impl<S: CellStore> Searched<'_, '_, S> {
         let leaf = self.tree.leaf(leaf);
         let ([xs, ys, zs], [px, py, pz]) = (&leaf.at, self.cell.position);
         let mut powers = [0.0; WIDTH];
-        // (A loop: what `array::from_fn` calls is inlined or not, and if not, does without wide instructions: 4 % of a bumpy surface.)
         for k in 0..WIDTH {
             let (x, y, z) = (place.x - (xs[k] - px), place.y - (ys[k] - py), place.z - (zs[k] - pz));
             powers[k] = (((x * x) + (y * y)) + (z * z)) - (leaf.weight[k] - self.cell.weight);
@@ -168,7 +170,7 @@ impl<S: CellStore> Searched<'_, '_, S> {
 }
 
 /// Another site, as the cell's sees it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Other {
     /// The way to it.
     way: V3,

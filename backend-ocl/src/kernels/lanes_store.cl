@@ -277,6 +277,18 @@ INLINE real lanes_folded(real x, uint is_sum) {
     return x;
 }
 INLINE real lanes_sum(real x) { return lanes_folded(x, 1u); }
+
+// Before a loop that folds several numbers of the lanes at once. With a domain or weights the text is longer than what the caches of instructions hold well, of which unrolled folds were a third in `First`:
+// without them cells near the surface take 0.83 to 0.9 of the time, weights 0.9|x|² 0.95, blue noise in the bunny 0.965; without either white noise took 1.006 (one NVIDIA H200).
+#if WITH_DOMAIN || WITH_WEIGHTS
+#define FOLDED ROLLED
+#else
+#define FOLDED UNROLLED
+#endif
+INLINE V3 v3_beside(V3 x, uint step) {
+    return (V3){ .x = real_beside(x.x, step), .y = real_beside(x.y, step), .z = real_beside(x.z, step) };
+}
+INLINE V3 v3_most(V3 x, V3 y) { return (V3){ .x = fmax(x.x, y.x), .y = fmax(x.y, y.y), .z = fmax(x.z, y.z) }; }
 INLINE V3 lanes_sum_of(V3 x) { return (V3){ .x = lanes_sum(x.x), .y = lanes_sum(x.y), .z = lanes_sum(x.z) }; }
 INLINE V3 lanes_most_of(V3 x) {
     return (V3){ .x = lanes_folded(x.x, 0u), .y = lanes_folded(x.y, 0u), .z = lanes_folded(x.z, 0u) };

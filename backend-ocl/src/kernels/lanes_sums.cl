@@ -25,9 +25,13 @@ OUTLINE void find_box(CELL_SPACE Cell *cell, uint lane, uint vertices, uint is_f
     if (store_vertices(&share) != 0u) {
         radius = box_of_cell(&share, &low, &high);
     }
-    low = lanes_most_of(scale(-REAL(1.0), low));
-    high = lanes_most_of(high);
-    radius = lanes_folded(radius, 0u);
+    low = scale(-REAL(1.0), low);
+    FOLDED
+    for (uint step = LANES / 2u; step > 0u; step >>= 1) {
+        low = v3_most(low, v3_beside(low, step));
+        high = v3_most(high, v3_beside(high, step));
+        radius = fmax(radius, real_beside(radius, step));
+    }
     lanes_wait();
     if (lane == 0u) {
         cell->corner[0] = -low.x;
@@ -166,11 +170,16 @@ SUM_TOGETHER uint sum_together(
     if (lanes_with(status != COMPLETE) != 0u) {
         return UNCERTAIN;
     }
-    const real rounding = lanes_sum(part.rounding);
-    sums->volume += lanes_sum(part.volume);
-    sums->first = add(sums->first, lanes_sum_of(part.first));
-    sums->rounding += rounding;
-    sums->largest_rounding = fmax(sums->largest_rounding, rounding);
+    FOLDED
+    for (uint step = LANES / 2u; step > 0u; step >>= 1) {
+        part.rounding += real_beside(part.rounding, step);
+        part.volume += real_beside(part.volume, step);
+        part.first = add(part.first, v3_beside(part.first, step));
+    }
+    sums->volume += part.volume;
+    sums->first = add(sums->first, part.first);
+    sums->rounding += part.rounding;
+    sums->largest_rounding = fmax(sums->largest_rounding, part.rounding);
     if ((flags & SECOND_MOMENTS) != 0u) {
         sums->second_diagonal = add(sums->second_diagonal, lanes_sum_of(part.second_diagonal));
         sums->second_mixed = add(sums->second_mixed, lanes_sum_of(part.second_mixed));

@@ -141,7 +141,8 @@ pub(crate) enum Stage {
 /// How a stage is built.
 struct Shape {
     /// Cells of a group. In the first stages as many as fit into 48 KiB, so that they go through the same instructions at about the same time, which are
-    /// more than the nearest cache holds (of 2 million cells, 5 instead of 4 save 1 %, 2 cost 8 %; one NVIDIA H200); but no more than let registers be
+    /// more than the nearest cache holds (of 2 million cells, 5 instead of 4 save 1 %, 2 cost 8 %; with a
+    /// domain and weights, whose text is longer, Fig. 11's cells take 7.3 ms so, and 8.0, 9.3, 11.8 and 19.5 with 4, 3, 2 and 1; one NVIDIA H200); but no more than let registers be
     /// used up. Of cells that are completed by their vertices some take a hundred times as long as others, and a group ends with its last (with 1
     /// instead of 4 sites on a jittered sphere take 20 % less time, on a Lévy flight 7).
     cells: u32,

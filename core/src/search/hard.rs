@@ -22,10 +22,12 @@ const LEAST_TRIED: usize = 4;
 /// Of them in one task.
 const TRIED_AT_ONCE: usize = 4;
 
-/// Blocks of eight nodes that a cell opens, from which on it is hard, and how many of those that are tried have to be, one in so many, for an octree to be made. (Of sites in clusters
-/// with weights of transport 44 of 64 are, or all: cells take a quarter to half of the time with it. In the bunny, of blue noise so weighted, 6 are: 2.2 s without it, 2.4 to 2.7 with.)
+/// A cell is hard that opens more blocks of eight nodes than this. An octree is made where more than one of so many cells that are tried is hard, or a few open so many that all do on average. (Of sites
+/// in clusters with weights of transport 44 of 64 are, or all, which open 500 to 2,900: cells take a quarter to half of the time with it. In the bunny, of blue noise so weighted, 6 are, and all open 50: 1.8 s
+/// without it, 2.3 with.)
 const MANY_OPENED: u32 = 40;
 const ENOUGH_HARD: u64 = 4;
+const VERY_MANY_OPENED: u64 = 400;
 
 impl Prepared {
     /// With an octree over the container where cells look at many nodes of the tree over the sites for want of good bounds of their weights.
@@ -38,18 +40,20 @@ impl Prepared {
         if !self.sites.has_weights() || tried < LEAST_TRIED {
             return Ok(self);
         }
-        let is_hard = |search: &mut Search<'_>, i: usize| -> bool {
+        let opened = |search: &mut Search<'_>, i: usize| -> u32 {
             let site = (i * (sites / tried)) as u32;
             let [x, y, z, _] = self.sites.site(site);
             let mut store = PlainStore::new([x, y, z], self.domain_grid());
-            search.complete(&mut store, site, None).opened > MANY_OPENED
+            search.complete(&mut store, site, None).opened
         };
         let some = |range: Range<usize>| {
             let mut search = Search::new(&self);
-            range.filter(|&i| is_hard(&mut search, i)).count() as u64
+            range.map(|i| opened(&mut search, i)).collect::<Vec<u32>>()
         };
-        let hard: u64 = parallel::chunks(tried, TRIED_AT_ONCE, some).iter().sum();
-        if ENOUGH_HARD * hard > tried as u64 {
+        let opened: Vec<u32> = parallel::chunks(tried, TRIED_AT_ONCE, some).concat();
+        let (all, hard) = (tried as u64, opened.iter().filter(|&&opened| opened > MANY_OPENED).count() as u64);
+        let sum: u64 = opened.iter().map(|&opened| u64::from(opened)).sum();
+        if ENOUGH_HARD * hard > all || sum > VERY_MANY_OPENED * all {
             let bounds = [self.container.lo, self.container.hi];
             self.octree = PowerOctree::new(&self.sites, bounds, MOST_LISTED, go_on)?;
         }

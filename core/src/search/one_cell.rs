@@ -35,8 +35,6 @@ pub(super) struct Cell<'a, S> {
     pub(super) most_near: u32,
     /// Whether many sites in a row have not cut it, which has far to go.
     pub(super) is_idle: bool,
-    /// Whether it was cut by sites that are not near before those that are.
-    pub(super) has_begun: bool,
     pub(super) outcome: Outcome,
 }
 
@@ -65,7 +63,6 @@ impl<'a, S: CellStore> Cell<'a, S> {
             left_square: Real::INFINITY,
             most_near: if slope.is_some() { MOST_NEAR_WEIGHTED } else { MOST_NEAR },
             is_idle: false,
-            has_begun: false,
             outcome: Outcome { status: cell::COMPLETE, ..Outcome::default() },
         }
     }

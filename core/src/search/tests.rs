@@ -5,7 +5,7 @@ use super::*;
 use crate::PowerDiagram;
 use crate::cell::far::{asked_at, least_at};
 use crate::cell::search_store::{NO_SITE, SearchStore};
-use crate::cell::{PlainStore, Polytope as _};
+use crate::cell::{CellSums, PlainStore, Polytope as _};
 
 /// Points that fill the unit cube with no pattern.
 fn point(i: usize) -> [f64; 3] {
@@ -214,4 +214,35 @@ fn cells_of_a_row_are_what_they_are_alone() {
         }
         assert!(4 * opened[1] < 3 * opened[0], "{opened:?}");
     }
+}
+
+/// In a domain, where weights are at random, cells of a row begin with what is kept, and are what they are alone.
+#[test]
+fn cells_of_a_row_in_a_domain_are_what_they_are_alone() {
+    let places: Vec<[f64; 3]> = (0..3000).map(point).collect();
+    let weights: Vec<f64> = places.iter().map(|p| 0.03 * (1e5 * p[1]).fract()).collect();
+    let ball = crate::shapes::icosphere(2)
+        .transformed(glam::DMat3::from_diagonal(glam::DVec3::splat(0.4)), glam::DVec3::splat(0.5));
+    let domain = ball.domain();
+    let prepared = PowerDiagram::new(&places, &weights).unwrap().restricted_to(&domain).prepare().unwrap();
+    let (mut alone, mut row) = (Search::new(&prepared), Search::new(&prepared));
+    row.begin_row();
+    let mut begun = 0;
+    for site in 0..3000 {
+        let [x, y, z, _] = prepared.sites.site(site);
+        let [one, other] = [&mut alone, &mut row].map(|search| {
+            let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+            let outcome = search.complete(&mut store, site, None);
+            let mut sums = CellSums::default();
+            let status = match outcome.status {
+                cell::COMPLETE => cell::integrate_cell(&mut store, 0, 0, &mut sums),
+                other => other,
+            };
+            begun += usize::from(outcome.tried_kept);
+            (status, sums.volume)
+        });
+        assert_eq!(one.0, other.0, "{site}");
+        assert!((one.1 - other.1).abs() < 1e-15, "{site}: {one:?}, {other:?}");
+    }
+    assert!(begun > 10, "{begun}");
 }

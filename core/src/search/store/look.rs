@@ -88,7 +88,7 @@ impl<S: CellStore> Searched<'_, '_, S> {
     fn may_cut(&self, number: u32) -> [bool; WIDTH] {
         let (Leaf { at: [xs, ys, zs], weight }, [px, py, pz]) = (self.tree.leaf(number), self.cell.position);
         let mut others = [Other::default(); WIDTH];
-        // (Loops here and below: what `array::from_fn` calls is inlined or not, and if not, does without wide instructions: 4 % of a bumpy surface, and of clusters with weights of transport.)
+        // (Loops here and in `powers_of_leaf`: what `array::from_fn` calls is inlined or not, and if not, does without wide instructions: 4 % of a bumpy surface, and of clusters with weights of transport.)
         for k in 0..WIDTH {
             others[k] = other_at(v3(xs[k] - px, ys[k] - py, zs[k] - pz), weight[k] - self.cell.weight);
         }

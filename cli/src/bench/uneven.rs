@@ -17,9 +17,8 @@ use crate::uneven::{INPUTS, Uneven};
 const CHECKED: usize = 500;
 /// How far the volume of a cell may be off the oracle's, in units of the mean volume.
 const BOUND: f64 = 1e-12;
-/// And besides in units of its own: roundings of the sums, which show where one cell is large. (Of 50,000 sites with a heavy one that has 1,650 facets: by the sum of all others
-/// 10 roundings are in the oracle's, 13 in the CPU's, 17 in a device's, which are 28 apart.)
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// And besides in units of its own: some roundings, which show where one cell is nearly all of the cube.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// What the inputs are compared with.
 const WHITE: &str = "white";
 

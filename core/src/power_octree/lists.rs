@@ -89,6 +89,7 @@ impl NullaryFnOnce for Job<'_> {
 pub(super) fn powers_at(leaf: &Leaf, place: V3) -> [f64; WIDTH] {
     let Leaf { at: [xs, ys, zs], weight } = leaf;
     let mut powers = [0.0; WIDTH];
+    // (A loop, as in `search/store/look.rs`.)
     for k in 0..WIDTH {
         powers[k] = power_at(v3(xs[k], ys[k], zs[k]), weight[k], place);
     }

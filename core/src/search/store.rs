@@ -375,7 +375,7 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         [t.a, t.b, t.c].iter().any(|&f| self.cell.store.tag(f) == j)
     }
     fn was_tried(&self, j: u32) -> bool {
-        self.room.tried.contains(&j) || (0..self.cell.store.planes()).any(|f| self.cell.store.tag(f) == j)
+        self.room.tried.contains(&j) || self.cell.is_cut_by(j)
     }
     fn leaves_out(&self) -> bool {
         self.cell.enlarged.is_some()

@@ -393,6 +393,7 @@ INLINE void store_set_facet(Store *s, uint f, FacetSum sum) {}
 INLINE uint corner_of(Triplet t, uint f) { return (t.a == f) ? 0u : ((t.b == f) ? 1u : ((t.c == f) ? 2u : 3u)); }
 
 INLINE bool store_sums_areas_alone(Store *s) { return s->areas_alone != 0u; }
+INLINE bool store_sums_in_blocks(Store *s) { return false; }
 
 // What the lane's vertex, of which it has one at a time, adds to the facet of f.
 #if WITH_FACETS

@@ -21,3 +21,4 @@ INLINE uint store_cut(Store *s, Plane plane, uint tag);
 INLINE FacetSum store_facet_at(Store *s, Triplet t, uint f) { return store_facet(s, f); }
 INLINE void store_set_facet_at(Store *s, Triplet t, uint f, FacetSum sum) { store_set_facet(s, f, sum); }
 INLINE bool store_sums_areas_alone(Store *s) { return false; }
+INLINE bool store_sums_in_blocks(Store *s) { return true; }

@@ -86,6 +86,10 @@ pub fn volume_is_above_bound(sums: CellSums) -> bool {
     return false;
 }
 
+/// Vertices that are summed by themselves before their sum is added to that of the others: a power of two. A sum of n like terms is off by
+/// some √n roundings: the volume of a cell of 2,866 vertices was by 16 to 25 roundings so, and is by 1 to 3.
+const BLOCK_OF_VERTICES: u32 = 64;
+
 /// Below this share of `|n_f|²|n_g|²`, the square of the angle's sine, the foot on the edge is computed exactly: each step of refinement
 /// leaves some roundings over the sine of the error, here 10⁻⁵, and three are made.
 #[cfg_attr(opencl, single(9.313225746154785e-10))]
@@ -131,11 +135,18 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
     sums: &mut CellSums,
 ) -> u32 {
     let mut part: CellSums = CellSums::default();
+    // What the vertices of earlier blocks have added.
+    let mut before: CellSums = CellSums::default();
+    let is_in_blocks: bool = s.sums_in_blocks() && (s.vertices() > BLOCK_OF_VERTICES);
     #[cfg(not(opencl))]
     if (flags & SECOND_MOMENTS) == 0 {
         s.prepare_corners(weight, center, reach, flags);
     }
     for v in 0..s.vertices() {
+        if is_in_blocks && (v != 0) && ((v & (BLOCK_OF_VERTICES - 1)) == 0) {
+            before = both_sums(before, part);
+            part = CellSums::default();
+        }
         #[cfg(not(opencl))]
         if (flags & SECOND_MOMENTS) == 0 && s.add_corner(v, norm_1(s.position(v)) + reach, flags, &mut part) {
             continue;
@@ -177,6 +188,9 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
             }
         }
     }
+    if is_in_blocks {
+        part = both_sums(before, part);
+    }
     // `part` holds sixfold volumes, and moments about `center` scaled alike: 24 of the first, 120 of the second.
     let volume: Real = (weight / 6.0) * part.volume;
     let first: V3 = scale(weight / 24.0, part.first);
@@ -208,6 +222,18 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
         sums.integral = sums.integral + (weight * integrate_function(s, center));
     }
     return COMPLETE;
+}
+
+/// What `integrate` has summed of two sets of vertices.
+#[inline(always)]
+fn both_sums(a: CellSums, b: CellSums) -> CellSums {
+    let mut both: CellSums = a;
+    both.volume = a.volume + b.volume;
+    both.first = add(a.first, b.first);
+    both.second_diagonal = add(a.second_diagonal, b.second_diagonal);
+    both.second_mixed = add(a.second_mixed, b.second_mixed);
+    both.rounding = a.rounding + b.rounding;
+    return both;
 }
 
 /// Plane `f` as seen from `center`.

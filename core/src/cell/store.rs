@@ -328,6 +328,12 @@ pub trait IntegralStore: Polytope {
         self.integrand().map_or(0.0, |integrand| integrand.coefficients()[i as usize])
     }
 
+    /// Whether the vertices of a large cell are summed in blocks. Lanes have few of them each.
+    #[inline(always)]
+    fn sums_in_blocks(&self) -> bool {
+        true
+    }
+
     /// Whether the edges of a vertex are gone through in a loop by the integrals: on a GPU three times the text is more than its nearest cache of
     /// instructions holds.
     #[inline(always)]

@@ -5,7 +5,7 @@ use super::{
     bound::{Seer, least_power_of_node, reach_of_bisector},
     facet::reset_facets,
     far::asked_at,
-    integrate::{foot_on_edge, integrate, side},
+    integrate::{Corner, add_edge, foot_on_edge, integrate, side},
     quadratic::{FEW_ROUNDINGS_OF_SUM, add_least},
     search_store::{NodeBox, NodeSlab, NodeWeights},
     vector::{cross, dot, norm_1, sub},
@@ -85,6 +85,35 @@ fn planes_through_vertices_do_not_cut() {
     assert_simple(&store);
     let mut sums = CellSums::default();
     assert_eq!(integrate_cell(&mut store, VOLUME_ONLY, 0, &mut sums), EMPTY);
+}
+
+/// A cell of thousands of vertices is the sum of what each adds, to some roundings: summed one after the other the 3,000 here lose 31.
+#[test]
+fn what_many_vertices_add_is_summed_to_some_roundings() {
+    let mut store = unit_box();
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    for i in 0..1500 {
+        let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 1500.0;
+        let (sin, cos) = (golden * f64::from(i)).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        assert_eq!(clip(&mut store, bisector(v3(0.7 * r * cos, 0.7 * r * sin, 0.7 * z), 0.0), 0), CUT);
+    }
+    let center = v3(0.01, -0.02, 0.015);
+    let mut one = crate::summation::Sum::default();
+    for v in 0..store.vertices() {
+        let t = store.triplet(v);
+        let at = Corner { triplet: t, position: sub(store.position(v), center), distance: 1.0, radius: 0.0 };
+        for (f, g) in [(t.a, t.b), (t.b, t.c), (t.c, t.a)] {
+            let (f, g) = (side(&store, f, center), side(&store, g, center));
+            let mut part = CellSums::default();
+            assert_eq!(add_edge(&mut store, f, g, at, 1.0, center, VOLUME_ONLY, &mut part), COMPLETE);
+            one.add(part.volume / 6.0);
+        }
+    }
+    let mut sums = CellSums::default();
+    assert_eq!(integrate(&mut store, 1.0, center, 0.0, VOLUME_ONLY, &mut sums), COMPLETE);
+    let roundings = (sums.volume - one.total()).abs() / (0.5 * f64::EPSILON * sums.volume);
+    assert!(roundings <= 4.0, "{roundings} roundings");
 }
 
 /// All neighbours in a lattice block, whose bisectors meet by the dozen in single points.

@@ -22,7 +22,14 @@ HOT bool volume_is_above_bound(CellSums sums) {
 // `reach` is the distance to the farthest point that a plane was made from, where that is not a site beyond the plane.
 HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums) {
     CellSums part = (CellSums){ 0 };
+    // What the vertices of earlier blocks have added.
+    CellSums before = (CellSums){ 0 };
+    const bool is_in_blocks = store_sums_in_blocks(s) && (store_vertices(s) > BLOCK_OF_VERTICES);
     for (uint v = 0; v < store_vertices(s); v++) {
+        if ((is_in_blocks && (v != 0)) && ((v & (BLOCK_OF_VERTICES - 1)) == 0)) {
+            before = both_sums(before, part);
+            part = (CellSums){ 0 };
+        }
         const Triplet t = store_triplet(s, v);
         const Corner at = (Corner){ .triplet = t, .position = sub(store_position(s, v), center), .distance = norm_1(store_position(s, v)) + reach, .radius = radius_at(store_radius(s, v), reach) };
         Side f = side(s, t.a, center);
@@ -55,6 +62,9 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
             }
         }
     }
+    if (is_in_blocks) {
+        part = both_sums(before, part);
+    }
     // `part` holds sixfold volumes, and moments about `center` scaled alike: 24 of the first, 120 of the second.
     const real volume = (weight / REAL(6.0)) * part.volume;
     const V3 first = scale(weight / REAL(24.0), part.first);
@@ -82,6 +92,17 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
         sums->integral = sums->integral + (weight * integrate_function(s, center));
     }
     return COMPLETE;
+}
+
+// What `integrate` has summed of two sets of vertices.
+INLINE CellSums both_sums(CellSums a, CellSums b) {
+    CellSums both = a;
+    both.volume = a.volume + b.volume;
+    both.first = add(a.first, b.first);
+    both.second_diagonal = add(a.second_diagonal, b.second_diagonal);
+    both.second_mixed = add(a.second_mixed, b.second_mixed);
+    both.rounding = a.rounding + b.rounding;
+    return both;
 }
 
 // Plane `f` as seen from `center`.

@@ -206,7 +206,8 @@ fn run_batch(pass: Pass<'_>, cells: &[u32]) -> Result<ChunkResult> {
     let Pass { prepared, request, .. } = pass;
     let taped = request.integral().and_then(|f| f.taped(&prepared.container.frame));
     let Some((integrand, tape)) = &taped else { return Ok(ChunkResult::default()) };
-    let pass = Pass { integrand: Some(integrand), ..pass };
+    // How many cells are a batch depends on the function's degree, and the last bits of a volume do on which cells are a row with its own.
+    let pass = Pass { integrand: Some(integrand), are_blocks: false, ..pass };
     let run = || run_chunk(&mut Worker::new(pass), cells, pass);
     run()?;
     tape.call()?;

@@ -3,7 +3,8 @@
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use laguerre_core::oracle::Naive;
-use laguerre_core::{Backend, CellStatus, Output, PowerDiagram, Request};
+use laguerre_core::shapes::icosphere;
+use laguerre_core::{Backend, CellStatus, Integrand, Output, PowerDiagram, Request};
 use laguerre_cpu::Cpu;
 use std::num::NonZero;
 
@@ -135,4 +136,18 @@ fn no_site_is_nearer_to_a_facet_than_its_own() {
         }
         assert!(looked > 5000, "{looked}");
     }
+}
+
+/// Which cells are a batch depends on the degree of the function; the volumes do not.
+#[test]
+fn volumes_do_not_depend_on_the_degree_of_a_function() {
+    let sites: Vec<[f64; 3]> = (0..3000).map(point).collect();
+    let weights: Vec<f64> = sites.iter().map(|p| 0.03 * (1e5 * p[1]).fract()).collect();
+    let diagram = PowerDiagram::new(&sites, &weights).unwrap().restricted_to(&icosphere(2).domain());
+    let volumes = |degree| {
+        let sum = |places: &[[f64; 3]]| Ok(places.iter().map(|p| p[0] + p[1] + p[2]).collect());
+        let request = Request::moments().with_integral(Integrand::batches(degree, 1, sum).unwrap());
+        Cpu::new(Some(2)).unwrap().evaluate(&diagram, &request).unwrap().volume().to_vec()
+    };
+    assert!(volumes(1) == volumes(12));
 }

@@ -140,7 +140,7 @@ INLINE uint cut_by_cone(Store *s, const TruncatedCone *cone, uint from, uint *en
 #if WITH_FACETS
 // Adds to the boundary's sums the parts within the cell of the triangles, of which each lane has some (`add_surface`): `COMPLETE`, `LEFT` or `OPEN`.
 INLINE uint add_surface_together(
-    Store *s, const uint *triangle, uint count, Voxel lo, V3 center, const Saved *saved, CellSums *sums
+    Store *s, const uint *triangle, uint count, Voxel apex, V3 center, const Saved *saved, CellSums *sums
 ) {
     CELL_SPACE Cell *cell = s->cell;
     for (uint word = 0; (word * LANES) < count; word++) {
@@ -149,8 +149,9 @@ INLINE uint add_surface_together(
         uint is_open = 0;
         if (((word * LANES) + s->lane) < count) {
             Store copy = *s;
-            is_open = make_prism(&copy, triangle[word], lo, &prism) != COMPLETE;
-            meets = (is_open == 0u) && (misses_cone(s, &prism, BEYOND_CONE | WITHIN_END) == 0u);
+            const bool is_near = lies_beyond(s, triangle[word], apex) == NONE_BEYOND;
+            is_open = is_near && (make_prism(&copy, triangle[word], apex, &prism) != COMPLETE);
+            meets = is_near && (is_open == 0u) && (misses_cone(s, &prism, BEYOND_CONE | WITHIN_END) == 0u);
         }
         if (lanes_with(is_open) != 0u) {
             return UNSETTLED;
@@ -187,11 +188,13 @@ INLINE uint add_surface_together(
 }
 #endif
 
-// Subtracts from the integrals of the whole cell, times the winding number of the corner of voxel `lo`, those of its intersections
-// with the truncated cones over the triangles near it (`integrate_restricted`); a lane makes and culls each cone, all lanes cut.
+// Subtracts from the integrals of the whole cell, times the winding number of a corner near its middle, those of its intersections
+// with the truncated cones from there over the triangles near it (`integrate_restricted`); a lane makes and culls each cone, all lanes cut.
 // `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
-INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real winding, uint flags, CellSums *sums, FacetSum *facet) {
+INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, CellSums *sums, FacetSum *facet) {
     CELL_SPACE Cell *cell = s->cell;
+    const Voxel apex = nearest_corner(s, add(store_site(s), center), lo, hi);
+    const real winding = (real)store_winding(s, apex);
 #if COMPACTS
     if ((s->planes + 4u) > LANES_P) {
         s->planes = lanes_alike(compact_together(s->cell, s->lane, s->planes, s->vertices));
@@ -226,9 +229,10 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
         uint is_open = 0;
         if (((word * LANES) + s->lane) < count) {
             Store copy = *s;
-            is_open = make_cone(&copy, triangle[word], lo, &cone) != COMPLETE;
-            is_flat = (is_open == 0u) && (cone.sign == REAL(0.0));
-            meets = ((is_open | is_flat) == 0u) && (misses_cone(s, &cone, BEYOND_CONE) == 0u);
+            const bool is_near = lies_beyond(s, triangle[word], apex) != CONE_BEYOND;
+            is_open = is_near && (make_cone(&copy, triangle[word], apex, &cone) != COMPLETE);
+            is_flat = is_near && (is_open == 0u) && (cone.sign == REAL(0.0));
+            meets = is_near && ((is_open | is_flat) == 0u) && (misses_cone(s, &cone, BEYOND_CONE) == 0u);
         }
         if (lanes_with(is_open) != 0u) {
             return UNSETTLED;
@@ -252,7 +256,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, real wind
     }
 #if WITH_FACETS
     if (asks_for_boundary(flags | FACETS)) {
-        const uint added = add_surface_together(s, triangle, count, lo, center, &saved, sums);
+        const uint added = add_surface_together(s, triangle, count, apex, center, &saved, sums);
         if (added != COMPLETE) {
             return added;
         }
@@ -323,7 +327,7 @@ OUTLINE uint meet_surface(Store *given, uint outside, uint is_out, uint flags, r
     }
 #if WITH_SURFACE
     const V3 center = (outside != 0u) ? middle : v3(REAL(0.0), REAL(0.0), REAL(0.0));
-    const uint status = restrict_together(s, lo, hi, center, winding, flags, sums, facet);
+    const uint status = restrict_together(s, lo, hi, center, flags, sums, facet);
     given->planes = s->planes;
     given->exact = s->exact;
     given->tried = s->tried;

@@ -104,6 +104,73 @@ pub(super) fn side_over_edge(i: u32, j: u32, p: V3, q: V3, o: V3, o_in: V3, sign
     return cone_side(o_in, sub(q, o), sub(p, q), -sign);
 }
 
+/// The triangle is beyond none of the cell's half-spaces; beyond one, so that it misses the cell; beyond one that holds the apex, so that its cone does, too.
+pub(super) const NONE_BEYOND: u32 = 0;
+pub(super) const TRIANGLE_BEYOND: u32 = 1;
+pub(super) const CONE_BEYOND: u32 = 2;
+
+/// How far beyond, as a share of the way to the farthest of its corners and the apex. The sides of a cone are off by roundings over the sine of the angle between
+/// an edge and the way to it, and what one triangle loses to that its neighbour has: a cone that is left out is beyond the reach of that, down to a sine of 2⁻³¹.
+#[cfg_attr(opencl, single(0.0009765625))]
+const LEAST_BEYOND: Real = 9.5367431640625e-7;
+
+/// Whether triangle `t` lies beyond one of the cell's half-spaces, as seen from corner `apex`. (Of 69,266 triangles in the voxels of 4,319 cells of 20,000 sites in the
+/// bunny 22,710 are left, of which 18,774 have something of the cell in their cones; by their cones' planes alone 62,855 are.)
+#[inline]
+#[cfg_attr(opencl, outline)]
+pub(super) fn lies_beyond<S: DomainStore>(s: &S, t: u32, apex: Voxel) -> u32 {
+    let triangle: Triangle = s.triangle(t);
+    let site: V3 = s.site();
+    let a: V3 = sub(s.domain_point(triangle.a), site);
+    let b: V3 = sub(s.domain_point(triangle.b), site);
+    let c: V3 = sub(s.domain_point(triangle.c), site);
+    let o: V3 = sub(s.corner(apex), site);
+    let reach: Real = larger(larger(norm_1(a), norm_1(b)), larger(norm_1(c), norm_1(o)));
+    let mut beyond: u32 = NONE_BEYOND;
+    for f in 0..s.planes() {
+        let plane: Plane = s.plane(f);
+        let margin: Real = (LEAST_BEYOND * reach) * norm_1(plane.n);
+        let highest: Real = larger(larger(dot(plane.n, a), dot(plane.n, b)), dot(plane.n, c));
+        if (highest + plane.d) < -margin {
+            beyond = TRIANGLE_BEYOND;
+            if (dot(plane.n, o) + plane.d) > margin {
+                return CONE_BEYOND;
+            }
+        }
+    }
+    return beyond;
+}
+
+/// The corner of a voxel from `lo` to `hi` that is nearest to `x`, in the diagram's frame: as an apex within the cell it has cones of the fewest triangles. (From
+/// the corner of `lo` those of the 20,000 sites have 246,000 vertices of the cell in them, from there 179,000.)
+#[cfg_attr(opencl, outline)]
+pub(super) fn nearest_corner<S: DomainStore>(s: &S, x: V3, lo: Voxel, hi: Voxel) -> Voxel {
+    let at: Voxel = s.voxel_of(x);
+    let low: V3 = s.corner(at);
+    let high: V3 = s.corner(Voxel { i: at.i + 1, j: at.j + 1, k: at.k + 1 });
+    return Voxel {
+        i: nearest_of(x.x, low.x, high.x, at.i, lo.i, hi.i),
+        j: nearest_of(x.y, low.y, high.y, at.j, lo.j, hi.j),
+        k: nearest_of(x.z, low.z, high.z, at.k, lo.k, hi.k),
+    };
+}
+
+/// The number of the voxel from `least` to `most` that begins nearest to `x`, which is from `low` to `high` in number `at`.
+#[inline(always)]
+pub(super) fn nearest_of(x: Real, low: Real, high: Real, at: u32, least: u32, most: u32) -> u32 {
+    let mut nearest: u32 = at;
+    if (high - x) < (x - low) {
+        nearest += 1;
+    }
+    if nearest < least {
+        nearest = least;
+    }
+    if nearest > most {
+        nearest = most;
+    }
+    return nearest;
+}
+
 /// The filter's bound for the determinant of three rounded differences: (7 + 56u)u times its permanent (Shewchuk 1997).
 const CONE_SIGN_ERROR: Real = (7.0 + (56.0 * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF;
 

@@ -3,10 +3,12 @@
 use super::*;
 use super::{
     bound::{Seer, least_power_of_node, reach_of_bisector},
+    cone::{CONE_BEYOND, NONE_BEYOND, lies_beyond, nearest_corner},
     facet::reset_facets,
     far::asked_at,
-    integrate::{Corner, add_edge, foot_on_edge, integrate, side},
+    integrate::{Corner, add_edge, foot_on_edge, integrate, reference_point, side},
     quadratic::{FEW_ROUNDINGS_OF_SUM, add_least},
+    restrict::{add_cone, add_surface},
     search_store::{NodeBox, NodeSlab, NodeWeights},
     vector::{cross, dot, norm_1, sub},
 };
@@ -253,4 +255,53 @@ fn feet_between_nearly_parallel_planes() {
         let lost = if sine > 0.00195 { (length + 4.0 * norm_1(center)) / sine } else { length };
         assert!(off <= lost * UNIT_ROUNDOFF, "sine {sine:e}: {off:e}");
     }
+}
+
+/// What `lies_beyond` leaves out has nothing of the cell behind it, or on it; and it leaves out most.
+#[test]
+fn nothing_of_a_cell_is_behind_triangles_beyond_it() {
+    let golden = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
+    let sites: Vec<[f64; 3]> =
+        (0..400).map(|i| golden.map(|a| (1.6 * (0.5 + f64::from(i) * a).fract()) - 0.8)).collect();
+    let weights: Vec<f64> = (0..400).map(|i| 0.02 * (f64::from(i) * 0.618_033_988_749_895).fract()).collect();
+    let ball = crate::shapes::icosphere(3).domain();
+    let prepared = crate::PowerDiagram::new(&sites, &weights).unwrap().restricted_to(&ball).prepare().unwrap();
+    let all: Vec<[f64; 4]> = prepared.sites.sites().collect();
+    let (mut tried, mut left_out) = (0, 0);
+    for (i, &[x, y, z, w]) in all.iter().enumerate() {
+        let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+        let corner = |c: [f64; 3]| v3(c[0] - x, c[1] - y, c[2] - z);
+        let mut status = begin(&mut store, corner(prepared.container.lo), corner(prepared.container.hi));
+        for (j, &[a, b, c, d]) in all.iter().enumerate().filter(|&(j, _)| j != i) {
+            if status != EMPTY {
+                status = clip(&mut store, bisector(v3(a - x, b - y, c - z), w - d), j as u32);
+            }
+        }
+        if status == EMPTY {
+            continue;
+        }
+        compact_planes(&mut store);
+        let center = reference_point(&store);
+        let (mut low, mut high) = (v3(0.0, 0.0, 0.0), v3(0.0, 0.0, 0.0));
+        let (mut lo, mut hi) = (Voxel::default(), Voxel::default());
+        outer_box_of_cell(&store, &mut low, &mut high);
+        voxels_of_box(&store, low, high, &mut lo, &mut hi);
+        let near = nearest_corner(&store, add(store.site(), center), lo, hi);
+        store.save();
+        let triangles = 0..ball.triangles().len() as u32;
+        for (t, apex) in triangles.flat_map(|t| [(t, near), (t, lo)]) {
+            tried += 1;
+            let beyond = lies_beyond(&store, t, apex);
+            let (mut touched, mut sums) = (false, CellSums::default());
+            if beyond == CONE_BEYOND {
+                left_out += 1;
+                assert_eq!(add_cone(&mut store, t, apex, center, FACETS, &mut touched, &mut sums), COMPLETE);
+            }
+            if beyond != NONE_BEYOND {
+                assert_eq!(add_surface(&mut store, t, apex, center, &mut sums), COMPLETE);
+            }
+            assert_eq!((sums, touched), (CellSums::default(), false), "cell {i}, triangle {t}");
+        }
+    }
+    assert!(4 * left_out > 3 * tried, "{left_out} of {tried}");
 }

@@ -14,7 +14,7 @@ OUTLINE uint integrate_cell(Store *s, uint flags, uint interior_only, CellSums *
 OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior_only, CellSums *sums);
 OUTLINE uint integrate_whole(Store *s, real weight, V3 center, uint flags, CellSums *sums);
 OUTLINE void add_box_faces(Store *s, CellSums *sums);
-OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, bool *touched, CellSums *sums);
+OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, Voxel apex, V3 center, uint flags, bool *touched, CellSums *sums);
 OUTLINE uint add_cone(Store *s, uint t, Voxel apex, V3 center, uint flags, bool *touched, CellSums *sums);
 OUTLINE uint clip_by_sides(Store *s, TruncatedCone cone);
 OUTLINE uint add_surface(Store *s, uint t, Voxel apex, V3 center, CellSums *sums);

@@ -462,6 +462,21 @@ typedef struct {
     Plane side_2;
 } TruncatedCone;
 
+// The triangle is beyond none of the cell's half-spaces; beyond one, so that it misses the cell; beyond one that holds the apex, so that its cone does, too.
+#define NONE_BEYOND ((uint)(0))
+
+#define TRIANGLE_BEYOND ((uint)(1))
+
+#define CONE_BEYOND ((uint)(2))
+
+// How far beyond, as a share of the way to the farthest of its corners and the apex. The sides of a cone are off by roundings over the sine of the angle between
+// an edge and the way to it, and what one triangle loses to that its neighbour has: a cone that is left out is beyond the reach of that, down to a sine of 2⁻³¹.
+#if SINGLE
+#define LEAST_BEYOND ((real)(REAL(0.0009765625)))
+#else
+#define LEAST_BEYOND ((real)(REAL(9.5367431640625e-7)))
+#endif
+
 // The filter's bound for the determinant of three rounded differences: (7 + 56u)u times its permanent (Shewchuk 1997).
 #define CONE_SIGN_ERROR ((real)((REAL(7.0) + (REAL(56.0) * UNIT_ROUNDOFF)) * UNIT_ROUNDOFF))
 

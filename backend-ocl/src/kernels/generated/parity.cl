@@ -1191,6 +1191,39 @@ __kernel void parity_side_over_edge(PARITY_ARGUMENTS) {
     give_Plane(&out, result);
 }
 
+__kernel void parity_lies_beyond(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const uint t = take_uint(&in);
+    const Voxel apex = take_Voxel(&in);
+    const uint result = lies_beyond(s, t, apex);
+    give_uint(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_nearest_corner(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const V3 x = take_V3(&in);
+    const Voxel lo = take_Voxel(&in);
+    const Voxel hi = take_Voxel(&in);
+    const Voxel result = nearest_corner(s, x, lo, hi);
+    give_Voxel(&out, result);
+    parity_dump(&out, s);
+}
+
+__kernel void parity_nearest_of(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const real x = take_real(&in);
+    const real low = take_real(&in);
+    const real high = take_real(&in);
+    const uint at = take_uint(&in);
+    const uint least = take_uint(&in);
+    const uint most = take_uint(&in);
+    const uint result = nearest_of(x, low, high, at, least, most);
+    give_uint(&out, result);
+}
+
 __kernel void parity_cone_sign(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;
@@ -1495,11 +1528,12 @@ __kernel void parity_add_cones(PARITY_ARGUMENTS) {
     PARITY_STORE;
     const Voxel lo = take_Voxel(&in);
     const Voxel hi = take_Voxel(&in);
+    const Voxel apex = take_Voxel(&in);
     const V3 center = take_V3(&in);
     const uint flags = take_uint(&in);
     bool touched = take_bool(&in);
     CellSums sums = take_CellSums(&in);
-    const uint result = add_cones(s, lo, hi, center, flags, &touched, &sums);
+    const uint result = add_cones(s, lo, hi, apex, center, flags, &touched, &sums);
     give_uint(&out, result);
     give_bool(&out, touched);
     give_CellSums(&out, sums);

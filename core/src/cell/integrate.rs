@@ -224,16 +224,22 @@ pub(crate) fn integrate<S: IntegralStore + SignStore>(
     return COMPLETE;
 }
 
-/// What `integrate` has summed of two sets of vertices.
-#[inline(always)]
-fn both_sums(a: CellSums, b: CellSums) -> CellSums {
-    let mut both: CellSums = a;
-    both.volume = a.volume + b.volume;
-    both.first = add(a.first, b.first);
-    both.second_diagonal = add(a.second_diagonal, b.second_diagonal);
-    both.second_mixed = add(a.second_mixed, b.second_mixed);
-    both.rounding = a.rounding + b.rounding;
-    return both;
+/// The sums of two sets of pieces, or of vertices.
+#[cfg_attr(opencl, outline)]
+pub(super) fn both_sums(a: CellSums, b: CellSums) -> CellSums {
+    return CellSums {
+        volume: a.volume + b.volume,
+        first: add(a.first, b.first),
+        second_diagonal: add(a.second_diagonal, b.second_diagonal),
+        second_mixed: add(a.second_mixed, b.second_mixed),
+        integral: a.integral + b.integral,
+        rounding: a.rounding + b.rounding,
+        largest_rounding: larger(a.largest_rounding, b.largest_rounding),
+        boundary_area: a.boundary_area + b.boundary_area,
+        boundary_moment: add(a.boundary_moment, b.boundary_moment),
+        boundary_vector: add(a.boundary_vector, b.boundary_vector),
+        boundary_flux: a.boundary_flux + b.boundary_flux,
+    };
 }
 
 /// Plane `f` as seen from `center`.

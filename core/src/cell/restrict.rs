@@ -6,7 +6,7 @@ use super::cone::{
 };
 use super::facet::{FacetSum, add_boundary, asks_for_boundary, center_facets, integrate_facet, reset_facets};
 use super::integrate::{
-    CellSums, FACET_SECOND_MOMENTS, FACETS, VOLUME_ONLY, integrate, reference_point, volume_is_above_bound,
+    CellSums, FACET_SECOND_MOMENTS, FACETS, VOLUME_ONLY, both_sums, integrate, reference_point, volume_is_above_bound,
 };
 use super::near::{is_first_voxel, outer_box_of_cell, surface_passes_by, voxels_of_box};
 use super::plane::Plane;
@@ -160,6 +160,8 @@ pub(super) fn add_cones<S: CellStore>(
     while k <= hi.k {
         let mut j: u32 = lo.j;
         while j <= hi.j {
+            // By rows: of a cell with 3,600 pieces, added one to the next, rounding was 1e-14 of the volume.
+            let mut row: CellSums = CellSums::default();
             let mut i: u32 = lo.i;
             while i <= hi.i {
                 let voxel: Voxel = Voxel { i: i, j: j, k: k };
@@ -169,13 +171,13 @@ pub(super) fn add_cones<S: CellStore>(
                     if is_first_voxel(s.lowest_voxel(t), lo, voxel) {
                         let beyond: u32 = lies_beyond(s, t, apex);
                         if beyond != CONE_BEYOND {
-                            let status: u32 = add_cone(s, t, apex, center, flags, touched, sums);
+                            let status: u32 = add_cone(s, t, apex, center, flags, touched, &mut row);
                             if status != COMPLETE {
                                 return status;
                             }
                         }
                         if (beyond == NONE_BEYOND) && asks_for_boundary(flags) {
-                            let surface: u32 = add_surface(s, t, apex, center, sums);
+                            let surface: u32 = add_surface(s, t, apex, center, &mut row);
                             if surface != COMPLETE {
                                 return surface;
                             }
@@ -184,6 +186,7 @@ pub(super) fn add_cones<S: CellStore>(
                 }
                 i += 1;
             }
+            *sums = both_sums(*sums, row);
             j += 1;
         }
         k += 1;

@@ -71,7 +71,7 @@ INLINE void add_compensated(real x, Wide *sum);
 OUTLINE real polynomial(Store *s, V3 x);
 HOT bool volume_is_above_bound(CellSums sums);
 HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, CellSums *sums);
-INLINE CellSums both_sums(CellSums a, CellSums b);
+OUTLINE CellSums both_sums(CellSums a, CellSums b);
 INLINE Side side(Store *s, uint f, V3 center);
 INLINE uint add_edge(Store *s, Side f, Side g, Corner at, real weight, V3 center, uint flags, CellSums *part);
 INLINE V3 spoke_of(V3 foot, V3 position);

@@ -94,15 +94,9 @@ HOT uint integrate(Store *s, real weight, V3 center, real reach, uint flags, Cel
     return COMPLETE;
 }
 
-// What `integrate` has summed of two sets of vertices.
-INLINE CellSums both_sums(CellSums a, CellSums b) {
-    CellSums both = a;
-    both.volume = a.volume + b.volume;
-    both.first = add(a.first, b.first);
-    both.second_diagonal = add(a.second_diagonal, b.second_diagonal);
-    both.second_mixed = add(a.second_mixed, b.second_mixed);
-    both.rounding = a.rounding + b.rounding;
-    return both;
+// The sums of two sets of pieces, or of vertices.
+OUTLINE CellSums both_sums(CellSums a, CellSums b) {
+    return (CellSums){ .volume = a.volume + b.volume, .first = add(a.first, b.first), .second_diagonal = add(a.second_diagonal, b.second_diagonal), .second_mixed = add(a.second_mixed, b.second_mixed), .integral = a.integral + b.integral, .rounding = a.rounding + b.rounding, .largest_rounding = larger(a.largest_rounding, b.largest_rounding), .boundary_area = a.boundary_area + b.boundary_area, .boundary_moment = add(a.boundary_moment, b.boundary_moment), .boundary_vector = add(a.boundary_vector, b.boundary_vector), .boundary_flux = a.boundary_flux + b.boundary_flux };
 }
 
 // Plane `f` as seen from `center`.

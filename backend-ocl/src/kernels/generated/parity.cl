@@ -706,6 +706,14 @@ __kernel void parity_integrate(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_both_sums(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const CellSums a = take_CellSums(&in);
+    const CellSums b = take_CellSums(&in);
+    const CellSums result = both_sums(a, b);
+    give_CellSums(&out, result);
+}
+
 __kernel void parity_side(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

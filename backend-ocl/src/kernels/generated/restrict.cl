@@ -115,6 +115,8 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, Voxel apex, V3 center, uint
     while (k <= hi.k) {
         uint j = lo.j;
         while (j <= hi.j) {
+            // By rows: of a cell with 3,600 pieces, added one to the next, rounding was 1e-14 of the volume.
+            CellSums row = (CellSums){ 0 };
             uint i = lo.i;
             while (i <= hi.i) {
                 const Voxel voxel = (Voxel){ .i = i, .j = j, .k = k };
@@ -124,13 +126,13 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, Voxel apex, V3 center, uint
                     if (is_first_voxel(store_lowest_voxel(s, t), lo, voxel)) {
                         const uint beyond = lies_beyond(s, t, apex);
                         if (beyond != CONE_BEYOND) {
-                            const uint status = add_cone(s, t, apex, center, flags, touched, sums);
+                            const uint status = add_cone(s, t, apex, center, flags, touched, &row);
                             if (status != COMPLETE) {
                                 return status;
                             }
                         }
                         if ((beyond == NONE_BEYOND) && asks_for_boundary(flags)) {
-                            const uint surface = add_surface(s, t, apex, center, sums);
+                            const uint surface = add_surface(s, t, apex, center, &row);
                             if (surface != COMPLETE) {
                                 return surface;
                             }
@@ -139,6 +141,7 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, Voxel apex, V3 center, uint
                 }
                 i += 1;
             }
+            *sums = both_sums(*sums, row);
             j += 1;
         }
         k += 1;

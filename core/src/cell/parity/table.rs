@@ -72,6 +72,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (x: V3) quadrature::polynomial(&s, x), []),
     host!((sums: CellSums) integrate::volume_is_above_bound(sums), []),
     host!(s, (weight: f64, center: V3, reach: f64, flags: u32 in FLAGS, sums: CellSums) integrate::integrate(&mut s, weight, center, reach, flags, &mut sums), [sums]),
+    host!((a: CellSums, b: CellSums) integrate::both_sums(a, b), []),
     host!(s, (f: u32, center: V3) integrate::side(&s, f, center), []),
     host!(s, (f: Side, g: Side, at: Corner, weight: f64, center: V3, flags: u32 in FLAGS, part: CellSums) integrate::add_edge(&mut s, f, g, at, weight, center, flags, &mut part), [part]),
     host!((foot: V3, position: V3) integrate::spoke_of(foot, position), []),

@@ -188,13 +188,14 @@ INLINE uint add_surface_together(
 }
 #endif
 
+// Triangles near a cell up to which its cones start from the lowest corner, and none is looked at before: cells of ten million sites have few, and took 1 to 3 % longer with it (one NVIDIA H200).
+#define FEW_TRIANGLES 10u
+
 // Subtracts from the integrals of the whole cell, times the winding number of a corner near its middle, those of its intersections
 // with the truncated cones from there over the triangles near it (`integrate_restricted`); a lane makes and culls each cone, all lanes cut.
 // `COMPLETE`, `EMPTY`, `LEFT` or `OPEN`.
 INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, uint flags, CellSums *sums, FacetSum *facet) {
     CELL_SPACE Cell *cell = s->cell;
-    const Voxel apex = nearest_corner(s, add(store_site(s), center), lo, hi);
-    const real winding = (real)store_winding(s, apex);
 #if COMPACTS
     if ((s->planes + 4u) > LANES_P) {
         s->planes = lanes_alike(compact_together(s->cell, s->lane, s->planes, s->vertices));
@@ -206,6 +207,12 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, uint flag
     if ((count > LANES_V) || ((s->planes + 4u) > LANES_P)) {
         return LEFT;
     }
+    const bool are_few = count <= FEW_TRIANGLES;
+    Voxel apex = lo;
+    if (!are_few) {
+        apex = nearest_corner(s, add(store_site(s), center), lo, hi);
+    }
+    const real winding = (real)store_winding(s, apex);
     uint triangle[WORDS];
     UNROLLED_WORDS
     for (uint word = 0; word < WORDS; word++) {
@@ -229,7 +236,7 @@ INLINE uint restrict_together(Store *s, Voxel lo, Voxel hi, V3 center, uint flag
         uint is_open = 0;
         if (((word * LANES) + s->lane) < count) {
             Store copy = *s;
-            const bool is_near = lies_beyond(s, triangle[word], apex) != CONE_BEYOND;
+            const bool is_near = are_few || (lies_beyond(s, triangle[word], apex) != CONE_BEYOND);
             is_open = is_near && (make_cone(&copy, triangle[word], apex, &cone) != COMPLETE);
             is_flat = is_near && (is_open == 0u) && (cone.sign == REAL(0.0));
             meets = is_near && ((is_open | is_flat) == 0u) && (misses_cone(s, &cone, BEYOND_CONE) == 0u);

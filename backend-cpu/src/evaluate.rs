@@ -2,6 +2,7 @@
 
 use crate::store::CpuStore;
 use laguerre_core::assemble::{Assembler, CellRecord, FacetRecords};
+use laguerre_core::backend::MOST_THREADS;
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::geometry::{GeometryAssembler, Shaper, Shapes};
@@ -89,15 +90,20 @@ impl Cpu {
     /// A backend with the given number of threads, or one for each core.
     ///
     /// # Errors
-    /// `Device` where the threads cannot be started, `Input` for 0 threads.
+    /// `Device` where the threads cannot be started, `Input` for 0 threads, or more than [`MOST_THREADS`].
     pub fn new(threads: Option<usize>) -> Result<Self> {
-        if threads == Some(0) {
-            return Err(Error::input("0 threads: at least one is needed"));
+        if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
+            return Err(Error::input(format!("{threads} threads: from 1 to {MOST_THREADS} are needed")));
         }
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.unwrap_or(0))
-            .build()
-            .map_err(|e| Error::new(ErrorKind::Device, format!("cannot start {threads:?} threads: {e}")))?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|e| {
+            Error::new(
+                ErrorKind::Device,
+                format!(
+                    "cannot start {} threads: {e}",
+                    threads.map_or("as many as there are cores".into(), |n| n.to_string())
+                ),
+            )
+        })?;
         Ok(Self { pool })
     }
 }

@@ -224,7 +224,7 @@ pub(crate) struct SampleArgs {
     pub(crate) container: ContainerArgs,
 
     /// Keep the sites inside the domain only: N of them
-    #[arg(long, requires = "domain")]
+    #[arg(long, requires = "domain", conflicts_with_all = ["box", "image"])]
     pub(crate) inside: bool,
 
     /// Another seed makes other sites; the same makes the same
@@ -488,7 +488,7 @@ pub(crate) struct ContainerArgs {
 
     /// Turn every part of the mesh's surface outward, or inward where it lies within another, so that a shell within a shell is a cavity; without
     /// this only a mesh whose triangles do not agree is turned so
-    #[arg(long, requires = "domain")]
+    #[arg(long, requires = "domain", conflicts_with_all = ["box", "image"])]
     pub(crate) orient: bool,
 
     /// A density, constant in each voxel: .npy of shape (nx, ny, nz), which fills --box, or without it has unit cubes. Volumes are then masses, barycenters those of mass

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let diagram = sites::read(&args.sites)?;
     let container = Container::read(&args.container)?;
     let diagram = container.restrict(diagram)?;
-    page::check_sites(args.html.as_ref(), diagram.positions().len())?;
+    page::check_cells(args.html.as_ref(), &diagram)?;
     let whole = Whole::of(&diagram).map_err(|e| e.at(sites::name(&args.sites)))?;
     note_if_apart(&diagram, &whole);
     note_if_merged(&diagram)?;

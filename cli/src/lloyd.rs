@@ -121,7 +121,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     let (backend, pool) = open_for_solver(&args.backend)?;
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
-    page::check_sites(args.html.as_ref(), diagram.positions().len())?;
+    page::check_cells(args.html.as_ref(), &diagram)?;
     let whole = Whole::of(&diagram).map_err(of_sites)?;
 
     let method = match args.method {

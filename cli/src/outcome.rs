@@ -114,7 +114,7 @@ pub(crate) fn command_line(error: &clap::Error) -> ExitCode {
 
 /// The command that the command line names, with a blank behind it, if it names one.
 fn command_named() -> String {
-    let named = std::env::args().nth(1).unwrap_or_default();
+    let named = std::env::args_os().nth(1).unwrap_or_default().to_string_lossy().into_owned();
     if Args::command().find_subcommand(&named).is_some() { format!("{named} ") } else { String::new() }
 }
 

@@ -2,25 +2,34 @@
 
 use std::path::{Path, PathBuf};
 
-use laguerre::{Error, Result};
+use laguerre::{Domain, Error, PowerDiagram, Result};
 use laguerre_page::MOST_SITES;
 pub(crate) use laguerre_page::{ENDINGS, Moment, Page, Plot, Remembering, Timeline, write_run, write_still};
 
 use crate::report::{Report, grouped};
 
-/// Checks that there are not too many sites for a page.
+/// Checks that a page can show the cells: that they are not too many, and have a geometry.
 ///
 /// # Errors
-/// `Input` where there are.
-pub(crate) fn check_sites(path: Option<&PathBuf>, sites: usize) -> Result<()> {
-    match path {
-        Some(_) if sites > MOST_SITES => Err(Error::input(format!(
+/// `Input` where it cannot.
+pub(crate) fn check_cells(path: Option<&PathBuf>, diagram: &PowerDiagram) -> Result<()> {
+    let sites = diagram.positions().len();
+    if path.is_none() {
+        return Ok(());
+    }
+    if sites > MOST_SITES {
+        return Err(Error::input(format!(
             "--html: {} sites, and a browser opens a page of {} at most; write .vtu for ParaView with integrate -o",
             grouped(sites as u64),
             grouped(MOST_SITES as u64)
-        ))),
-        _ => Ok(()),
+        )));
     }
+    if diagram.domain().is_some_and(Domain::has_density) {
+        return Err(Error::input(
+            "--html: the cells of a domain with a density are not shown; leave it out, or --image",
+        ));
+    }
+    Ok(())
 }
 
 /// What the page is called: what it shows, of which file, in which domain.

@@ -126,7 +126,7 @@ pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     let (backend, pool) = open_for_solver(&args.backend)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
-    page::check_sites(args.html.as_ref(), diagram.positions().len())?;
+    page::check_cells(args.html.as_ref(), &diagram)?;
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
     let given = args.density.read(backend.as_ref(), &diagram.container().map_err(of_sites)?)?;
     let options = Options::default().of(given.density.clone()).until(args.iterations as usize, args.tolerance);

@@ -6,6 +6,9 @@ use crate::algebra::Algebra;
 use crate::session::Resident;
 use crate::{Error, Output, PowerDiagram, Request, Result};
 
+/// Threads at most: more than any machine has would only exhaust it.
+pub const MOST_THREADS: usize = 4096;
+
 /// What a backend can be asked for beside volumes, barycenters and geometry, which all give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

@@ -49,7 +49,7 @@ class Domain:
         """A density that is constant in each tetrahedron, likewise: ``points`` is (V, 3), ``tetrahedra`` (T, 4) of indices from 0, in any order, ``values`` (T,). Where
         some overlap, densities add up."""
         points = numbers(points, "points", (None, 3))
-        corners = frozen(indices(tetrahedra, "tetrahedra", 4))
+        corners = frozen(indices(tetrahedra, "tetrahedra", 4).copy())
         values = numbers(values, "values", (None,))
         made = _laguerre.Domain.tetrahedra(points, corners, values)
         return cls._of(made, (Domain.tetrahedra, (points, corners, values)))

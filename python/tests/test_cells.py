@@ -399,7 +399,9 @@ def test_densities():
     assert lg.Domain.image(values).bounds[1].tolist() == [3, 4, 2]
     # Two tetrahedra, of which one is in both.
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
-    both = lg.Domain.tetrahedra(corners, [[0, 1, 2, 3], [1, 0, 2, 3]], [1, 2])
+    given = np.array([[0, 1, 2, 3], [1, 0, 2, 3]], dtype=np.uint32)
+    both = lg.Domain.tetrahedra(corners, given, [1, 2])
+    given[:] = 0
     assert both.volume == pytest.approx(0.5)
     assert pickle.loads(pickle.dumps(both)).volume == both.volume
     even = lg.transport(points, domain=image)
@@ -412,6 +414,8 @@ def test_densities():
         lg.Domain.image(values[0])
     with pytest.raises(ValueError, match=r"shape \(T, 4\)"):
         lg.Domain.tetrahedra(corners, [[0, 1, 2]], [1])
+    with pytest.raises(ValueError, match="65535 threads: from 1 to 4096 are needed"):
+        lg.cells(points, domain=image, threads=65535)
 
 
 def test_meshes_are_oriented():

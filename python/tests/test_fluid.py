@@ -104,7 +104,7 @@ def test_it_is_the_programs_to_the_last_bit(tmp_path):
         (lambda: lg.fluid(np.zeros((2, 2))), r"points: an array of shape \(N, 3\)"),
         (lambda: lg.fluid([[0.5] * 3] * 2, domain=CUBE, velocities=[0, 1, 2]), r"velocities: an array of shape \(2, 3\)"),
         (lambda: lg.fluid([[0.5] * 3, [0.2] * 3], domain=CUBE, densities=[1, 0]), "particle 1: density 0 is not a positive"),
-        (lambda: lg.fluid([[0.5] * 3, [0.2] * 3], domain=CUBE, viscosity=-1), "positive numbers are needed"),
+        (lambda: lg.fluid([[0.5] * 3, [0.2] * 3], domain=CUBE, viscosity=-1), "viscosity -1e0: 0 or a positive number is needed"),
         (lambda: lg.fluid([[0.5] * 3, [9.0] * 3], domain=CUBE), "particle 1 is thrown far out"),
         (lambda: lg.fluid([[0.5] * 3], domain=CUBE, gravity=[1]), r"gravity: an array of shape \(3,\)"),
         (lambda: lg.fluid([[0.5] * 3], domain=CUBE, steps=-1), "-1 steps"),

@@ -218,11 +218,13 @@ impl Fluid {
             return Err(Error::input(format!("particle {i}: velocity {:?} is not finite", state.velocities[i])));
         }
         let Settings { epsilon, viscosity, time_step, .. } = settings;
-        let are_positive = positive(epsilon) && positive(time_step.unwrap_or(epsilon));
-        if !(are_positive && viscosity >= 0.0 && viscosity.is_finite()) {
-            return Err(Error::input(format!(
-                "epsilon {epsilon:e}, time step {time_step:?}, viscosity {viscosity:e}: positive numbers are needed"
-            )));
+        for (what, number) in [("epsilon", Some(epsilon)), ("time step", time_step)] {
+            if let Some(number) = number.filter(|&number| !positive(number)) {
+                return Err(Error::input(format!("{what} {number:e}: a positive number is needed")));
+            }
+        }
+        if !(viscosity >= 0.0 && viscosity.is_finite()) {
+            return Err(Error::input(format!("viscosity {viscosity:e}: 0 or a positive number is needed")));
         }
         let volume = diagram.container()?.volume() / n as f64;
         let mean_density = total(n, |i| state.densities[i]) / n as f64;

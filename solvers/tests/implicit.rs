@@ -98,3 +98,29 @@ fn what_has_no_gradient_is_said() {
     let short = Cotangent { weights: vec![1.0], ..Cotangent::default() };
     assert!(said(0.0, &short).contains("derivatives by weights: 1 of them for 2 sites"));
 }
+
+/// What comes back is in proportion to what was asked, to the bit by powers of two, also where squares of it are nothing or infinite; and is no number where that is none.
+#[test]
+fn gradients_are_in_proportion_and_never_silently_zero() {
+    let cpu = Cpu::new(Some(1)).unwrap();
+    let positions: Vec<[f64; 3]> = (0..20).map(|i| [2.0, 3.0, 5.0].map(|step| fraction(i, step))).collect();
+    let diagram = PowerDiagram::new(&positions, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let of = |unit: f64, last: f64| {
+        let mut weights: Vec<f64> = (0..20).map(|i| unit * fraction(i, 7.0)).collect();
+        weights[19] *= last;
+        let asked = Cotangent { weights, ..Cotangent::default() };
+        transport::pull_back(&cpu, &diagram, &Density::Uniform, &asked).unwrap()
+    };
+    let one = of(1.0, 1.0);
+    for power in [-900, -600, 600, 900] {
+        let unit = 2.0_f64.powi(power);
+        let scaled = of(unit, 1.0);
+        assert!(scaled.masses.iter().zip(&one.masses).all(|(a, b)| *a == unit * b), "2^{power}");
+        assert!(scaled.positions.as_flattened().iter().zip(one.positions.as_flattened()).all(|(a, b)| *a == unit * b));
+    }
+    for none in [f64::NAN, f64::INFINITY] {
+        assert!(of(1.0, none).masses.iter().all(|by| by.is_nan()), "{none}");
+    }
+    let nothing = of(0.0, 1.0);
+    assert!(nothing.masses.iter().chain(nothing.positions.as_flattened()).all(|by| *by == 0.0));
+}

@@ -1,6 +1,7 @@
 //! What options may be given: how each is read, and what is said of a wrong one.
 
 use laguerre::DeviceChoice;
+use laguerre::engine::backend::MOST_THREADS;
 use laguerre::limits::LARGEST_COORDINATE;
 
 use super::Corners;
@@ -65,9 +66,6 @@ pub(super) fn parse_devices(text: &str) -> Result<DeviceChoice, String> {
     let numbers = text.split(',').map(|word| word.trim().parse()).collect::<Result<_, _>>();
     numbers.map(DeviceChoice::Numbers).map_err(|_| "numbers separated by commas, or all, are needed".into())
 }
-
-/// More threads than any machine has would only exhaust it.
-const MOST_THREADS: usize = 4096;
 
 pub(super) fn parse_threads(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {

@@ -30,6 +30,16 @@ fn a_wrong_command_line_is_said_in_one_line() {
     assert!(line.contains("<SITES>") && line.ends_with("; see laguerre integrate --help"), "{line}");
     let line = wrong(&["fly"]);
     assert!(line.contains("'fly'") && line.ends_with("; see laguerre --help"), "{line}");
+    assert!(wrong(&["integrate", "white.xyz", "--box", UNIT_BOX, "--orient"]).contains("cannot be used with"));
+    assert!(
+        wrong(&["sample", "white", "9", "-o", "a.xyz", "--box", UNIT_BOX, "--inside"]).contains("cannot be used with")
+    );
+    #[cfg(unix)]
+    for bytes in [&b"\xff"[..], b"--\xff"] {
+        let argument = std::os::unix::ffi::OsStrExt::from_bytes(bytes);
+        let output = Command::new(PROGRAM).arg::<&std::ffi::OsStr>(argument).output().unwrap();
+        assert!(failed(&output, 2, &[]).ends_with("; see laguerre --help"));
+    }
     assert!(wrong(&["integrate", "none.xyz"]).contains("none.xyz: cannot open"));
     assert!(wrong(&["integrate", "white.pdf"]).contains("known here: .xyz, .txt, .csv, .npy, .ply"));
     assert!(

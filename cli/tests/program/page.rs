@@ -237,6 +237,21 @@ fn the_page_is_one_file_that_asks_for_nothing() {
     assert!(facts.contains("laguerre integrate white.xyz --box 0,0,0,1,1,1 --html c.html --json"), "{facts}");
 }
 
+/// Cells of a density have no geometry: said before anything is computed.
+#[test]
+fn a_page_of_a_density_is_refused_at_once() {
+    let folder = inputs();
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 1), }\n";
+    let length = (header.len() as u16).to_le_bytes();
+    let image = [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &1.0_f64.to_le_bytes()].concat();
+    fs::write(folder.path().join("image.npy"), image).unwrap();
+    for command in ["integrate", "transport", "lloyd"] {
+        let given = ["white.xyz", "--image", "image.npy", "--box", UNIT_BOX, "-o", "out.csv", "--html", "c.html"];
+        let line = fails(folder.path(), 2, &[&[command][..], &given].concat());
+        assert!(line.starts_with("--html: the cells of a domain with a density"), "{line}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn names_of_files_are_no_markup() {

@@ -144,6 +144,17 @@ impl System {
         };
         let mut b = self.b.clone();
         center(&mut b);
+        if !b.iter().all(|b| b.is_finite()) {
+            // Whatever comes of what is no number is none.
+            return Ok(vec![f64::NAN; self.place.len()]);
+        }
+        let largest = b.iter().fold(0.0, |largest: f64, b| largest.max(b.abs()));
+        if largest == 0.0 {
+            return Ok(vec![0.0; self.place.len()]);
+        }
+        // (Squares of 1e-160 are nothing, and of 1e160 infinite.)
+        let unit = power_of_two_below(largest);
+        for_each(&mut b, |_, b| *b /= unit);
         let mut solution = conjugate_gradient::solve(&mut multigrid, &b, RELATIVE, None)?.solution;
         let left = left_over(&self.matrix, &solution, &b);
         if left > TOO_MUCH * norm(&b) {
@@ -153,8 +164,13 @@ impl System {
             )));
         }
         center(&mut solution);
-        Ok(map(self.place.len(), |i| solution[self.place[i] as usize]))
+        Ok(map(self.place.len(), |i| unit * solution[self.place[i] as usize]))
     }
+}
+
+/// The largest power of two that is not above a positive number; of one without all digits the least that has them.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits((x.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE.to_bits()))
 }
 
 /// `‖b − A x‖`.

@@ -6,7 +6,8 @@ use super::cone::{
 };
 use super::facet::{FacetSum, add_boundary, asks_for_boundary, center_facets, integrate_facet, reset_facets};
 use super::integrate::{
-    CellSums, FACET_SECOND_MOMENTS, FACETS, VOLUME_ONLY, both_sums, integrate, reference_point, volume_is_above_bound,
+    CellSums, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, VOLUME_ONLY, both_sums, integrate, reference_point,
+    volume_is_above_bound,
 };
 use super::near::{is_first_voxel, outer_box_of_cell, surface_passes_by, voxels_of_box};
 use super::plane::Plane;
@@ -77,7 +78,12 @@ pub(super) fn integrate_restricted<S: CellStore>(
     if (flags & FACETS) != 0 {
         reset_facets(s, flags);
     }
-    let apex: Voxel = nearest_corner(s, add(s.site(), center), lo, hi);
+    // (What a rule of quadrature leaves of a function that is no polynomial does not cancel: a Gaussian in a torus, 30 sites, degree 3, was 7e-3 off by the whole of cells less what is
+    // outside, 8e-4 so.)
+    let mut apex: Voxel = lo;
+    if (flags & INTEGRAL) == 0 {
+        apex = nearest_corner(s, add(s.site(), center), lo, hi);
+    }
     let of_apex: i32 = s.winding(apex);
     if of_apex != 0 {
         let status: u32 = integrate(s, of_apex as Real, center, 0.0, flags, sums);

@@ -51,7 +51,12 @@ OUTLINE uint integrate_restricted(Store *s, V3 center, uint flags, uint interior
     if ((flags & FACETS) != 0) {
         reset_facets(s, flags);
     }
-    const Voxel apex = nearest_corner(s, add(store_site(s), center), lo, hi);
+    // (What a rule of quadrature leaves of a function that is no polynomial does not cancel: a Gaussian in a torus, 30 sites, degree 3, was 7e-3 off by the whole of cells less what is
+    // outside, 8e-4 so.)
+    Voxel apex = lo;
+    if ((flags & INTEGRAL) == 0) {
+        apex = nearest_corner(s, add(store_site(s), center), lo, hi);
+    }
     const int of_apex = store_winding(s, apex);
     if (of_apex != 0) {
         const uint status = integrate(s, (real)of_apex, center, REAL(0.0), flags, sums);

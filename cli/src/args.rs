@@ -164,7 +164,7 @@ Examples:
 
 /// Whether a result file, whoever wrote it, is right: its sums, its cells, its facets.
 ///
-/// RESULTS is .csv (site,volume,x,y,z and, if known, facets,status; a row for each site, in their order), .npy (N×4: volume,
+/// RESULTS is .csv (site,volume,x,y,z and, if known, facets,status, the number of facets held to those of --facets; a row for each site, in their order), .npy (N×4: volume,
 /// barycenter) or .npz (arrays volume, barycenter and, if known, facets, status), as integrate writes it. Every cell is computed anew; a sample of them, and those that seem wrong, also without a
 /// search, by cutting with all sites. Says which cells and facets are wrong, and exits with 4 if any is.
 #[derive(ClapArgs, Debug)]

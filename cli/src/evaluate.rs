@@ -22,6 +22,9 @@ pub(crate) fn open(args: &BackendArgs) -> Result<Box<dyn Backend>> {
     };
     let selection = match (args.backend, &args.device) {
         // A device is a matter of OpenCL alone, threads are one of the CPU, which has 64 bits only.
+        (BackendChoice::Ocl, _) | (BackendChoice::Auto, Some(_)) if args.threads.is_some() => {
+            return Err(Error::input("--threads: they are of backend cpu alone; leave them out"));
+        }
         (BackendChoice::Ocl, choice) => Selection::Ocl { devices: choice.clone().unwrap_or_default(), precision },
         (BackendChoice::Auto, Some(choice)) => Selection::Ocl { devices: choice.clone(), precision },
         (BackendChoice::Auto, None) if args.threads.is_none() && args.precision == Precision::F32 => {

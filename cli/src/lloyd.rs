@@ -71,6 +71,7 @@ pub(crate) struct LloydArgs {
 
 const EXAMPLES: &str = "\
 Examples:
+  laguerre sample white 10000 --domain out/swan.off --inside -o sites.xyz
   laguerre lloyd sites.xyz --domain out/swan.off -o even.xyz
   laguerre lloyd sites.npy --box 0,0,0,1,1,1 --method lloyd --iterations 20 --json
   laguerre lloyd sites.npy --box 0,0,0,1,1,1 --density 0.1,0,0,1 -o lower.npy

@@ -35,6 +35,39 @@ def indices(values: Any, what: str, corners: int) -> NDArray[np.uint32]:
     return np.ascontiguousarray(found, dtype=np.uint32)
 
 
+class ReadOnly:
+    """What has arrays that others read later: copies of it, and what is pickled, have them read-only, too."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for value in state.values():
+            freeze(value)
+        self.__dict__.update(state)
+
+
+def freeze(value: Any) -> Any:
+    """The same, with its arrays not to be written to: others read them later."""
+    if isinstance(value, np.ndarray):
+        frozen(value)
+    elif isinstance(value, dict):
+        for one in value.values():
+            freeze(one)
+    return value
+
+
+def whole(number: Any, what: str, wanted: str = "a whole number from 0", least: int = 0, most: int = 2**63 - 1) -> int:
+    """An integer within bounds."""
+    if isinstance(number, (bool, np.bool_)) or not isinstance(number, (int, np.integer)) or not least <= number <= most:
+        raise ValueError(f"{what}: {wanted} is needed, this is {number!r}")
+    return int(number)
+
+
+def real(number: Any, what: str) -> float:
+    """A double."""
+    if isinstance(number, (bool, np.bool_)) or not isinstance(number, (int, float, np.integer, np.floating)):
+        raise ValueError(f"{what}: a number is needed, this is {number!r}")
+    return float(number)
+
+
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
     """The same array, not to be written to: others read it later."""
     array.flags.writeable = False

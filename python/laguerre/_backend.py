@@ -7,6 +7,7 @@ import threading
 from typing import Any, NamedTuple
 
 from . import _laguerre
+from ._arrays import whole
 
 Backend = _laguerre.Backend
 
@@ -38,8 +39,12 @@ def opened(backend: Any, devices: list[int] | None, precision: str, threads: int
         return backend
     if not isinstance(backend, str):
         raise ValueError(f"backend {backend!r}: 'auto', 'cpu', 'ocl' or a laguerre.Backend is needed")
-    if threads is not None and not 0 < threads < 2**16:
-        raise ValueError(f"{threads} threads: at least one is needed, and fewer than 65,536")
+    if threads is not None:
+        threads = whole(threads, "threads", "a whole number from 1 to 4,096", 1, 4096)
+    if devices is not None:
+        if not isinstance(devices, (list, tuple)):
+            raise ValueError(f"devices: a list of their numbers is needed, as [0]; this is {devices!r}")
+        devices = [whole(number, "devices", "a number from 0, as laguerre.devices() counts them,", most=2**31) for number in devices]
     # A process that was forked opens its own.
     key = (os.getpid(), backend, None if devices is None else tuple(devices), precision, threads)
     with _lock:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _laguerre
-from ._arrays import frozen, numbers
+from ._arrays import ReadOnly, freeze, frozen, numbers, whole
 from ._backend import Backend, opened
 from ._container import Box, Domain, inner
-from ._files import save
+from ._files import save, save_facets
 
 if TYPE_CHECKING:
     import os
@@ -32,7 +32,7 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
+class Given(ReadOnly):
     """What cells are of: points, weights, container and backend at the time."""
 
     points: NDArray[np.float64]
@@ -44,22 +44,15 @@ class Given:
         self, facets: bool, seconds: bool, facet_seconds: bool, geometry: bool, terms: Any, epsilon: Any, solids: bool = False, laplacian: bool = False
     ) -> dict[str, Any]:
         container = inner(self.container)
-        found = _laguerre.evaluate(
-            self.backend, self.points, self.weights, container, facets, laplacian, seconds, facet_seconds, geometry, solids, terms, epsilon
+        return freeze(
+            _laguerre.evaluate(
+                self.backend, self.points, self.weights, container, facets, laplacian, seconds, facet_seconds, geometry, solids, terms, epsilon
+            )
         )
-        return freeze(found)
-
-
-def freeze(found: dict[str, Any]) -> dict[str, Any]:
-    """Results are read again by what is computed from them later."""
-    for value in found.values():
-        if isinstance(value, np.ndarray):
-            frozen(value)
-    return found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Facets:
+class Facets(ReadOnly):
     """Facets between cells as compressed rows: those of point ``i`` are ``offsets[i]`` to ``offsets[i + 1]``, sorted by neighbour. Each stands once
     in each of its two rows."""
 
@@ -92,7 +85,7 @@ class Facets:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Boundary:
+class Boundary(ReadOnly):
     """The piece of the domain's boundary in each cell."""
 
     area: NDArray[np.float64]
@@ -106,7 +99,7 @@ class Boundary:
         return f"<laguerre.Boundary of {len(self.area)} cells, area {self.area.sum():g}>"
 
 
-class Cells:
+class Cells(ReadOnly):
     """The restricted cells of points and weights, in their order. All arrays are read-only: take a copy to write."""
 
     def __init__(self, given: Given, found: dict[str, Any], epsilon: float | None = None) -> None:
@@ -169,8 +162,7 @@ class Cells:
         given = self._given
         if not callable(function):
             raise ValueError(f"function: a function of points is needed, this is {function!r}")
-        if not isinstance(degree, (int, np.integer)) or degree < 0:
-            raise ValueError(f"degree {degree!r}: a whole number from 0 to 31 is needed")
+        degree = whole(degree, "degree", "a whole number from 0 to 31", most=31)
         if given.backend.name != "cpu":
             given = replace(given, backend=opened("cpu", None, "f64", None))
         middle = np.zeros((1, 3))
@@ -188,7 +180,7 @@ class Cells:
 
         columns = first.size
         found = _laguerre.integrate(
-            given.backend, given.points, given.weights, inner(given.container), values, int(degree), columns, self._epsilon
+            given.backend, given.points, given.weights, inner(given.container), values, degree, columns, self._epsilon
         )
         return frozen(found["integral"].reshape(-1, *first.shape[1:]))
 
@@ -245,10 +237,19 @@ class Cells:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the cells as the file's ending says, in the program's forms, whole or not at all.
 
-        ``.csv`` has a row for each, ``.npz`` the arrays; ``.vtu`` (solids, for ParaView), ``.vtp``, ``.ply`` and ``.glb`` have the cells as the domain cuts
+        ``.csv`` has a row for each, ``.npy`` (N, 4) volume and centroid, ``.npz`` the arrays; ``.vtu`` (solids, for ParaView), ``.vtp``, ``.ply`` and ``.glb`` have the cells as the domain cuts
         them, ``.html`` a page for a browser that shows them, all in the one file. Without ``geometry=True``, and for ``.vtu``, these are computed once more.
         """
         save(self, path)
+
+    def save_facets(self, path: str | os.PathLike[str]) -> None:
+        """Where asked for: writes the facets as the file's ending says, as the program's ``--facets`` does. Each stands once in each of its two rows; a cell's piece
+        of the boundary comes first in its row, with neighbour -1 and distance NaN.
+
+        ``.csv`` has a row for each, ``.npy`` those columns, ``.npz`` arrays: the rows of point ``i`` are ``offsets[i]`` to ``offsets[i + 1]`` of ``site``, ``neighbor``, ``area``,
+        ``barycenter`` and ``distance``.
+        """
+        save_facets(self, path)
 
     def to_pyvista(self) -> pyvista.PolyData:
         """Where geometry was asked for: the faces of all cells, with ``volume``, ``site`` and ``beyond`` (the point on the other side, -1 for the

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._arrays import frozen, numbers
+from ._arrays import frozen, numbers, real, whole
 from ._backend import Backend, opened
 from ._cells import Cells, Given
 from ._container import Box, Container, Domain, taken
@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import ArrayLike, NDArray
+
+
+OPTIONS = frozenset(("radii", "backend", "devices", "precision", "threads"))
+"""What solvers hand on to :class:`Diagram`."""
 
 
 class Diagram:
@@ -89,9 +93,9 @@ class Diagram:
         """
         terms = None
         if polynomial is not None:
-            if not polynomial:
-                raise ValueError("polynomial: no terms; give one at least, as {(1, 0, 0): 1.0}")
-            terms = ([(list(e), float(c)) for e, c in polynomial.items()], [float(x) for x in origin])
+            terms = (_terms(polynomial), numbers(origin, "origin", (3,)).tolist())
+        if epsilon is not None:
+            epsilon = real(epsilon, "epsilon")
         given = self._given
         found = given.evaluate(facets, second_moments, facet_second_moments, geometry, terms, epsilon, laplacian=laplacian)
         return Cells(given, found, epsilon)
@@ -135,6 +139,18 @@ def cells(
         facets=facets, laplacian=laplacian, second_moments=second_moments, facet_second_moments=facet_second_moments,
         geometry=geometry, polynomial=polynomial, origin=origin, epsilon=epsilon,
     )  # fmt: skip
+
+
+def _terms(polynomial: Any) -> list[tuple[list[int], float]]:
+    """Exponents and coefficients."""
+    if not hasattr(polynomial, "items") or not polynomial:
+        raise ValueError(f"polynomial: terms are needed, one at least, as {{(1, 0, 0): 1.0}}; this is {polynomial!r}")
+    terms = []
+    for exponents, coefficient in polynomial.items():
+        if np.shape(exponents) != (3,):
+            raise ValueError(f"polynomial: three exponents are needed, of x, y and z, as (1, 0, 0); this is {exponents!r}")
+        terms.append(([whole(e, "polynomial: exponent", "a whole number from 0 to 31", most=31) for e in exponents], real(coefficient, "polynomial: coefficient")))
+    return terms
 
 
 def _weights(count: int, weights: Any, radii: Any) -> NDArray[np.float64] | None:

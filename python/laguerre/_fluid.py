@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _laguerre
-from ._arrays import frozen, numbers
-from ._cells import Cells, Given, freeze
+from ._arrays import ReadOnly, freeze, frozen, numbers, real, whole
+from ._cells import Cells, Given
 from ._container import Box, Container, inner, taken
 from ._diagram import Diagram
 from ._solvers import check
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Flow:
+class Flow(ReadOnly):
     """What :func:`fluid` came to, which it goes on from when it is given in the place of points."""
 
     points: NDArray[np.float64]
@@ -88,7 +88,7 @@ def fluid(
     ``velocities`` and ``weights`` (copies that are its own) after each step, the start included; a true answer ends it with what there is. ``options`` are
     those of :class:`Diagram`, but for ``radii``: the weights are found.
     """
-    check(steps, callback, "steps")
+    steps = check(steps, callback, options, "fluid", "steps")
     if "radii" in options:
         raise ValueError("radii: a fluid finds its weights; leave them out")
     before: tuple[Any, ...] | None = None
@@ -107,11 +107,11 @@ def fluid(
         speeds = frozen(np.zeros((count, 3))) if velocities is None else numbers(velocities, "velocities", (count, 3))
         densities = frozen(np.ones(count)) if densities is None else numbers(densities, "densities", (count,))
         settings = {
-            "epsilon": epsilon,
-            "viscosity": 0.0 if viscosity is None else viscosity,
+            "epsilon": None if epsilon is None else real(epsilon, "epsilon"),
+            "viscosity": 0.0 if viscosity is None else real(viscosity, "viscosity"),
             "gravity": _vector(gravity, "gravity"),
-            "shake": None if shake is None else (_vector(shake[0], "shake"), float(shake[1]), float(shake[2])),
-            "time_step": time_step,
+            "shake": None if shake is None else _shake(shake),
+            "time_step": None if time_step is None else real(time_step, "time_step"),
         }
     found = _laguerre.fluid(
         given.backend, given.points, inner(given.container), speeds, densities, before=before, steps=steps, callback=callback, **settings
@@ -132,9 +132,7 @@ def scene(name: str, points: int | ArrayLike = 10_000, *, domain: Container = No
     """
     count, centers, container = 0, None, None
     if isinstance(points, (int, np.integer)):
-        count = int(points)
-        if not 0 < count < 2**32:
-            raise ValueError(f"{count} points: at least one is needed, and fewer than 4,294,967,296")
+        count = whole(points, "points", "a number from 1 to 4,294,967,295", 1, 2**32 - 1)
         container = None if domain is None else taken(domain, np.zeros((0, 3)))
     else:
         centers = numbers(points, "points", (None, 3))
@@ -142,6 +140,12 @@ def scene(name: str, points: int | ArrayLike = 10_000, *, domain: Container = No
     found = freeze(_laguerre.scene(name, count, centers, inner(container), gravity))
     extent = found.pop("extent")
     return {"domain": container if container is not None else Box(0, extent), **found}
+
+
+def _shake(shake: Any) -> tuple[list[float], float, float]:
+    if not isinstance(shake, (tuple, list)) or len(shake) != 3:
+        raise ValueError(f"shake: (acceleration, period, swings) is needed, as ((1, 0, 0), 0.5, 2); this is {shake!r}")
+    return _vector(shake[0], "shake"), real(shake[1], "shake: period"), real(shake[2], "shake: swings")
 
 
 def _vector(values: Any, what: str) -> list[float]:

@@ -22,8 +22,10 @@ __all__ = [
     "pull_back",
     "pull_back_cells",
     "save",
+    "save_facets",
     "scene",
     "transport",
+    "write",
 ]
 
 __version__: str
@@ -174,6 +176,15 @@ def save(
     cells: dict[str, Any],
     path: str | os.PathLike[str],
 ) -> None: ...
+def save_facets(
+    backend: Backend,
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    container: Any,
+    cells: dict[str, Any],
+    path: str | os.PathLike[str],
+) -> None: ...
+def write(path: str | os.PathLike[str], bytes: NDArray[np.uint8]) -> None: ...
 def page(
     backend: Backend,
     container: Any,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -9,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _laguerre
-from ._arrays import numbers
-from ._cells import Cells, Given, evaluated, freeze
+from ._arrays import ReadOnly, freeze, numbers, real, whole
+from ._cells import Cells, Given, evaluated
 from ._container import Container, inner
-from ._diagram import Diagram
+from ._diagram import OPTIONS, Diagram
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Relaxation:
+class Relaxation(ReadOnly):
     """What :func:`lloyd` came to."""
 
     points: NDArray[np.float64]
@@ -72,7 +73,7 @@ class Gaussians:
         else:
             covariances = numbers(self.covariances, "Gaussians: covariances", (k, 3, 3))
         masses = numbers(self.masses, "Gaussians: masses", (k,))
-        return whole(self.degree, "Gaussians"), float(self.constant), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
+        return whole(self.degree, "Gaussians: degree", "a whole number from 0 to 31", most=31), real(self.constant, "Gaussians: constant"), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +98,11 @@ class Function:
                 raise ValueError(f"Function: for {len(points)} points it returned shape {found.shape}; one number for each is needed")
             return np.ascontiguousarray(found.reshape(-1, 1))
 
-        return whole(self.degree, "Function"), column
+        return whole(self.degree, "Function: degree", "a whole number from 0 to 31", most=31), column
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Transport:
+class Transport(ReadOnly):
     """What :func:`transport` came to."""
 
     weights: NDArray[np.float64]
@@ -136,6 +137,9 @@ class Transport:
         """The gradients of a function by points, (N, 3), and masses, (N,), through the solve, from those by ``weights``, (N,), centroids, (N, 3), and the ``cost``:
         what reverse differentiation asks for. Masses change so that their sum stays: their gradient sums to 0. With a ``density`` that is linear there is none
         by centroids, with :class:`Gaussians` and :class:`Function` none at all. It takes one diagram and one linear system."""
+        if not self.converged:
+            message = f"the residual is {self.residual:.1e} and not within the tolerance: these are gradients through the solve of the masses that it came to"
+            warnings.warn(message, RuntimeWarning, stacklevel=2)
         given = self.cells._given
         n = len(given.points)
         return _laguerre.pull_back(
@@ -146,7 +150,7 @@ class Transport:
             self._density,
             None if weights is None else numbers(weights, "weights", (n,)),
             None if centroid is None else numbers(centroid, "centroid", (n, 3)),
-            float(cost),
+            real(cost, "cost"),
         )
 
 
@@ -169,7 +173,8 @@ def lloyd(
     ``callback`` is given ``energy``, ``gradient`` and ``evaluations`` (diagrams so far), and ``points`` and ``weights``, after each iteration, the start
     included; a true answer ends it with what there is. ``options`` are those of :class:`Diagram`.
     """
-    check(iterations, callback)
+    iterations = check(iterations, callback, options, "lloyd")
+    tolerance = real(tolerance, "tolerance")
     given = Diagram(points, weights, domain=domain, **options)._given
     found = _laguerre.lloyd(
         given.backend, given.points, given.weights, inner(given.container), plain(density), method, iterations, tolerance, callback
@@ -201,7 +206,8 @@ def transport(
     ``callback`` is given ``step``, ``residual`` and ``fraction`` (of the Newton step that was gone), and ``points`` and ``weights``, after each step, the
     start included; a true answer ends it with what there is. With ``facets`` its cells have facets, which takes one more diagram. ``options`` are those of :class:`Diagram`.
     """
-    check(iterations, callback)
+    iterations = check(iterations, callback, options, "transport")
+    tolerance = real(tolerance, "tolerance")
     given = Diagram(points, weights, domain=domain, **options)._given
     wanted = None if masses is None else numbers(masses, "masses", (len(given.points),))
     rho = plain(density)
@@ -214,13 +220,6 @@ def transport(
     return Transport(cells=Cells(given, cells), _density=rho, **found)
 
 
-def whole(degree: Any, what: str) -> int:
-    """The degree of a rule."""
-    if isinstance(degree, bool) or not isinstance(degree, (int, np.integer)) or degree < 0:
-        raise ValueError(f"{what}: degree is {degree!r}; an integer from 0 is needed")
-    return int(degree)
-
-
 def plain(density: tuple[float, ArrayLike] | Gaussians | Function | None) -> tuple[Any, ...] | None:
     """A density as the extension takes it."""
     if density is None:
@@ -229,7 +228,7 @@ def plain(density: tuple[float, ArrayLike] | Gaussians | Function | None) -> tup
         return density._given()
     if not isinstance(density, (tuple, list)) or len(density) != 2:
         raise ValueError("density: (value, gradient), Gaussians(...) or Function(f) is needed")
-    return (float(density[0]), numbers(density[1], "density's gradient", (3,)).tolist())
+    return (real(density[0], "density: value"), numbers(density[1], "density's gradient", (3,)).tolist())
 
 
 def refuse_density(options: dict[str, Any]) -> None:
@@ -246,9 +245,10 @@ def solved(points: Any, masses: Any, options: dict[str, Any]) -> Transport:
     return found
 
 
-def check(count: int, callback: Any, what: str = "iterations") -> None:
-    """Refuses what no solver can take."""
-    if count < 0:
-        raise ValueError(f"{count} {what}: a number from 0 is needed")
+def check(count: Any, callback: Any, options: dict[str, Any], of: str, what: str = "iterations") -> int:
+    """Refuses what no solver can take; how many iterations there are to be at most."""
+    for name in options.keys() - OPTIONS:
+        raise TypeError(f"{of}() got an unexpected keyword argument '{name}'")
     if callback is not None and not callable(callback):
         raise ValueError(f"callback: a function is needed, this is {callback!r}")
+    return whole(count, what)

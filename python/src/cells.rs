@@ -1,5 +1,7 @@
 //! Cells of sites, and the derivatives of their masses.
 
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
 use laguerre::solvers::density::Density;
 use laguerre::solvers::derivatives::{Derivatives, Rows};
 use laguerre::{
@@ -67,7 +69,12 @@ impl Backend {
             "auto" | "ocl" => return Err(PyValueError::new_err("threads: they are of backend 'cpu' alone")),
             other => return Err(PyValueError::new_err(format!("backend '{other}': 'auto', 'cpu' or 'ocl' is needed"))),
         };
+        let selection = in_this_process(selection)?;
+        let is_auto = selection == Selection::Auto;
         let backend = py.detach(|| laguerre::open(selection)).map_err(raised)?;
+        if is_auto {
+            AUTO_IS_CPU.store(backend.info().backend == "cpu", Ordering::Relaxed);
+        }
         Ok(Self { backend, arguments, process: std::process::id() })
     }
 
@@ -101,15 +108,40 @@ impl Backend {
     }
 }
 
+/// The process that has used OpenCL first; 0 before.
+static OPENCL_OF: AtomicU32 = AtomicU32::new(0);
+/// Whether "auto" has come to the CPU, as it will again.
+static AUTO_IS_CPU: AtomicBool = AtomicBool::new(false);
+
+/// Where cells can be computed in this process, of whose drivers OpenCL's do not outlive a `fork`: calls in the child end in deadlock.
+fn in_this_process(selection: Selection) -> PyResult<Selection> {
+    if matches!(selection, Selection::Cpu { .. }) {
+        return Ok(selection);
+    }
+    let own = std::process::id();
+    let (Ok(of) | Err(of)) = OPENCL_OF.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed);
+    if of == 0 || of == own {
+        return Ok(selection);
+    }
+    if selection == Selection::Auto && AUTO_IS_CPU.load(Ordering::Relaxed) {
+        return Ok(Selection::Cpu { threads: None });
+    }
+    Err(PyRuntimeError::new_err(
+        "OpenCL was used before this process was forked, and does not work in it: take backend 'cpu', or let processes be \
+         spawned, as by multiprocessing.get_context('spawn')",
+    ))
+}
+
 /// Name, platform, whether it is a GPU, and why it cannot be used, if so.
 type Device = (String, String, bool, Option<String>);
 
 /// The OpenCL devices that are there.
 #[pyfunction]
-pub(crate) fn devices() -> Vec<Device> {
+pub(crate) fn devices() -> PyResult<Vec<Device>> {
+    in_this_process(Selection::Auto)?;
     // Where there is no OpenCL there are none.
     let found = laguerre::devices().unwrap_or_default();
-    found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect()
+    Ok(found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect())
 }
 
 /// Terms of a polynomial: exponents and coefficient.

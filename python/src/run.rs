@@ -13,13 +13,18 @@ use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDi
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
+/// The number that makes an `OSError` a `FileNotFoundError`.
+const NOT_FOUND: i32 = 2;
+
 /// Between two looks for a signal.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The library's error as Python's: what is wrong with the input is a `ValueError`, a file that is not there a `FileNotFoundError`.
 pub(crate) fn raised(error: Error) -> PyErr {
     let message = error.to_string();
-    let system = error.source().and_then(|source| source.downcast_ref::<io::Error>()).and_then(io::Error::raw_os_error);
+    let number =
+        |error: &io::Error| error.raw_os_error().or((error.kind() == io::ErrorKind::NotFound).then_some(NOT_FOUND));
+    let system = error.source().and_then(|source| source.downcast_ref::<io::Error>()).and_then(number);
     match (error.kind(), system) {
         (ErrorKind::Input, _) => PyValueError::new_err(message),
         (ErrorKind::Io, Some(number)) => PyOSError::new_err((number, message)),

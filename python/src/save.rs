@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use laguerre::io::{self, CELLS_ENDINGS, GEOMETRY_ENDINGS};
+use laguerre::io::{self, GEOMETRY_ENDINGS};
 use laguerre::{CellStatus, Output, PowerDiagram, Result};
 use laguerre_page::{ENDINGS, Moment, Page, Plot, Timeline, write_run, write_still};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
@@ -40,6 +40,32 @@ pub(crate) fn save<'py>(
         }
         io::write_cells_watched(&path, &diagram, &output, stop)
     })
+}
+
+/// Writes facets as `.csv`, whole or not at all.
+#[pyfunction]
+pub(crate) fn save_facets<'py>(
+    py: Python<'py>,
+    backend: PyRef<'py, Backend>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: Option<PyReadonlyArray1<'py, f64>>,
+    container: Option<Container<'py>>,
+    cells: &Bound<'py, PyDict>,
+    path: PathBuf,
+) -> PyResult<()> {
+    // (`.npy` and `.npz` are NumPy's own, and do not come here.)
+    io::check_output(&path, &[".csv", ".npy", ".npz"]).map_err(raised)?;
+    let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
+    let output = output(cells, false)?;
+    let threads = backend.get()?.info().threads;
+    detached_in_pool(py, threads, |_| io::write_facets(&path, &diagram, &output))
+}
+
+/// Writes the bytes of a file of NumPy's, whole or not at all.
+#[pyfunction]
+pub(crate) fn write(py: Python<'_>, path: PathBuf, bytes: PyReadonlyArray1<'_, u8>) -> PyResult<()> {
+    let bytes = bytes.as_slice()?;
+    py.detach(|| io::write_whole(&path, |to| to.write_all(bytes))).map_err(raised)
 }
 
 /// A state of a run: what it is called, points, weights, and a number of each point, if there is one.
@@ -86,8 +112,8 @@ pub(crate) fn page<'py>(
 
 /// What can be said before the work.
 fn check(path: &Path) -> Result<()> {
-    // `.npz` is NumPy's own, and does not come here.
-    let known = CELLS_ENDINGS.iter().chain(&[".npz"]).chain(GEOMETRY_ENDINGS).chain(ENDINGS);
+    // `.npy` and `.npz` are NumPy's own, and do not come here.
+    let known = [".csv", ".npy", ".npz"].iter().chain(GEOMETRY_ENDINGS).chain(ENDINGS);
     io::check_output(path, &known.copied().collect::<Vec<_>>())
 }
 

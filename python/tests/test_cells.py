@@ -1,7 +1,9 @@
 """The laws of cells, in NumPy."""
 
 import concurrent.futures
+import copy
 import gzip
+import os
 import pickle
 import time
 import types
@@ -299,7 +301,13 @@ def test_a_mesh_of_trimesh_is_a_domain():
         (lambda: lg.cells(np.zeros((0, 3))), "no sites"),
         (lambda: lg.cells(white(3), domain=lg.Box(1, 0)), "must be greater|is flat|minimum"),
         (lambda: lg.cells(white(3), domain=CUBE, epsilon=float("nan")), "epsilon NaN"),
-        (lambda: lg.cells(white(3), domain=CUBE, polynomial={}), "no terms"),
+        (lambda: lg.cells(white(3), domain=CUBE, polynomial={}), "terms are needed"),
+        (lambda: lg.cells(white(3), domain=CUBE, polynomial="x^2"), "terms are needed"),
+        (lambda: lg.cells(white(3), domain=CUBE, polynomial={(-1, 0, 0): 1.0}), "exponent: a whole number from 0"),
+        (lambda: lg.cells(white(3), domain=CUBE, polynomial={(1, 0): 1.0}), "three exponents"),
+        (lambda: lg.cells(white(3), domain=CUBE, epsilon="wide"), "epsilon: a number is needed"),
+        (lambda: lg.cells(white(3), domain=CUBE, devices=0), r"as \[0\]; this is 0"),
+        (lambda: lg.cells(white(3), domain=CUBE, devices=[-1]), "devices: a number from 0"),
         (lambda: lg.cells(white(3), domain=CUBE, devices=[]), "an empty list"),
         (lambda: lg.cells(white(3), domain=CUBE, backend=lg.Backend("cpu"), threads=2), "an open backend has its own"),
         (lambda: lg.cells(white(3), domain=(0, 1)), "PyVista or trimesh"),
@@ -310,8 +318,8 @@ def test_a_mesh_of_trimesh_is_a_domain():
         (lambda: lg.Domain("cube"), "PyVista or trimesh"),
         (lambda: lg.cells(white(3), domain=CUBE).facets, "facets=True"),
         (lambda: lg.cells(white(3), domain=CUBE).integrate(3), "a function of points"),
-        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 32), "degree 32 is beyond 31"),
-        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 1.5), "degree 1.5: a whole number"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 32), "degree: a whole number from 0 to 31 is needed, this is 32"),
+        (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0], 1.5), "degree: a whole number from 0 to 31 is needed, this is 1.5"),
         (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: 1.0), r"it has to return \(1,\) or \(1, C\)"),
         (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, :2] if len(x) > 1 else x), "for 1 point"),
         (lambda: lg.cells(white(3), domain=CUBE).integrate(lambda x: x[:, 0] * 1j), "real numbers are needed"),
@@ -320,10 +328,13 @@ def test_a_mesh_of_trimesh_is_a_domain():
         (lambda: lg.cells(white(3), domain=CUBE).to_pyvista(), "geometry=True"),
         (lambda: lg.cells(white(3), domain=CUBE, backend="gpu"), "'auto', 'cpu' or 'ocl'"),
         (lambda: lg.cells(white(3), domain=CUBE, backend="cpu", precision="f32"), "take 'ocl'"),
-        (lambda: lg.cells(white(3), domain=CUBE, threads=0), "at least one"),
+        (lambda: lg.cells(white(3), domain=CUBE, threads=0), "a whole number from 1 to 4,096"),
         (lambda: lg.lloyd(white(3), domain=CUBE, method="newton"), "'lbfgs' or 'lloyd'"),
-        (lambda: lg.lloyd(white(3), domain=CUBE, iterations=-1), "a number from 0"),
+        (lambda: lg.lloyd(white(3), domain=CUBE, iterations=-1), "a whole number from 0"),
+        (lambda: lg.lloyd(white(3), domain=CUBE, iterations=10**30), "a whole number from 0"),
+        (lambda: lg.lloyd(white(3), domain=CUBE, tolerance=-1.0), "tolerance -1"),
         (lambda: lg.page("none.html", []), "none is given"),
+        (lambda: lg.page("none.html", [{"step": 0}]), "number 0 has no 'points'"),
         (lambda: lg.page("cells.csv", [{"points": white(3)}]), r"\.html"),
         (lambda: lg.page("cells.html", [{"points": white(3)}, {"points": white(2)}]), r"points: an array of shape \(3, 3\)"),
         (lambda: lg.lloyd(white(3), domain=CUBE, callback=3), "a function is needed"),
@@ -345,12 +356,50 @@ def test_cells_are_saved_in_the_programs_forms(thousand, tmp_path):
     with np.load(tmp_path / "cells.npz") as arrays:
         assert np.array_equal(arrays["volume"], thousand.volume) and np.array_equal(arrays["second_moment"], thousand.second_moment)
         assert np.array_equal(arrays["facets"], rows[:, 5])
+    thousand.save(tmp_path / "cells.npy")
+    assert np.array_equal(np.load(tmp_path / "cells.npy"), rows[:, 1:5], equal_nan=True)
     with pytest.raises(ValueError, match=r"cells\.xyz.*\.csv, \.npz, \.vtu"):
         thousand.save(tmp_path / "cells.xyz")
-    for name in ("none/cells.csv", "none/cells.npz"):
-        with pytest.raises(OSError, match="there is no folder"):
+    for name in ("none/cells.csv", "none/cells.npy", "none/cells.npz"):
+        with pytest.raises(FileNotFoundError, match="there is no folder"):
             thousand.save(tmp_path / name)
-    assert {path.name for path in tmp_path.iterdir()} == {"cells.csv", "cells.npz"}
+    assert {path.name for path in tmp_path.iterdir()} == {"cells.csv", "cells.npy", "cells.npz"}
+
+
+def test_facets_are_saved_in_the_programs_forms(thousand, tmp_path):
+    for ending in ("csv", "npy", "npz"):
+        thousand.save_facets(tmp_path / f"facets.{ending}")
+    rows = np.loadtxt(tmp_path / "facets.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(np.load(tmp_path / "facets.npy"), rows, equal_nan=True)
+    with np.load(tmp_path / "facets.npz") as arrays:
+        columns = ("site", "neighbor", "area", "barycenter", "distance")
+        assert np.array_equal(np.column_stack([arrays[name] for name in columns]), rows, equal_nan=True)
+        starts = arrays["offsets"]
+        assert np.array_equal(np.repeat(np.arange(1000), np.diff(starts)), rows[:, 0])
+    assert rows[rows[:, 1] < 0, 2].sum() == pytest.approx(thousand.boundary.area.sum())
+    with pytest.raises(ValueError, match="unknown ending"):
+        thousand.save_facets(tmp_path / "facets.xyz")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes and links are of Unix")
+def test_what_is_saved_keeps_its_mode_and_follows_links(thousand, tmp_path):
+    file, link = tmp_path / "cells.npz", tmp_path / "link.npz"
+    file.touch(mode=0o600)
+    link.symlink_to(file.name)
+    thousand.save(link)
+    assert link.is_symlink() and file.stat().st_mode & 0o777 == 0o600
+    with np.load(file) as arrays:
+        assert np.array_equal(arrays["volume"], thousand.volume)
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
+def test_copies_of_results_are_read_only(again):
+    solved = lg.transport(white(30), domain=CUBE, facets=True, backend="cpu")
+    other = again(solved)
+    assert np.array_equal(other.weights, solved.weights)
+    cells = other.cells
+    arrays = (other.weights, other.residuals, cells.points, cells.volume, cells.status, cells.facets.area, again(cells.boundary).area)
+    assert not any(array.flags.writeable for array in arrays)
 
 
 def test_geometry_is_saved_whether_it_was_asked_for_or_not(tmp_path):
@@ -414,7 +463,7 @@ def test_densities():
         lg.Domain.image(values[0])
     with pytest.raises(ValueError, match=r"shape \(T, 4\)"):
         lg.Domain.tetrahedra(corners, [[0, 1, 2]], [1])
-    with pytest.raises(ValueError, match="65535 threads: from 1 to 4096 are needed"):
+    with pytest.raises(ValueError, match="threads: a whole number from 1 to 4,096 is needed, this is 65535"):
         lg.cells(points, domain=image, threads=65535)
 
 

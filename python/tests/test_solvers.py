@@ -239,6 +239,32 @@ def test_a_process_that_was_forked_opens_its_own_backend():
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_process_that_was_forked_is_told_that_it_has_no_opencl():
+    assert lg.devices() is not None
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            lg.cells(white(5), domain=CUBE, backend="ocl")
+        except RuntimeError as error:
+            code = 0 if "before this process was forked" in str(error) else 2
+        finally:
+            os._exit(code)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_options_that_are_not_known_are_named_with_their_function():
+    for call in (lg.lloyd, lg.transport, lg.fluid, lambda p, **options: lg.page("a.html", [{"points": p}], **options)):
+        with pytest.raises(TypeError, match=r"(lloyd|transport|fluid|page)\(\) got an unexpected keyword argument 'density_'"):
+            call(white(3), domain=CUBE, density_=1)
+
+
+def test_gradients_of_a_transport_that_did_not_converge_come_with_a_warning():
+    with pytest.warns(RuntimeWarning, match="not within the tolerance"):
+        lg.transport(white(30), domain=CUBE, iterations=1).pullback(weights=np.ones(30))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 def test_a_process_that_was_forked_relaxes_many_sites():
     # So many that sums over them go to all threads, of which the child has but its backend's.
     points = white(10_000)

@@ -124,7 +124,7 @@ pub fn relax(
     on_iteration: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation> {
     if options.tolerance.is_nan() || options.tolerance < 0.0 {
-        return Err(Error::input(format!("gradient bound {}: a number from 0 is needed", options.tolerance)));
+        return Err(Error::input(format!("tolerance {}: a number from 0 is needed", options.tolerance)));
     }
     let backend = OfDensity { backend, density: &options.density };
     let mut descent = Descent::new(&backend, diagram)?;

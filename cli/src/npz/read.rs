@@ -54,7 +54,13 @@ pub(crate) fn read_sites(path: &Path) -> Result<SitesFile> {
 fn sites(bytes: &[u8]) -> Result<SitesFile> {
     let archive = ZipArchive::from_slice(bytes).map_err(strange)?;
     let first = |names: &[&'static str], columns: usize| {
-        names.iter().find_map(|name| array(&archive, name, columns).transpose()).transpose()
+        let mut found = names.iter().filter_map(|name| Some((name, array(&archive, name, columns).transpose()?)));
+        match (found.next(), found.next()) {
+            (Some((one, _)), Some((other, _))) => {
+                Err(Error::input(format!("there are both '{one}' and '{other}' in it; keep the one that is meant")))
+            }
+            (one, _) => one.map(|(_, array)| array).transpose(),
+        }
     };
     let missing = || Error::input(format!("there is none of the arrays {} in it", POSITIONS.join(", ")));
     let positions = first(&POSITIONS, 3)?.ok_or_else(missing)?;
@@ -313,6 +319,8 @@ mod tests {
         assert!(
             write(&[("x", &[2, 3], &six)]).unwrap_err().starts_with("there is none of the arrays positions, points")
         );
+        let two = write(&[("points", &[2, 3], &six), ("sites", &[2, 3], &six)]).unwrap_err();
+        assert_eq!(two, "there are both 'points' and 'sites' in it; keep the one that is meant");
         let other = write(&[("weight", &[3], &[7.0; 3]), ("points", &[2, 3], &six)]);
         assert_eq!(other.unwrap_err(), "array 'weight' has 3 rows, another has 2");
         let shape = write(&[("points", &[3, 2], &six)]).unwrap_err();

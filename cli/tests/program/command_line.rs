@@ -47,6 +47,8 @@ fn a_wrong_command_line_is_said_in_one_line() {
     );
     assert!(wrong(&["integrate", "white.xyz", "--epsilon", "-1"]).contains("0 or larger"));
     assert!(wrong(&["integrate", "white.xyz", "--threads", "0"]).contains("from 1 to"));
+    let of_devices = wrong(&["integrate", "white.xyz", "--backend", "ocl", "--threads", "2"]);
+    assert!(of_devices.contains("--threads: they are of backend cpu alone"), "{of_devices}");
     assert!(wrong(&["integrate", "white.xyz", "-o", "cells.xls"]).contains("known here: .csv, .npy, .npz, .vtu"));
     assert!(wrong(&["integrate", "white.xyz", "-o", "a.csv", "--facets", "a.csv"]).contains("give two files"));
     assert!(wrong(&["integrate", "white.xyz", "-o", "a.csv", "--facets", "./a.csv"]).contains("give two files"));

@@ -97,12 +97,18 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// A finite number.
+/// A finite number, also with the exponent of Fortran's doubles, as in `1.5D-03`.
 ///
 /// # Errors
 /// The reason alone, for the caller to add the place.
 pub(super) fn finite(word: &str) -> std::result::Result<f64, String> {
-    match word.parse::<f64>() {
+    let fortran = |error| match word.find(['d', 'D']) {
+        Some(at) if word.starts_with(|c: char| !c.is_alphabetic()) => {
+            format!("{}e{}", &word[..at], &word[at + 1..]).parse()
+        }
+        _ => Err(error),
+    };
+    match word.parse::<f64>().or_else(fortran) {
         Ok(x) if x.is_finite() => Ok(x),
         Ok(_) => Err(format!("'{}' is not finite", shown(word))),
         Err(_) => Err(format!("'{}' is not a number", shown(word))),
@@ -126,6 +132,15 @@ pub(super) fn shown(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exponents_are_those_of_fortran_too() {
+        assert_eq!(finite("1.5D-03"), Ok(1.5e-3));
+        assert_eq!(finite("-2d+02"), Ok(-2e2));
+        for wrong in ["d5", "1d", "1dd2", "1d2e3", "D", "1.0D+999"] {
+            assert!(finite(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn comments_blanks_and_line_ends_are_no_matter() {

@@ -137,8 +137,8 @@ pub fn check_output(path: &Path, known: &[&'static str]) -> Result<()> {
     if folder.is_dir() {
         return atomic::check_writable(path);
     }
-    let folder = folder.display();
-    Err(Error::new(ErrorKind::Io, format!("there is no folder '{folder}'; make it first")).in_file(path))
+    let missing = Error::new(ErrorKind::Io, format!("there is no folder '{}'; make it first", folder.display()));
+    Err(missing.because(std::io::Error::from(std::io::ErrorKind::NotFound)).in_file(path))
 }
 
 /// Opens a file, and says how long it is.

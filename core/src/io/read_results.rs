@@ -200,13 +200,18 @@ fn facets_csv(reader: impl BufRead) -> Result<Vec<FacetRow>> {
 
 /// Reads the header: the names in their order, at least the first `least`. Returns how many there are.
 fn header(lines: &mut Lines<impl BufRead>, names: &[&str], least: usize) -> Result<usize> {
+    let (needed, more) = names.split_at(least);
+    let needed = match more {
+        [] => format!("{} is needed", needed.join(",")),
+        more => format!("{} is needed, and {} may follow", needed.join(","), more.join(",")),
+    };
     let found: Vec<String> = match lines.next_line()? {
         Some(line) => line.split(',').map(|word| word.trim().trim_matches('"').to_string()).collect(),
-        None => return Err(Error::input(format!("nothing in it; the header {} is needed", names.join(",")))),
+        None => return Err(Error::input(format!("nothing in it; the header {needed}"))),
     };
     if found.len() < least || found.len() > names.len() || found.iter().zip(names).any(|(a, b)| a != b) {
         let found = shown(&found.join(","));
-        return Err(lines.wrong(format_args!("header '{found}'; {} is needed", names.join(","))));
+        return Err(lines.wrong(format_args!("header '{found}'; {needed}")));
     }
     Ok(found.len())
 }
@@ -330,7 +335,8 @@ mod tests {
     fn what_is_wrong_is_named_by_line() {
         let wrong = |text: &str| parse_cells(text.as_bytes(), "c.csv").unwrap_err().to_string();
         let header = "site,volume,x,y,z,facets,status\n";
-        assert_eq!(wrong(""), format!("c.csv: nothing in it; the header {} is needed", header.trim()));
+        let needed = "site,volume,x,y,z is needed, and facets,status may follow";
+        assert_eq!(wrong(""), format!("c.csv: nothing in it; the header {needed}"));
         assert!(wrong("1 2 3\n").starts_with("c.csv: line 1: header '1 2 3'; site,volume"));
         assert!(wrong("site,volume,x,y\n").starts_with("c.csv: line 1: header"));
         assert_eq!(wrong(&format!("{header}0,1,2,3\n")), "c.csv: line 2: 4 columns, but the header has 7");

@@ -145,8 +145,9 @@ impl Function {
         }
         let value = |(i, gaussian): (usize, &Gaussian)| {
             gaussian.value().ok_or_else(|| {
+                let Gaussian { mean, covariance, mass } = gaussian;
                 Error::input(format!(
-                    "Gaussian {i}, {gaussian:?}: a finite mean, a symmetric positive definite covariance and a positive mass are needed"
+                    "Gaussian {i}, of mean {mean:?}, covariance {covariance:?} and mass {mass:?}: a finite mean, a symmetric positive definite covariance and a positive mass are needed"
                 ))
             })
         };

@@ -5,31 +5,26 @@ use crate::sources::Text;
 use laguerre_core::cell::{FACET_AREAS, FACET_SECOND_MOMENTS, FACETS, INTEGRAL, SECOND_MOMENTS};
 use laguerre_core::passes::Capacities;
 
-/// The kernels that sort sites and make the trees, those that find how near the surface is to them, those of the Laplacian, and those of sites that stay.
-const GRID: Text = Text {
-    entries: &[
-        "grid.cl",
-        "order.cl",
-        "bound_nodes.cl",
-        "power_octree.cl",
-        "clearance.cl",
-        "leaders.cl",
-        "facets.cl",
-        "laplacian.cl",
-        "algebra.cl",
-        "aggregation.cl",
-        "totals.cl",
-    ],
-    prelude: "prelude.cl",
-    store: None,
-};
+/// The kernels that sort sites and make the tree, and those that find how near the surface is to them.
+const GRID: Text = without_cells(&["grid.cl", "order.cl", "bound_nodes.cl", "clearance.cl", "leaders.cl"]);
+
+/// Those of the octree over the container; of rows of facets and of the Laplacian; of sites that stay; and linear algebra.
+const OCTREE: Text = without_cells(&["power_octree.cl"]);
+const ROWS: Text = without_cells(&["facets.cl", "laplacian.cl"]);
+const TOTALS: Text = without_cells(&["totals.cl"]);
+const ALGEBRA: Text = without_cells(&["algebra.cl", "aggregation.cl"]);
+
+/// A text that computes no cells.
+const fn without_cells(entries: &'static [&'static str]) -> Text {
+    Text { entries, prelude: "prelude.cl", store: None }
+}
 
 /// A cell by one work-item, and by several.
 const ALONE: Text = Text { entries: &["evaluate.cl"], prelude: "prelude.cl", store: Some("store.cl") };
 const TOGETHER: Text = Text { entries: &["lanes_evaluate.cl"], prelude: "prelude.cl", store: Some("lanes_store.cl") };
 
 /// How lanes talk, by itself.
-const TRIAL: Text = Text { entries: &["lanes_trial.cl"], prelude: "prelude.cl", store: None };
+const TRIAL: Text = without_cells(&["lanes_trial.cl"]);
 
 /// A cell in single precision.
 const SINGLE: Text = Text { entries: &["single.cl"], prelude: "single_prelude.cl", store: Some("single_store.cl") };
@@ -42,6 +37,10 @@ const PARITY: Text = Text { entries: &["generated/parity.cl"], prelude: "prelude
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Build {
     Grid,
+    Octree,
+    Rows,
+    Totals,
+    Algebra,
     Cells(Way, Asked),
     Trial(Lanes),
     Single(Capacities),
@@ -357,6 +356,10 @@ impl Build {
     pub(crate) const fn text(&self) -> Text {
         match self {
             Self::Grid => GRID,
+            Self::Octree => OCTREE,
+            Self::Rows => ROWS,
+            Self::Totals => TOTALS,
+            Self::Algebra => ALGEBRA,
             Self::Cells(Way::Alone(_), _) => ALONE,
             Self::Cells(Way::Together(..), _) => TOGETHER,
             Self::Trial(_) => TRIAL,
@@ -373,7 +376,7 @@ impl Build {
         };
         let room_of = |room: &Capacities| vec![Flag::Planes(room.planes), Flag::Vertices(room.vertices)];
         match self {
-            Self::Grid => Vec::new(),
+            Self::Grid | Self::Octree | Self::Rows | Self::Totals | Self::Algebra => Vec::new(),
             Self::Cells(way, Asked { flags: asked, domain, weights, table }) => {
                 let mut flags = match *way {
                     Way::Alone(room) => room_of(&room),
@@ -434,6 +437,10 @@ impl Build {
         let together = Stage::ALL.map(|stage| Self::Cells(Way::Together(Lanes::Warp, stage), asked));
         let others = [
             Self::Grid,
+            Self::Octree,
+            Self::Rows,
+            Self::Totals,
+            Self::Algebra,
             Self::Trial(Lanes::Warp),
             Self::Cells(Way::Alone(room), asked),
             Self::Single(room),

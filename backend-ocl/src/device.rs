@@ -21,7 +21,9 @@ use crate::laplacian::{LaplacianMemory, MadeLaplacian};
 use crate::octree::OctreeMemory;
 use crate::params::Shared;
 use crate::platform::{self, Found};
-use crate::program::{GridKernels, Programs};
+use crate::program::{
+    AlgebraKernels, Built as _, GridKernels, Later, OctreeKernels, Programs, RowKernels, TotalKernels,
+};
 use crate::queue::Queue;
 use crate::results::Results;
 use crate::shells;
@@ -44,7 +46,7 @@ static EVALUATIONS: AtomicU64 = AtomicU64::new(1);
 
 /// A device that is open.
 pub(crate) struct Device {
-    id: cl_device_id,
+    pub(crate) id: cl_device_id,
     /// For messages.
     pub(crate) name: String,
     /// The work-items that compute a cell together, where they do.
@@ -56,6 +58,10 @@ pub(crate) struct Device {
     pub(crate) context: Arc<Handle<Context>>,
     pub(crate) queue: Queue,
     pub(crate) grid_kernels: GridKernels,
+    octree_kernels: Later<OctreeKernels>,
+    pub(crate) row_kernels: Later<RowKernels>,
+    pub(crate) total_kernels: Later<TotalKernels>,
+    pub(crate) algebra_kernels: Later<AlgebraKernels>,
     programs: Programs,
     pub(crate) memory: Memory,
     pub(crate) sites: Sites,
@@ -158,6 +164,10 @@ impl Device {
             context,
             queue,
             grid_kernels,
+            octree_kernels: Later::new(),
+            row_kernels: Later::new(),
+            total_kernels: Later::new(),
+            algebra_kernels: Later::new(),
             programs: Programs::default(),
             memory,
             sites: Sites::new(),
@@ -178,6 +188,11 @@ impl Device {
             swept_at_once: leaders::SWEPT_AT_ONCE,
             first: None,
         })
+    }
+
+    /// The kernels of linear algebra.
+    pub(crate) fn algebra(&self) -> Result<&AlgebraKernels> {
+        self.algebra_kernels.get(&self.context, self.id)
     }
 
     /// Whether several work-items compute a cell together.

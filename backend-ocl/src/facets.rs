@@ -66,7 +66,9 @@ impl Device {
         sites: usize,
         mut arrays: FacetArrays,
     ) -> Result<Option<FacetArrays>> {
-        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, facets: ordered, lengths, .. } = self;
+        let Self { id, context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
+        let (ordered, lengths) = (&mut self.facets, &mut self.lengths);
+        let kernels = row_kernels.get(context, *id)?;
         // As much as for their records, so that nothing is allocated where there are a few more.
         let most = shared.params.facet_room as usize;
         let has_seconds = request.facet_second_moments();
@@ -83,7 +85,7 @@ impl Device {
         let FacetMemory { offsets, neighbors, areas, barycenters, distances, second_moments } = &*ordered;
         let (count, rows) = (sites as u32, &memory.rows);
         let counting = CountRows { count, outcome: &memory.outcome, rows, counts: offsets };
-        grid_kernels.count_rows.run(queue, sites, GROUP, counting)?;
+        kernels.count_rows.run(queue, sites, GROUP, counting)?;
         grid::scan(context, queue, grid_kernels, offsets, sites + 1, &mut sorted.sums)?;
         let writing = WriteRows {
             params: &shared.room,
@@ -103,7 +105,7 @@ impl Device {
             distances,
             second_moments,
         };
-        grid_kernels.write_rows.run(queue, sites * PER_ROW as usize, GROUP, writing)?;
+        kernels.write_rows.run(queue, sites * PER_ROW as usize, GROUP, writing)?;
 
         arrays.offsets = offsets.read_offsets(queue, sites)?;
         let all = arrays.offsets.last().copied().unwrap_or(0);

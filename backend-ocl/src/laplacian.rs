@@ -112,7 +112,9 @@ impl Device {
 
     /// Its entries, if it could be made: there is memory for it, and no row is long.
     fn make_laplacian(&mut self, sites: usize) -> Result<Option<usize>> {
-        let Self { context, queue, memory, grid_kernels, sites: sorted, shared, laplacian: ties, .. } = self;
+        let Self { id, context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
+        let ties = &mut self.laplacian;
+        let kernels = row_kernels.get(context, *id)?;
         // As much as for their records, so that nothing is allocated where there are a few more.
         let (count, most) = (shared.params.tree_sites, shared.params.facet_room as usize);
         let rows = count as usize;
@@ -133,7 +135,7 @@ impl Device {
         let (order, rooms) = (&sorted.order, &memory.rows);
         let counting =
             CountFacets { order, count, outcome: &memory.outcome, rows: rooms, place, counts: offsets, is_long };
-        grid_kernels.count_facets.run(queue, rows, GROUP, counting)?;
+        kernels.count_facets.run(queue, rows, GROUP, counting)?;
         if is_long.first(queue)? != 0 {
             return Ok(None);
         }
@@ -142,16 +144,16 @@ impl Device {
         // (Where the packed ones are afterwards.)
         let (listed, areas) = (packed_columns, packed_values);
         let listing = ListFacets { order, count, rows: rooms, records, place, offsets, listed };
-        grid_kernels.list_facets.run(queue, items, GROUP, listing)?;
+        kernels.list_facets.run(queue, items, GROUP, listing)?;
         let sorting = SortFacets { order, count, rows: rooms, records, listed, offsets, columns, areas };
-        grid_kernels.sort_facets.run(queue, items, GROUP, sorting)?;
+        kernels.sort_facets.run(queue, items, GROUP, sorting)?;
         let (params, counts) = (&shared.room, packed_offsets);
         let matching = MatchFacets { params, sites: &sorted.sites, count, offsets, columns, areas, records, counts };
-        grid_kernels.match_facets.run(queue, items, GROUP, matching)?;
+        kernels.match_facets.run(queue, items, GROUP, matching)?;
         grid::scan(context, queue, grid_kernels, packed_offsets, rows + 1, &mut sorted.sums)?;
         let starts = packed_offsets;
         let packing = PackFacets { count, offsets, columns, records, starts, packed_columns, packed_values };
-        grid_kernels.pack_facets.run(queue, items, GROUP, packing)?;
+        kernels.pack_facets.run(queue, items, GROUP, packing)?;
         Ok(Some(packed_offsets.number(queue, rows)? as usize))
     }
 

@@ -5,7 +5,7 @@ use crate::grid::scan_all;
 use crate::interface::data::{GRID_GROUP, NO_BOX, NO_HOME, OCTREE_GROUP, Params};
 use crate::interface::kernels::{FindHomes, JudgeParts, PlaceLeaves, SplitBoxes};
 use crate::params::Shared;
-use crate::program::GridKernels;
+use crate::program::{GridKernels, OctreeKernels};
 use crate::queue::Queue;
 use laguerre_core::Result;
 use laguerre_core::cell::octree::MOST_DEPTH;
@@ -50,7 +50,8 @@ pub(crate) struct OfSites<'a> {
     pub(crate) device: cl_device_id,
     pub(crate) context: &'a Context,
     pub(crate) queue: &'a Queue,
-    pub(crate) kernels: &'a GridKernels,
+    pub(crate) grid: &'a GridKernels,
+    pub(crate) kernels: &'a OctreeKernels,
     pub(crate) shared: &'a Shared,
     pub(crate) sites: &'a Room<[f64; 4]>,
 }
@@ -130,7 +131,7 @@ impl OctreeMemory {
         margin: f64,
         sums: &mut Vec<Room<u32>>,
     ) -> Result<Option<Level>> {
-        let OfSites { device, context, queue, kernels, shared, sites } = of;
+        let OfSites { device, context, queue, grid, kernels, shared, sites } = of;
         let Level { boxes: count, leaves, nodes: first, listed: before } = level;
         let parts = WIDTH * count;
         self.kept.grow(context, WIDTH * leaves)?;
@@ -149,7 +150,7 @@ impl OctreeMemory {
         kernels.judge_parts.run(queue, parts + 1, GROUP, arguments)?;
         let mut totals = [0; 3];
         for (total, numbers) in totals.iter_mut().zip([splits, wholes, lists]) {
-            *total = scan_all(context, queue, kernels, numbers, parts, sums)?;
+            *total = scan_all(context, queue, grid, numbers, parts, sums)?;
         }
         let [next_boxes, next_leaves, more] = totals;
         if are_too_many(before + more, next_leaves, next_boxes, shared.params.tree_sites as usize) {

@@ -36,8 +36,8 @@ def page(
     for row, state in enumerate(states):
         if not isinstance(state, Mapping) or "points" not in state:
             raise ValueError(f"states: number {row} has no 'points'; what callbacks are told has, gathered by callback=states.append")
-    for name in options.keys() - OPTIONS:
-        raise TypeError(f"page() got an unexpected keyword argument '{name}'")
+    for option in options.keys() - OPTIONS:
+        raise TypeError(f"page() got an unexpected keyword argument '{option}'")
     given = Diagram(states[0]["points"], states[0].get("weights"), domain=domain, **options)._given
     count, has_speeds = len(given.points), all("velocities" in state for state in states)
     taken = []

@@ -1,7 +1,8 @@
 //! What the cells are cut by, as the command line says it.
 
-use laguerre::MergedSites;
-use laguerre::{Domain, Error, PowerDiagram, Result};
+use std::collections::{HashMap, HashSet};
+
+use laguerre::{CellStatus, Domain, Error, MergedSites, Output, PowerDiagram, Result};
 
 use crate::args::{ContainerArgs, Corners};
 use crate::outcome::note;
@@ -65,6 +66,28 @@ pub(crate) fn note_if_merged(diagram: &PowerDiagram) -> Result<()> {
         ));
     }
     Ok(())
+}
+
+/// Says which cells are empty because another site stands at the very place of theirs.
+pub(crate) fn note_if_coincident(diagram: &PowerDiagram, output: &Output) {
+    let key = |p: &[f64; 3]| p.map(|x| (x + 0.0).to_bits());
+    let sites = || diagram.positions().iter().enumerate();
+    let empty: HashSet<_> =
+        sites().filter(|&(i, _)| output.status()[i] == CellStatus::Empty).map(|(_, p)| key(p)).collect();
+    if empty.is_empty() {
+        return;
+    }
+    let mut first_at = HashMap::new();
+    let others = sites().filter(|(_, p)| empty.contains(&key(p)));
+    let twice: Vec<_> =
+        others.map(|(i, p)| (*first_at.entry(key(p)).or_insert(i), i)).filter(|(i, j)| i != j).collect();
+    if let Some((i, j)) = twice.first() {
+        note(&format!(
+            "sites at the place of another: {} (first site {j}, at that of site {i}); of each such group one at most has a cell, \
+             the first of those with the largest weight",
+            twice.len()
+        ));
+    }
 }
 
 /// What the cells must sum to: the container's own box, volume and barycenter.

@@ -7,7 +7,7 @@ use laguerre::io::{self, CELLS_ENDINGS, FACETS_ENDINGS, GEOMETRY_ENDINGS};
 use laguerre::{Error, ErrorKind, Output, PowerDiagram, Request, Result};
 
 use crate::args::IntegrateArgs;
-use crate::container::{Container, Whole, note_if_merged};
+use crate::container::{Container, Whole, note_if_coincident, note_if_merged};
 use crate::derivatives;
 use crate::evaluate::{evaluate, open};
 use crate::files::{check_page, names_same_file, refuse_inputs, share_standard_output};
@@ -53,6 +53,7 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let output = evaluate(backend.as_ref(), &diagram, &request).map_err(of_sites)?;
     seconds.compute = start.elapsed().as_secs_f64();
+    note_if_coincident(&diagram, &output);
 
     let start = Instant::now();
     if let Some(path) = &args.output {

@@ -5,6 +5,24 @@ use std::fs;
 use crate::support::{UNIT_BOX, inputs, json, laguerre, runs};
 
 #[test]
+fn sites_at_one_place_are_told() {
+    let folder = inputs();
+    let sites =
+        "0.2 0.3 0.4 0\n0.7 0.6 0.5 0\n0.2 0.3 0.4 0.1\n0.7 0.6 0.5 0\n0.0 0.9 0.1 0\n-0.0 0.9 0.1 0\n0.5 0.5 0.5 -9\n";
+    fs::write(folder.path().join("twice.xyz"), sites).unwrap();
+    let run = |args: &[&str]| {
+        let output = laguerre(folder.path(), args);
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let said = run(&["integrate", "twice.xyz", "--box", UNIT_BOX, "--json"]);
+    let note =
+        "sites at the place of another: 3 (first site 2, at that of site 0); of each such group one at most has a cell";
+    assert!(said.contains(note), "{said}");
+    assert!(!run(&["integrate", "strong.xyz", "--box", UNIT_BOX, "--json"]).contains("another"));
+}
+
+#[test]
 fn results_are_written_as_promised() {
     let folder = inputs();
     let args = ["integrate", "strong.xyz", "--box", UNIT_BOX, "-o", "cells.csv", "--facets", "facets.csv", "--json"];

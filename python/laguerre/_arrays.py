@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import operator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,16 +58,20 @@ def freeze(value: Any) -> Any:
 
 def whole(number: Any, what: str, wanted: str = "a whole number from 0", least: int = 0, most: int = 2**63 - 1) -> int:
     """An integer within bounds."""
-    if isinstance(number, (bool, np.bool_)) or not isinstance(number, (int, np.integer)) or not least <= number <= most:
-        raise ValueError(f"{what}: {wanted} is needed, this is {number!r}")
-    return int(number)
+    if not isinstance(number, (bool, np.bool_)):
+        with contextlib.suppress(TypeError):
+            found = operator.index(number)
+            if least <= found <= most:
+                return found
+    raise ValueError(f"{what}: {wanted} is needed, this is {number!r}")
 
 
 def real(number: Any, what: str) -> float:
     """A double."""
-    if isinstance(number, (bool, np.bool_)) or not isinstance(number, (int, float, np.integer, np.floating)):
-        raise ValueError(f"{what}: a number is needed, this is {number!r}")
-    return float(number)
+    if not isinstance(number, (bool, np.bool_, str, bytes)):
+        with contextlib.suppress(TypeError, ValueError, OverflowError):
+            return float(number)
+    raise ValueError(f"{what}: a number is needed, this is {number!r}")
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

@@ -123,7 +123,7 @@ impl Ocl {
             let groups = a.rows.div_ceil(GROUP / per_row as usize);
             for which in 0..width {
                 let arguments = Multiply { count, per_row, offsets, columns, values, x, y, width, which, subtracts };
-                device.algebra()?.multiply.run(&device.queue, groups * GROUP, GROUP, arguments)?;
+                device.algebra_kernels.get()?.multiply.run(&device.queue, groups * GROUP, GROUP, arguments)?;
             }
             Ok(())
         })
@@ -137,7 +137,7 @@ impl Ocl {
         self.on_first(|device| {
             let (scales, y) = (&scales.numbers, &y.numbers);
             let arguments = Combine { count: x.length as u32, alpha, has_scales, scales, x: &x.numbers, beta, y };
-            device.algebra()?.combine.run(&device.queue, x.length, GROUP, arguments)
+            device.algebra_kernels.get()?.combine.run(&device.queue, x.length, GROUP, arguments)
         })
     }
 
@@ -255,7 +255,7 @@ impl Algebra for Ocl {
                 columns,
                 values,
             };
-            device.algebra()?.fill_laplacian.run(&device.queue, rows + 1, GROUP, arguments)?;
+            device.algebra_kernels.get()?.fill_laplacian.run(&device.queue, rows + 1, GROUP, arguments)?;
             Ok(Some(self.hold(made)))
         })
     }
@@ -273,8 +273,7 @@ impl Algebra for Ocl {
                 return Ok(None);
             };
             let made = Vector::unset(device, CELL * rows)?;
-            let kernels = device.algebra()?;
-            let Device { queue, memory, sites, shared, .. } = &*device;
+            let Device { queue, algebra_kernels, memory, sites, shared, .. } = device;
             let unit = shared.params.frame_unit;
             let arguments = GatherCells {
                 params: &shared.room,
@@ -286,7 +285,7 @@ impl Algebra for Ocl {
                 per_unit: unit * (shared.params.laplacian_unit / unit / density).cbrt(),
                 cells: &made.numbers,
             };
-            kernels.gather_cells.run(queue, rows, GROUP, arguments)?;
+            algebra_kernels.get()?.gather_cells.run(queue, rows, GROUP, arguments)?;
             Ok(Some(self.hold(made)))
         })
     }
@@ -314,8 +313,8 @@ impl Algebra for Ocl {
         self.on_first(|device| {
             let groups = x.length.div_ceil(SUMMED);
             device.answers.parts.grow(&device.context, groups)?;
-            let Device { id, context, queue, answers, algebra_kernels, .. } = device;
-            let kernels = algebra_kernels.get(context, *id)?;
+            let Device { queue, answers, algebra_kernels, .. } = device;
+            let kernels = algebra_kernels.get()?;
             let arguments = DotParts { count: x.length as u32, x: &x.numbers, y, parts: &answers.parts };
             kernels.dot_parts.run(queue, groups * GROUP, GROUP, arguments)?;
             answers.parts.read(queue, groups, &mut answers.sums)?;
@@ -329,8 +328,8 @@ impl Algebra for Ocl {
         self.on_first(|device| {
             let groups = length.div_ceil(SUMMED);
             device.answers.parts.grow(&device.context, 2 * groups)?;
-            let Device { id, context, queue, answers, algebra_kernels, .. } = device;
-            let kernels = algebra_kernels.get(context, *id)?;
+            let Device { queue, answers, algebra_kernels, .. } = device;
+            let kernels = algebra_kernels.get()?;
             kernels.sum_parts.run(queue, groups * GROUP, GROUP, SumParts { count, x, parts: &answers.parts })?;
             answers.parts.read(queue, 2 * groups, &mut answers.sums)?;
             let sum = |which: usize| answers.sums.iter().skip(which).step_by(2).sum::<f64>();
@@ -348,7 +347,7 @@ impl Algebra for Ocl {
             let made = Vector::unset(device, a.rows)?;
             let (offsets, columns, values, count) = (&a.offsets, &a.columns, &a.values, a.rows as u32);
             let arguments = InvertDiagonal { count, offsets, columns, values, inverse: &made.numbers };
-            device.algebra()?.invert_diagonal.run(&device.queue, a.rows, GROUP, arguments)?;
+            device.algebra_kernels.get()?.invert_diagonal.run(&device.queue, a.rows, GROUP, arguments)?;
             Ok(self.hold(made))
         })
     }
@@ -359,7 +358,7 @@ impl Algebra for Ocl {
         let bounds = &bound.numbers;
         let found = self.finds(|device, is_found| {
             let arguments = FindBeyond { count: x.length as u32, x: &x.numbers, factor, bounds, is_found };
-            device.algebra()?.find_beyond.run(&device.queue, x.length, GROUP, arguments)
+            device.algebra_kernels.get()?.find_beyond.run(&device.queue, x.length, GROUP, arguments)
         })?;
         Ok(!found)
     }
@@ -372,7 +371,7 @@ impl Algebra for Ocl {
         self.finds(|device, is_found| {
             let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
             let arguments = FindRisen { count, offsets, columns, x, cells, share, flattest, is_found };
-            device.algebra()?.find_risen.run(&device.queue, a.rows, GROUP, arguments)
+            device.algebra_kernels.get()?.find_risen.run(&device.queue, a.rows, GROUP, arguments)
         })
     }
 
@@ -383,7 +382,7 @@ impl Algebra for Ocl {
             let made = Vector::unset(device, a.rows)?;
             let (offsets, columns, count) = (&a.offsets, &a.columns, a.rows as u32);
             let arguments = PartCells { count, offsets, columns, cells: &cells.numbers, depth, changes: &made.numbers };
-            device.algebra()?.part_cells.run(&device.queue, a.rows, GROUP, arguments)?;
+            device.algebra_kernels.get()?.part_cells.run(&device.queue, a.rows, GROUP, arguments)?;
             Ok(self.hold(made))
         })
     }

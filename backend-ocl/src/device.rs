@@ -46,7 +46,7 @@ static EVALUATIONS: AtomicU64 = AtomicU64::new(1);
 
 /// A device that is open.
 pub(crate) struct Device {
-    pub(crate) id: cl_device_id,
+    id: cl_device_id,
     /// For messages.
     pub(crate) name: String,
     /// The work-items that compute a cell together, where they do.
@@ -161,13 +161,13 @@ impl Device {
             together,
             precision,
             memory_size: found.info.memory,
+            octree_kernels: Later::new(&context, id),
+            row_kernels: Later::new(&context, id),
+            total_kernels: Later::new(&context, id),
+            algebra_kernels: Later::new(&context, id),
             context,
             queue,
             grid_kernels,
-            octree_kernels: Later::new(),
-            row_kernels: Later::new(),
-            total_kernels: Later::new(),
-            algebra_kernels: Later::new(),
             programs: Programs::default(),
             memory,
             sites: Sites::new(),
@@ -188,11 +188,6 @@ impl Device {
             swept_at_once: leaders::SWEPT_AT_ONCE,
             first: None,
         })
-    }
-
-    /// The kernels of linear algebra.
-    pub(crate) fn algebra(&self) -> Result<&AlgebraKernels> {
-        self.algebra_kernels.get(&self.context, self.id)
     }
 
     /// Whether several work-items compute a cell together.

@@ -66,9 +66,9 @@ impl Device {
         sites: usize,
         mut arrays: FacetArrays,
     ) -> Result<Option<FacetArrays>> {
-        let Self { id, context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
+        let Self { context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
         let (ordered, lengths) = (&mut self.facets, &mut self.lengths);
-        let kernels = row_kernels.get(context, *id)?;
+        let kernels = row_kernels.get()?;
         // As much as for their records, so that nothing is allocated where there are a few more.
         let most = shared.params.facet_room as usize;
         let has_seconds = request.facet_second_moments();

@@ -112,9 +112,9 @@ impl Device {
 
     /// Its entries, if it could be made: there is memory for it, and no row is long.
     fn make_laplacian(&mut self, sites: usize) -> Result<Option<usize>> {
-        let Self { id, context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
+        let Self { context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
         let ties = &mut self.laplacian;
-        let kernels = row_kernels.get(context, *id)?;
+        let kernels = row_kernels.get()?;
         // As much as for their records, so that nothing is allocated where there are a few more.
         let (count, most) = (shared.params.tree_sites, shared.params.facet_room as usize);
         let rows = count as usize;

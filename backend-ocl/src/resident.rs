@@ -161,7 +161,7 @@ impl Device {
     }
 
     fn sum_cells(&mut self, request: &Request, count: usize) -> Result<Totals> {
-        let Self { id, context, queue, total_kernels, memory, sites, shared, answers, .. } = self;
+        let Self { context, queue, total_kernels, memory, sites, shared, answers, .. } = self;
         let groups = count.div_ceil(SUMMED);
         let width = 2 * TOTALS as usize;
         answers.parts.grow(context, groups * width)?;
@@ -173,7 +173,7 @@ impl Device {
             sums: &memory.sums,
             parts: &answers.parts,
         };
-        total_kernels.get(context, *id)?.sum_cells.run(queue, groups * GROUP, GROUP, arguments)?;
+        total_kernels.get()?.sum_cells.run(queue, groups * GROUP, GROUP, arguments)?;
         answers.parts.read(queue, groups * width, &mut answers.sums)?;
         let mut all = [Sum::default(); TOTALS as usize];
         for part in answers.sums.chunks(width) {
@@ -191,7 +191,7 @@ impl Device {
     }
 
     fn move_sites(&self, count: usize, positions: &Room<[f64; 3]>, moved: &Room<[f64; 3]>) -> Result<()> {
-        let Self { id, context, queue, total_kernels, memory, sites, shared, .. } = self;
+        let Self { queue, total_kernels, memory, sites, shared, .. } = self;
         let arguments = MoveSites {
             params: &shared.room,
             count: count as u32,
@@ -201,6 +201,6 @@ impl Device {
             positions,
             moved,
         };
-        total_kernels.get(context, *id)?.move_sites.run(queue, count, GROUP, arguments)
+        total_kernels.get()?.move_sites.run(queue, count, GROUP, arguments)
     }
 }

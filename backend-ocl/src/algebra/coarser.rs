@@ -42,7 +42,7 @@ impl Device {
         let Some(coarse) = self.product(&restriction, &half)? else { return Ok(None) };
         let (offsets, columns, values) = (&coarse.offsets, &coarse.columns, &coarse.values);
         let balancing = BalanceRows { count: coarse.rows as u32, offsets, columns, values };
-        self.algebra()?.balance_rows.run(&self.queue, coarse.rows, GROUP, balancing)?;
+        self.algebra_kernels.get()?.balance_rows.run(&self.queue, coarse.rows, GROUP, balancing)?;
         Ok(Some((prolongation, restriction, coarse)))
     }
 
@@ -59,8 +59,8 @@ impl Device {
         let Matrix { offsets, columns, values, .. } = a;
         for _ in 0..MOST_ROUNDS {
             self.unfind()?;
-            let kernels = self.algebra()?;
-            let Self { queue, answers: Answers { is_found, .. }, .. } = &*self;
+            let Self { queue, algebra_kernels, answers: Answers { is_found, .. }, .. } = &*self;
+            let kernels = algebra_kernels.get()?;
             let ranking = RankFree { count, offsets, columns, values, inverse, strong, root, ranks, is_found };
             kernels.rank_free.run(queue, rows, GROUP, ranking)?;
             if is_found.first(queue)? == 0 {
@@ -78,7 +78,7 @@ impl Device {
         numbers.fill_with(&self.context, &self.queue, 0, rows + 1)?;
         let rest =
             JoinRest { count, offsets, columns, values, inverse, strong, root, joined: &joined, numbers: &numbers };
-        self.algebra()?.join_rest.run(&self.queue, rows, GROUP, rest)?;
+        self.algebra_kernels.get()?.join_rest.run(&self.queue, rows, GROUP, rest)?;
         let count = self.begins(&numbers, rows)?;
         Ok(Aggregates { joined, numbers, count })
     }
@@ -110,7 +110,7 @@ impl Device {
                 made_values: &made.values,
                 is_found,
             };
-            device.algebra()?.prolong.run(&device.queue, a.rows, GROUP, arguments)
+            device.algebra_kernels.get()?.prolong.run(&device.queue, a.rows, GROUP, arguments)
         })
     }
 
@@ -124,17 +124,17 @@ impl Device {
         listed_rows.grow(&self.context, a.entries)?;
         listed_places.grow(&self.context, a.entries)?;
         let counting = CountColumns { count: a.entries as u32, columns: &a.columns, counts: &made.offsets };
-        self.algebra()?.count_columns.run(&self.queue, a.entries, GROUP, counting)?;
+        self.algebra_kernels.get()?.count_columns.run(&self.queue, a.entries, GROUP, counting)?;
         self.begins(&made.offsets, rows)?;
         let (starts, listed_rows, listed_places) = (&made.offsets, &listed_rows, &listed_places);
         let Matrix { offsets, columns, values, .. } = a;
         let listing =
             ListColumns { count: a.rows as u32, offsets, columns, starts, listed: &listed, listed_rows, listed_places };
-        self.algebra()?.list_columns.run(&self.queue, a.rows, GROUP, listing)?;
+        self.algebra_kernels.get()?.list_columns.run(&self.queue, a.rows, GROUP, listing)?;
         let (made_columns, made_values) = (&made.columns, &made.values);
         let sorting = SortColumns { starts, values, listed_rows, listed_places, made_columns, made_values };
         let group = ROW_GROUP as usize;
-        self.algebra()?.sort_columns.run(&self.queue, rows * group, group, sorting)?;
+        self.algebra_kernels.get()?.sort_columns.run(&self.queue, rows * group, group, sorting)?;
         Ok(made)
     }
 
@@ -156,7 +156,7 @@ impl Device {
                 is_found,
             };
             let group = ROW_GROUP as usize;
-            device.algebra()?.multiply_rows.run(&device.queue, a.rows * group, group, arguments)
+            device.algebra_kernels.get()?.multiply_rows.run(&device.queue, a.rows * group, group, arguments)
         })
     }
 

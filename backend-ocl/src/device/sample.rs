@@ -152,7 +152,7 @@ impl Device {
         let begin = Instant::now();
         let Self { id, context, queue, grid_kernels: grid, octree_kernels, octree, shared, sites, memory_size, .. } =
             self;
-        let kernels = octree_kernels.get(context, *id)?;
+        let kernels = octree_kernels.get()?;
         let of = OfSites { device: *id, context, queue, grid, kernels, shared, sites: &sites.sites };
         let made = octree.make(of, &mut sites.sums, &|| request.advance(0));
         let off = match made {

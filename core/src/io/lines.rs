@@ -102,11 +102,9 @@ impl<R: BufRead> Lines<R> {
 /// # Errors
 /// The reason alone, for the caller to add the place.
 pub(super) fn finite(word: &str) -> std::result::Result<f64, String> {
-    let fortran = |error| match word.find(['d', 'D']) {
-        Some(at) if word.starts_with(|c: char| !c.is_alphabetic()) => {
-            format!("{}e{}", &word[..at], &word[at + 1..]).parse()
-        }
-        _ => Err(error),
+    let fortran = |error| match word.split_once(['d', 'D']) {
+        Some((mantissa, exponent)) => format!("{mantissa}e{exponent}").parse(),
+        None => Err(error),
     };
     match word.parse::<f64>().or_else(fortran) {
         Ok(x) if x.is_finite() => Ok(x),

@@ -40,7 +40,7 @@ def opened(backend: Any, devices: list[int] | None, precision: str, threads: int
     if not isinstance(backend, str):
         raise ValueError(f"backend {backend!r}: 'auto', 'cpu', 'ocl' or a laguerre.Backend is needed")
     if threads is not None:
-        threads = whole(threads, "threads", "a whole number from 1 to 4,096", 1, 4096)
+        threads = whole(threads, "threads", "a whole number from 1", 1)
     if devices is not None:
         if not isinstance(devices, (list, tuple)):
             raise ValueError(f"devices: a list of their numbers is needed, as [0]; this is {devices!r}")

@@ -162,7 +162,7 @@ class Cells(ReadOnly):
         given = self._given
         if not callable(function):
             raise ValueError(f"function: a function of points is needed, this is {function!r}")
-        degree = whole(degree, "degree", "a whole number from 0 to 31", most=31)
+        degree = whole(degree, "degree", most=2**32 - 1)
         if given.backend.name != "cpu":
             given = replace(given, backend=opened("cpu", None, "f64", None))
         middle = np.zeros((1, 3))

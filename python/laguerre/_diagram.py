@@ -17,10 +17,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-OPTIONS = frozenset(("radii", "backend", "devices", "precision", "threads"))
-"""What solvers hand on to :class:`Diagram`."""
-
-
 class Diagram:
     """Points, weights and their container, to be evaluated again and again: the container's grid and the backend are kept.
 
@@ -141,6 +137,12 @@ def cells(
     )  # fmt: skip
 
 
+def refuse_unknown(options: dict[str, Any], of: str) -> None:
+    """What a function hands on to :class:`Diagram` is named with that function, where it is not known."""
+    for name in options.keys() - (Diagram.__init__.__kwdefaults__ or {}).keys():
+        raise TypeError(f"{of}() got an unexpected keyword argument '{name}'")
+
+
 def _terms(polynomial: Any) -> list[tuple[list[int], float]]:
     """Exponents and coefficients."""
     if not hasattr(polynomial, "items") or not polynomial:
@@ -149,7 +151,7 @@ def _terms(polynomial: Any) -> list[tuple[list[int], float]]:
     for exponents, coefficient in polynomial.items():
         if np.shape(exponents) != (3,):
             raise ValueError(f"polynomial: three exponents are needed, of x, y and z, as (1, 0, 0); this is {exponents!r}")
-        terms.append(([whole(e, "polynomial: exponent", "a whole number from 0 to 31", most=31) for e in exponents], real(coefficient, "polynomial: coefficient")))
+        terms.append(([whole(e, "polynomial: exponent", most=2**32 - 1) for e in exponents], real(coefficient, "polynomial: coefficient")))
     return terms
 
 

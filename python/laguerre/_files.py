@@ -34,7 +34,7 @@ def save(cells: Cells, path: str | os.PathLike[str]) -> None:
         return _write(path, columns)
     if ending == ".vtu" or (ending in WITH_GEOMETRY and "geometry" not in found):
         found = {**found, "geometry": given.evaluate(False, False, False, True, None, cells._epsilon, ending == ".vtu")["geometry"]}
-    _laguerre.save(given.backend, given.points, given.weights, inner(given.container), found, path)
+    _laguerre.save(given.backend, given.points, given.weights, inner(given.container), found, False, path)
 
 
 def save_facets(cells: Cells, path: str | os.PathLike[str]) -> None:
@@ -42,7 +42,7 @@ def save_facets(cells: Cells, path: str | os.PathLike[str]) -> None:
     given, ending = cells._given, os.path.splitext(os.fspath(path))[1].lower()
     facets, boundary = cells.facets, cells.boundary
     if ending not in (".npy", ".npz"):
-        return _laguerre.save_facets(given.backend, given.points, given.weights, inner(given.container), cells._found, path)
+        return _laguerre.save(given.backend, given.points, given.weights, inner(given.container), cells._found, True, path)
     # Pieces of the boundary come first in their rows.
     pieces = np.flatnonzero(boundary.area > 0)
     at = facets.offsets[pieces]

@@ -116,8 +116,7 @@ def fluid(
     found = _laguerre.fluid(
         given.backend, given.points, inner(given.container), speeds, densities, before=before, steps=steps, callback=callback, **settings
     )
-    cells = freeze(found.pop("cells"))
-    freeze(found)
+    cells = freeze(found).pop("cells")
     given = Given(found["points"], found["weights"], given.container, given.backend)
     return Flow(cells=Cells(given, cells), _settings={**settings, "epsilon": found["epsilon"]}, **found)
 

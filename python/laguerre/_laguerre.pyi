@@ -22,7 +22,6 @@ __all__ = [
     "pull_back",
     "pull_back_cells",
     "save",
-    "save_facets",
     "scene",
     "transport",
     "write",
@@ -174,14 +173,7 @@ def save(
     weights: NDArray[np.float64] | None,
     container: Any,
     cells: dict[str, Any],
-    path: str | os.PathLike[str],
-) -> None: ...
-def save_facets(
-    backend: Backend,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64] | None,
-    container: Any,
-    cells: dict[str, Any],
+    of_facets: bool,
     path: str | os.PathLike[str],
 ) -> None: ...
 def write(path: str | os.PathLike[str], bytes: NDArray[np.uint8]) -> None: ...

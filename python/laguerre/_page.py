@@ -11,7 +11,7 @@ import numpy as np
 from . import _laguerre
 from ._arrays import numbers
 from ._container import Container, inner
-from ._diagram import OPTIONS, Diagram
+from ._diagram import Diagram, refuse_unknown
 
 CURVES = ("kinetic", "gradient", "residual")
 """What states of a run may be told that is drawn as its curve: of a fluid the first, which has residuals, too."""
@@ -36,8 +36,7 @@ def page(
     for row, state in enumerate(states):
         if not isinstance(state, Mapping) or "points" not in state:
             raise ValueError(f"states: number {row} has no 'points'; what callbacks are told has, gathered by callback=states.append")
-    for option in options.keys() - OPTIONS:
-        raise TypeError(f"page() got an unexpected keyword argument '{option}'")
+    refuse_unknown(options, "page")
     given = Diagram(states[0]["points"], states[0].get("weights"), domain=domain, **options)._given
     count, has_speeds = len(given.points), all("velocities" in state for state in states)
     taken = []

@@ -13,7 +13,7 @@ from . import _laguerre
 from ._arrays import ReadOnly, freeze, numbers, real, whole
 from ._cells import Cells, Given, evaluated
 from ._container import Container, inner
-from ._diagram import OPTIONS, Diagram
+from ._diagram import Diagram, refuse_unknown
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -73,7 +73,7 @@ class Gaussians:
         else:
             covariances = numbers(self.covariances, "Gaussians: covariances", (k, 3, 3))
         masses = numbers(self.masses, "Gaussians: masses", (k,))
-        return whole(self.degree, "Gaussians: degree", "a whole number from 0 to 31", most=31), real(self.constant, "Gaussians: constant"), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
+        return whole(self.degree, "Gaussians: degree", most=2**32 - 1), real(self.constant, "Gaussians: constant"), list(zip(means.tolist(), covariances.tolist(), masses.tolist()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ class Function:
                 raise ValueError(f"Function: for {len(points)} points it returned shape {found.shape}; one number for each is needed")
             return np.ascontiguousarray(found.reshape(-1, 1))
 
-        return whole(self.degree, "Function: degree", "a whole number from 0 to 31", most=31), column
+        return whole(self.degree, "Function: degree", most=2**32 - 1), column
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -179,8 +179,7 @@ def lloyd(
     found = _laguerre.lloyd(
         given.backend, given.points, given.weights, inner(given.container), plain(density), method, iterations, tolerance, callback
     )
-    cells = freeze(found.pop("cells"))
-    freeze(found)
+    cells = freeze(found).pop("cells")
     given = Given(found["points"], given.weights, given.container, given.backend)
     return Relaxation(cells=Cells(given, cells), **found)
 
@@ -214,8 +213,7 @@ def transport(
     found = _laguerre.transport(
         given.backend, given.points, given.weights, inner(given.container), wanted, rho, iterations, tolerance, normalize, facets, callback
     )
-    cells = freeze(found.pop("cells"))
-    freeze(found)
+    cells = freeze(found).pop("cells")
     given = Given(given.points, found["weights"], given.container, given.backend)
     return Transport(cells=Cells(given, cells), _density=rho, **found)
 
@@ -247,8 +245,7 @@ def solved(points: Any, masses: Any, options: dict[str, Any]) -> Transport:
 
 def check(count: Any, callback: Any, options: dict[str, Any], of: str, what: str = "iterations") -> int:
     """Refuses what no solver can take; how many iterations there are to be at most."""
-    for name in options.keys() - OPTIONS:
-        raise TypeError(f"{of}() got an unexpected keyword argument '{name}'")
+    refuse_unknown(options, of)
     if callback is not None and not callable(callback):
         raise ValueError(f"callback: a function is needed, this is {callback!r}")
     return whole(count, what)

@@ -69,8 +69,14 @@ impl Backend {
             "auto" | "ocl" => return Err(PyValueError::new_err("threads: they are of backend 'cpu' alone")),
             other => return Err(PyValueError::new_err(format!("backend '{other}': 'auto', 'cpu' or 'ocl' is needed"))),
         };
-        let selection = in_this_process(selection)?;
         let is_auto = selection == Selection::Auto;
+        let selection = match selection {
+            Selection::Cpu { .. } => selection,
+            Selection::Auto if check_opencl().is_err() && AUTO_IS_CPU.load(Ordering::Relaxed) => {
+                Selection::Cpu { threads: None }
+            }
+            _ => check_opencl().map(|()| selection)?,
+        };
         let backend = py.detach(|| laguerre::open(selection)).map_err(raised)?;
         if is_auto {
             AUTO_IS_CPU.store(backend.info().backend == "cpu", Ordering::Relaxed);
@@ -113,18 +119,12 @@ static OPENCL_OF: AtomicU32 = AtomicU32::new(0);
 /// Whether "auto" has come to the CPU, as it will again.
 static AUTO_IS_CPU: AtomicBool = AtomicBool::new(false);
 
-/// Where cells can be computed in this process, of whose drivers OpenCL's do not outlive a `fork`: calls in the child end in deadlock.
-fn in_this_process(selection: Selection) -> PyResult<Selection> {
-    if matches!(selection, Selection::Cpu { .. }) {
-        return Ok(selection);
-    }
+/// Refuses OpenCL in a process that was forked after it was used: its drivers do not outlive that, and calls end in deadlock.
+fn check_opencl() -> PyResult<()> {
     let own = std::process::id();
     let (Ok(of) | Err(of)) = OPENCL_OF.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed);
     if of == 0 || of == own {
-        return Ok(selection);
-    }
-    if selection == Selection::Auto && AUTO_IS_CPU.load(Ordering::Relaxed) {
-        return Ok(Selection::Cpu { threads: None });
+        return Ok(());
     }
     Err(PyRuntimeError::new_err(
         "OpenCL was used before this process was forked, and does not work in it: take backend 'cpu', or let processes be \
@@ -138,7 +138,7 @@ type Device = (String, String, bool, Option<String>);
 /// The OpenCL devices that are there.
 #[pyfunction]
 pub(crate) fn devices() -> PyResult<Vec<Device>> {
-    in_this_process(Selection::Auto)?;
+    check_opencl()?;
     // Where there is no OpenCL there are none.
     let found = laguerre::devices().unwrap_or_default();
     Ok(found.into_iter().map(|d| (d.name, d.platform, d.is_gpu, d.unusable)).collect())

@@ -29,7 +29,7 @@ mod _laguerre {
     #[pymodule_export]
     use super::integral::integrate;
     #[pymodule_export]
-    use super::save::{page, save, save_facets, write};
+    use super::save::{page, save, write};
     #[pymodule_export]
     use super::solvers::{lloyd, pull_back, transport};
 }

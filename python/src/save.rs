@@ -13,8 +13,9 @@ use crate::cells::{Backend, output};
 use crate::container::{Container, diagram, rows};
 use crate::run::{Stoppable, detached_in_pool, raised};
 
-/// Writes cells as the file's ending says, whole or not at all; those with geometry where the ending is a geometry's or a page's.
+/// Writes cells, or their facets, as the file's ending says, whole or not at all; cells with geometry where the ending is a geometry's or a page's.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords, one by one")]
 pub(crate) fn save<'py>(
     py: Python<'py>,
     backend: PyRef<'py, Backend>,
@@ -22,9 +23,10 @@ pub(crate) fn save<'py>(
     weights: Option<PyReadonlyArray1<'py, f64>>,
     container: Option<Container<'py>>,
     cells: &Bound<'py, PyDict>,
+    of_facets: bool,
     path: PathBuf,
 ) -> PyResult<()> {
-    check(&path).map_err(raised)?;
+    check(&path, of_facets).map_err(raised)?;
     let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
     let has_geometry = io::ending(&path, ENDINGS).or_else(|_| io::ending(&path, GEOMETRY_ENDINGS)).is_ok();
     let output = output(cells, has_geometry)?;
@@ -38,27 +40,11 @@ pub(crate) fn save<'py>(
         if io::ending(&path, GEOMETRY_ENDINGS).is_ok() {
             return io::write_geometry_watched(&path, &diagram, &output, stop);
         }
+        if of_facets {
+            return io::write_facets(&path, &diagram, &output);
+        }
         io::write_cells_watched(&path, &diagram, &output, stop)
     })
-}
-
-/// Writes facets as `.csv`, whole or not at all.
-#[pyfunction]
-pub(crate) fn save_facets<'py>(
-    py: Python<'py>,
-    backend: PyRef<'py, Backend>,
-    points: PyReadonlyArray2<'py, f64>,
-    weights: Option<PyReadonlyArray1<'py, f64>>,
-    container: Option<Container<'py>>,
-    cells: &Bound<'py, PyDict>,
-    path: PathBuf,
-) -> PyResult<()> {
-    // (`.npy` and `.npz` are NumPy's own, and do not come here.)
-    io::check_output(&path, &[".csv", ".npy", ".npz"]).map_err(raised)?;
-    let diagram = diagram(&points, weights.as_ref(), container.as_ref())?;
-    let output = output(cells, false)?;
-    let threads = backend.get()?.info().threads;
-    detached_in_pool(py, threads, |_| io::write_facets(&path, &diagram, &output))
 }
 
 /// Writes the bytes of a file of NumPy's, whole or not at all.
@@ -111,10 +97,13 @@ pub(crate) fn page<'py>(
 }
 
 /// What can be said before the work.
-fn check(path: &Path) -> Result<()> {
+fn check(path: &Path, of_facets: bool) -> Result<()> {
     // `.npy` and `.npz` are NumPy's own, and do not come here.
-    let known = [".csv", ".npy", ".npz"].iter().chain(GEOMETRY_ENDINGS).chain(ENDINGS);
-    io::check_output(path, &known.copied().collect::<Vec<_>>())
+    let mut known = vec![".csv", ".npy", ".npz"];
+    if !of_facets {
+        known.extend(GEOMETRY_ENDINGS.iter().chain(ENDINGS));
+    }
+    io::check_output(path, &known)
 }
 
 /// The figures of a diagram.

@@ -16,12 +16,13 @@ pub struct WarpText {
     pub options: String,
 }
 
-/// The builds of all stages for diagrams without a domain and weights, and with both.
+/// The builds of all stages for diagrams without a domain and weights, and with both; and that of cells which reach far outside a domain by the table of offsets.
 pub fn all() -> Result<Vec<WarpText>> {
     let mut texts = Vec::new();
-    for (has_domain, equal_weights) in [(0, 1), (1, 0)] {
+    for (has_domain, equal_weights) in [(0, 1), (1, 1), (1, 0)] {
         for stage in Stage::ALL {
             let is_built = match stage {
+                _ if (has_domain, equal_weights) == (1, 1) => stage == Stage::Far,
                 Stage::Single | Stage::Sweep => equal_weights == 1,
                 Stage::Close => equal_weights == 0,
                 Stage::Surface => has_domain == 1,
@@ -34,6 +35,7 @@ pub fn all() -> Result<Vec<WarpText>> {
                 (Stage::Integrals, 0) => (&[0, FACETS], ""),
                 (Stage::Integrals, _) => (&[FACETS], ", domain and weights"),
                 (_, 0) => (&[0], ""),
+                _ if equal_weights == 1 => (&[0], ", domain"),
                 _ => (&[0], ", domain and weights"),
             };
             for &flags in all {

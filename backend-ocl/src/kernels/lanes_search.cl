@@ -22,7 +22,7 @@ INLINE float store_square_of_reach(Store *s, V3 center) {
 }
 
 INLINE uint store_cut_by(Store *s, uint j) {
-#if WITH_TABLE && (WITH_DOMAIN && WITH_EXACT)
+#if WITH_TABLE && CUTS_OUTSIDE
     if ((s->is_sampled != 0u) && (has_cut(s, j) != 0u)) {
         return UNTOUCHED;
     }

@@ -54,7 +54,7 @@
 
 // Whether the tree is searched: where there is no table of offsets, or for what is beyond it; few cells reach so far, and without a domain hardly
 // any (there a lattice, of which every cell comes to the stage WITH_EXACT, is 10 % slower with it).
-#define SEARCHES_BEYOND (WITH_TABLE && ((WITH_EXACT && WITH_FAR) && (WITH_DOMAIN || WITH_ROOM)))
+#define SEARCHES_BEYOND (WITH_TABLE && (WITH_FAR && (WITH_DOMAIN || WITH_ROOM)))
 #define SEARCHES_TREE (!WITH_TABLE || SEARCHES_BEYOND)
 
 // Whether there may be an octree over the container (`make_octree` of the host: only where weights differ, and where most cells begin with the stage WITH_FAR).
@@ -71,7 +71,7 @@
 
 // Whether some cells are computed before others, for which they keep what bounds them far off: in the stage that completes most cells by their vertices, and in that WITH_SWEEP,
 // for the others.
-#define KEEPS_FAR (WITH_SWEEP || (SEARCHES_TREE && ((WITH_FAR && !WITH_EXACT) && !WITH_ROOM)))
+#define KEEPS_FAR (WITH_SWEEP || (!WITH_TABLE && ((WITH_FAR && !WITH_EXACT) && !WITH_ROOM)))
 
 // Half-spaces of a cell that is swept. (64 vertices lie on 34 at most, and those that none lies on are dropped. With room for 64 half-spaces a bumpy surface takes 6 % longer, a Lévy
 // flight 2.)
@@ -238,7 +238,7 @@ typedef struct {
     uint voxel[3];
     uint held_site[2];
     uint held_key[2];
-#if WITH_DOMAIN && WITH_EXACT
+#if CUTS_OUTSIDE
     // Whether what is outside the domain was cut off, and whether sites from all over have cut the cell, which are not to cut it twice.
     uint is_capped;
     uint is_sampled;

@@ -37,10 +37,10 @@ INLINE uint is_beyond(Store *s, float reach, double widths) {
 }
 #endif
 
-// A cell that reaches far is for the stage WITH_EXACT, which cuts off what of it is outside the domain, once; and where that does not help, again
+// A cell that reaches far is for a stage that CUTS_OUTSIDE: what of it is outside the domain is cut off, once; and where that does not help, again
 // after some sites from all over have made it end half-way to the other parts of the domain that it reaches to.
 INLINE uint store_look_outside(Store *s, uint offsets, float reach) {
-#if WITH_DOMAIN && WITH_EXACT
+#if CUTS_OUTSIDE
     if (((offsets < INNER_SHELLS) || (s->is_capped != 0u)) || (is_beyond(s, reach, CAP_FROM) == 0u)) {
         return UNTOUCHED;
     }
@@ -74,7 +74,7 @@ INLINE uint store_look_outside(Store *s, uint offsets, float reach) {
 INLINE uint complete_by_table(Store *s, Vantage vantage, __global const uchar4 *shells, uint *visited, float *extent) {
     s->shells = shells;
     find_voxel(s);
-#if WITH_DOMAIN && WITH_EXACT
+#if CUTS_OUTSIDE
     s->is_capped = 0;
     s->is_sampled = 0;
 #endif

@@ -129,12 +129,12 @@ INLINE uint store_cut_outside(Store *s, real radius) {
 
 #import "generated/tree_search.cl"
 
-#if WITH_FAR && WITH_EXACT
+#if WITH_FAR && (WITH_EXACT || WITH_TABLE)
 // (Few cells come to it: a function of its own, so that it does not take registers from all.)
 OUTLINE uint complete_by_vertices(Store *given, uint *visited) {
     Store store = taken_store(given);
     const uint status = search_far(&store, vantage_of(&store).center, 1u, visited);
-    return give_back(given, &store, (status == UNCERTAIN) ? LEFT : status);
+    return give_back(given, &store, (status == UNCERTAIN) ? UNSETTLED : status);
 }
 #endif
 

@@ -36,8 +36,8 @@ Examples:
   laguerre verify cells.csv sites.xyz --domain out/swan.off          whether they are right
   laguerre bench                                                     how fast, on this machine
 
-Exit codes: 0 done; 2 wrong input or command line; 3 backend not there; 4 some cell is not certified, or wrong, or a solver is not within
-its tolerance; 130 interrupted.";
+Exit codes: 0 done; 2 wrong input or command line, or a file that cannot be read or written; 3 the backend is not there, or has failed; 4 some cell is not certified, or wrong, or
+lloyd or transport is not within its tolerance; 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -98,7 +98,7 @@ Examples:
 /// and z among them; or as chemists have it: a count, a comment, rows of a name and x y z), .npy (N×3 or N×4), .npz (an array positions, points or sites,
 /// N×3, and one weights), .ply (its vertices, with a property w or weight), .vtk or .vtp (the points of PolyData), .dump or .lammpstrj (a snapshot of LAMMPS as text), each
 /// but NumPy's also packed, with .gz after it, or - for text on standard input.
-/// Without --domain or --box, the cells are cut by the bounding box of the sites.
+/// Without --domain, --image or --box, the cells are cut by the bounding box of the sites.
 #[derive(ClapArgs, Debug)]
 #[command(after_help = INTEGRATE_EXAMPLES)]
 pub(crate) struct IntegrateArgs {
@@ -130,8 +130,8 @@ pub(crate) struct IntegrateArgs {
     #[arg(long, value_name = "POLYNOMIAL", allow_hyphen_values = true, value_parser = parse_polynomial)]
     pub(crate) integral: Option<Integrand>,
 
-    /// Where to write derivatives, as sparse rows for scipy.sparse.load_npz, once for each matrix: volumes-by-weights=FILE.npz (N×N, minus the
-    /// weighted Laplacian), volumes-by-positions (N×3N), barycenters-by-weights (3N×N), barycenters-by-positions (3N×3N). A coordinate of site i
+    /// Where to write derivatives, as sparse rows for scipy.sparse.load_npz, once for each matrix: volumes-by-weights=FILE.npz (N×N, half of the
+    /// Laplacian: a facet's area over twice the distance, with a minus off the diagonal), volumes-by-positions (N×3N), barycenters-by-weights (3N×N), barycenters-by-positions (3N×3N). A coordinate of site i
     /// is row or column 3 i, 3 i + 1 or 3 i + 2
     #[arg(long, value_name = "NAME=FILE", value_parser = derivatives::parse)]
     pub(crate) derivatives: Vec<Asked>,
@@ -486,7 +486,7 @@ pub(crate) struct ContainerArgs {
     #[arg(long, value_name = "MESH", conflicts_with = "box")]
     pub(crate) domain: Option<PathBuf>,
 
-    /// Turn every part of the mesh's surface outward, or inward where it lies within another, so that a shell within a shell is a cavity; without
+    /// Turn every part of the mesh's surface outward, or inward where it lies within an odd number of others, so that a shell within a shell is a cavity; without
     /// this only a mesh whose triangles do not agree is turned so
     #[arg(long, requires = "domain", conflicts_with_all = ["box", "image"])]
     pub(crate) orient: bool,
@@ -547,7 +547,7 @@ pub(crate) enum BackendChoice {
 pub(crate) enum Precision {
     /// 64-bit floats
     F64,
-    /// 32-bit floats, on OpenCL devices, for volumes and barycenters
+    /// 32-bit floats, on OpenCL devices, for volumes, barycenters and geometry
     F32,
 }
 

@@ -61,7 +61,7 @@ pub(crate) struct FluidArgs {
     #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = parse_finite)]
     gravity: Option<f64>,
 
-    /// A closed triangle mesh that the fluid fills, instead of the scene's box or swan: .obj, .off, .ply or .stl
+    /// A closed triangle mesh that the fluid fills, instead of the scene's box or swan: .obj, .off, .ply, .stl, .vtk or .vtp, or with .gz after that
     #[arg(long, value_name = "MESH")]
     domain: Option<PathBuf>,
 
@@ -91,7 +91,7 @@ pub(crate) struct FluidArgs {
     width: u32,
 
     /// Where to write a page that shows the cells in 3D over time, for any browser, all in the one file: .html, or - for standard output.
-    /// Where there are many frames, some of them, so that the page has no more than 200,000 cells in all; each is computed once more for it
+    /// Where there are many frames, some of them, 100 at most, so that the page has no more than 200,000 cells in all, or two; each is computed once more for it
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
 

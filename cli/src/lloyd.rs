@@ -25,7 +25,7 @@ use crate::solver::{WithBar, interrupted, open_for_solver, parse_from_zero};
 /// The energy is the sum over all cells of the integral of ρ (‖x − p_i‖² − w_i), ρ the density, and barycenters are those of mass: sites crowd where it is high.
 /// The gradient that --tolerance bounds has no scale: it is
 /// the mean distance (root of the mean square, by mass) of sites from barycenters over the size of the mean cell.
-/// Without --domain or --box, the cells are cut by the bounding box that the sites have at the start. Exits with 4 where the gradient is not
+/// Without --domain, --image or --box, the cells are cut by the bounding box that the sites have at the start. Exits with 4 where the gradient is not
 /// within the tolerance at the end; the sites are still written. Ctrl-C ends after the diagram that is on its way, and writes the sites of the
 /// last iteration; a second one ends at once.
 #[derive(ClapArgs, Debug)]
@@ -57,7 +57,7 @@ pub(crate) struct LloydArgs {
     output: Option<PathBuf>,
 
     /// Where to write a page that shows the cells in 3D at each iteration, for any browser, all in the one file: .html, or - for standard output.
-    /// Where there are many, some of them, so that the page has no more than 200,000 cells in all; each is computed once more for it
+    /// Where there are many, some of them, 100 at most, so that the page has no more than 200,000 cells in all, or two; each is computed once more for it
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
 

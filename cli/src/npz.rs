@@ -46,8 +46,7 @@ pub(crate) fn write_cells(path: &Path, output: &Output) -> Result<()> {
 }
 
 /// Writes facets by the file's ending; as `.npz` the rows of the other forms as arrays: `offsets` (N + 1; the rows of site i are from
-/// `offsets[i]` to before `offsets[i + 1]`), `site`, `neighbor`, `area`, `distance` (M each), `barycenter` (M, 3), and `image` (M, 3) where
-/// some neighbour is another image of its site.
+/// `offsets[i]` to before `offsets[i + 1]`), `site`, `neighbor`, `area`, `distance` (M each), and `barycenter` (M, 3).
 ///
 /// # Errors
 /// As [`io::write_facets`].

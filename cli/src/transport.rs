@@ -23,7 +23,7 @@ use crate::solver::{LARGEST, WithBar, interrupted, open_for_solver, parse_number
 /// Finds weights such that each cell has the mass asked for: semi-discrete optimal transport, by a damped Newton.
 ///
 /// What the sites or --weights give is where it starts. The residual is the largest relative error of a cell's mass.
-/// Without --domain or --box, the cells are cut by the bounding box of the sites. Exits with 4 where the residual is not within the
+/// Without --domain, --image or --box, the cells are cut by the bounding box of the sites. Exits with 4 where the residual is not within the
 /// tolerance at the end; the weights are still written. Ctrl-C ends after the diagram that is on its way, and writes the weights of the last
 /// step; a second one ends at once.
 #[derive(ClapArgs, Debug)]
@@ -63,7 +63,7 @@ pub(crate) struct TransportArgs {
     cells: Option<PathBuf>,
 
     /// Where to write a page that shows the cells in 3D at each Newton step, for any browser, all in the one file: .html, or - for standard output.
-    /// Where there are many, some of them, so that the page has no more than 200,000 cells in all; each is computed once more for it
+    /// Where there are many, some of them, 100 at most, so that the page has no more than 200,000 cells in all, or two; each is computed once more for it
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
 

@@ -246,7 +246,7 @@ impl Inner {
         if turned > 0 {
             let why = if agree { "" } else { ", for they were not consistently oriented" };
             notes.push(format!(
-                "{turned} of {} triangles were turned{why}: every part of the surface is outward now, or inward within another",
+                "{turned} of {} triangles were turned{why}: every part of the surface is outward now, or inward within an odd number of others",
                 mesh.triangles.len()
             ));
         }

@@ -18,7 +18,7 @@ class Domain:
     """A closed triangle mesh; shells within shells count by their winding number. Or a density: :meth:`image`, :meth:`tetrahedra`.
 
     ``vertices`` is (V, 3), ``triangles`` (T, 3) of indices from 0, counterclockwise from outside. A mesh turned inside out is turned back, and one whose
-    triangles do not agree is oriented, which ``notes`` says; with ``orient=True`` every part of the surface is turned outward, or inward within another. A PyVista
+    triangles do not agree is oriented, which ``notes`` says; with ``orient=True`` every part of the surface is turned outward, or inward within an odd number of others. A PyVista
     or trimesh mesh is taken in the place of both.
     """
 

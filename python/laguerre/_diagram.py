@@ -83,7 +83,7 @@ class Diagram:
 
         ``facets`` are neighbours, with areas, centroids and distances, and each cell's piece of the boundary: :class:`Facets`, :class:`Boundary`.
         ``second_moments`` are (N, 3, 3), ``facet_second_moments`` (M, 3, 3), which derivatives of volumes by points and of centroids are made of.
-        ``geometry`` has the cells as polygons, for :meth:`Cells.to_pyvista` and :meth:`Cells.save`. ``laplacian`` is what :meth:`Cells.laplacian` needs, for which ``facets`` will do as well; by itself it is faster, on a GPU several times.
+        ``geometry`` has the cells as polygons, for :meth:`Cells.to_pyvista` and :meth:`Cells.save`. ``laplacian`` is what :meth:`Cells.laplacian` needs, for which ``facets`` will do as well; by itself it is faster, on a GPU by a third.
         ``polynomial`` maps exponents of x, y, z, counted from ``origin``, to coefficients: ``{(2, 0, 0): 1.0}`` is x squared, :attr:`Cells.integral` its integral. ``epsilon`` ends each search at a radius that is enlarged by
         ``1 + epsilon`` instead of a proof.
         """

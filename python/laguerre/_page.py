@@ -29,7 +29,7 @@ def page(
 
     ``states`` are what callbacks of :func:`lloyd`, :func:`transport` and :func:`fluid` are told (``callback=states.append``), or other mappings with
     ``points`` and, if need be, ``weights``; ``step`` and ``time`` are their names, ``velocities`` colour them by speed, and the page has the curve of
-    ``kinetic``, ``gradient`` or ``residual``, of which all have one. The cells of each are computed once more; of many some are taken, evenly, so that the page has no more than 200,000 cells in all. ``options`` are those of :class:`Diagram`.
+    ``kinetic``, ``gradient`` or ``residual``, of which all have one. The cells of each are computed once more; of many some are taken, evenly, 100 at most, so that the page has no more than 200,000 cells in all, or two. ``options`` are those of :class:`Diagram`.
     """
     if not len(states):
         raise ValueError("states: none is given; gather them by callback=states.append")

@@ -121,13 +121,13 @@ pub(crate) enum Stage {
     Surface,
     /// The integrals of what `Sweep` has finished, and where facets are asked for of all that the stages before have; those that the surface cuts are `Surface`'s.
     Integrals,
-    /// Those that are completed by their vertices, where the tree is searched or weights differ, and those that reach far outside the domain; those are given up that
-    /// double-double does not decide.
+    /// Those that are completed by their vertices, where the tree is searched or weights differ, and those that reach far outside the domain, where they are many (`WORTH_GIVING`); those are
+    /// given up that double-double does not decide.
     Far,
     /// Of them, where their weights are equal, those that end with one look at all that can still cut them; some begin with what bounds their neighbours far off. Those are given up
     /// for which that tells too little. What it finishes it gives as records, so that its text has nothing of integrals.
     Sweep,
-    /// Those that need exact signs, or where equal weights go through the table of offsets sites beyond it.
+    /// Those that need exact signs, or where equal weights go through the table of offsets sites beyond it, or that then reach far outside the domain, where they are few.
     Exact,
     /// Those that need more room, where the tree is searched; those are given up that double-double does not decide.
     Large,
@@ -282,6 +282,7 @@ impl Asked {
             false if is_shared && !equal_weights => {
                 params.has_table != 0 && has(|stage| matches!(stage, Stage::First | Stage::Close))
             }
+            // (`Far` goes through it for what reaches far outside a domain alone.)
             false => {
                 params.has_table != 0
                     && equal_weights

@@ -36,8 +36,8 @@ Examples:
   laguerre verify cells.csv sites.xyz --domain out/swan.off          whether they are right
   laguerre bench                                                     how fast, on this machine
 
-Exit codes: 0 done; 2 wrong input or command line, or a file that cannot be read or written; 3 the backend is not there, or has failed; 4 some cell is not certified, or wrong, or
-lloyd or transport is not within its tolerance; 130 interrupted.";
+Exit codes: 0 done; 2 wrong input or command line, or a file that cannot be read or written; 3 the backend is not there, or has failed;
+4 some cell is not certified, or wrong, or lloyd or transport is not within its tolerance; 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {

@@ -1,5 +1,7 @@
 //! Where a cell lives on the CPU: its vertices by four, so that one plane meets four at a time.
 
+mod walk;
+
 use crate::minors::KeptMinors;
 use laguerre_core::cell::{
     CellSums, ClipStore, Corners, DomainStore, FACETS, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT,
@@ -10,6 +12,7 @@ use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
 use std::cell::Cell;
+use walk::{Edges, MANY};
 use wide::f64x4;
 
 /// Vertices tested at once.
@@ -78,6 +81,7 @@ pub(crate) struct CpuStore<'a> {
     /// A bit for each vertex: known to be cut off by no site.
     settled: Vec<u64>,
     minors: KeptMinors,
+    edges: Edges,
     corners: Corners,
     domain: Option<&'a DomainGrid>,
     integrand: Option<&'a FramedIntegrand>,
@@ -107,6 +111,7 @@ impl<'a> CpuStore<'a> {
             uncertain: vec![0; words],
             settled: vec![0; words],
             minors: KeptMinors::with_room(p, v),
+            edges: Edges::default(),
             corners: Corners::default(),
             domain,
             integrand: None,
@@ -127,6 +132,7 @@ impl<'a> CpuStore<'a> {
         self.site = site;
         self.exact = false;
         self.minors.turn_to_another();
+        self.edges.forget();
         self.triangles.set(0);
         self.last_triangle.set(None);
     }
@@ -245,7 +251,53 @@ fn next_bit(from: u32, end: u32, bits_of: impl Fn(usize) -> u64) -> u32 {
     (word as u32 * 64 + bits.trailing_zeros()).min(end)
 }
 
+impl CpuStore<'_> {
+    /// `mark_conflicts`, vertex by vertex.
+    #[inline(always)]
+    fn mark_all(&mut self, plane: Plane) -> u32 {
+        let (nx, ny, nz, d) =
+            (f64x4::splat(plane.n.x), f64x4::splat(plane.n.y), f64x4::splat(plane.n.z), f64x4::splat(plane.d));
+        let size = f64x4::splat((plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs());
+        let slack = f64x4::splat((4.0 * UNIT_ROUNDOFF) * plane.d.abs());
+        let count = self.vertices.count;
+        let (mut any_conflict, mut any_uncertain, mut any_keep) = (0, 0, 0);
+        let words = self.conflict.iter_mut().zip(self.uncertain.iter_mut());
+        for (w, ((conflict_word, uncertain_word), fours)) in
+            words.zip(self.vertices.places[..count.div_ceil(LANES)].chunks(64 / LANES)).enumerate()
+        {
+            let here = (count - w * 64).min(64);
+            let (mut conflict, mut kept) = (0_u64, 0_u64);
+            for (c, four) in fours.iter().enumerate() {
+                let [x, y, z] = four.positions();
+                let value = (((nx * x) + (ny * y)) + (nz * z)) + d;
+                let bound = (size * f64x4::from(four.radius)) + slack;
+                conflict |= u64::from(value.simd_lt(-bound).to_bitmask()) << (c * LANES);
+                kept |= u64::from(value.simd_gt(bound).to_bitmask()) << (c * LANES);
+            }
+            // The padding's lanes hold old numbers.
+            let valid = u64::MAX >> (64 - here);
+            *conflict_word = conflict & valid;
+            *uncertain_word = !(conflict | kept) & valid;
+            any_conflict |= *conflict_word;
+            any_uncertain |= *uncertain_word;
+            any_keep |= kept & valid;
+        }
+        let seen = |bits: u64, flag: u32| if bits == 0 { 0 } else { flag };
+        seen(any_conflict, SEEN_CONFLICT) | seen(any_uncertain, SEEN_UNCERTAIN) | seen(any_keep, SEEN_KEEP)
+    }
+}
+
 impl ClipStore for CpuStore<'_> {
+    #[inline(always)]
+    fn begin_at(&mut self, v: u32) {
+        self.edges.begin_at(v);
+    }
+
+    fn renumber(&mut self, v: u32, triplet: Triplet) {
+        self.edges.forget();
+        self.set_triplet(v, triplet);
+    }
+
     #[inline(always)]
     fn link(&self, f: u32) -> u32 {
         self.links[f as usize] as u32
@@ -312,6 +364,7 @@ impl ClipStore for CpuStore<'_> {
     fn restore(&mut self) {
         self.vertices.copy_from(&self.saved);
         self.minors.forget_vertices();
+        self.edges.forget();
     }
 
     #[inline(always)]
@@ -322,35 +375,7 @@ impl ClipStore for CpuStore<'_> {
     #[inline(always)]
     fn mark_conflicts(&mut self, k: u32) -> u32 {
         let plane = self.planes[k as usize];
-        let (nx, ny, nz, d) =
-            (f64x4::splat(plane.n.x), f64x4::splat(plane.n.y), f64x4::splat(plane.n.z), f64x4::splat(plane.d));
-        let size = f64x4::splat((plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs());
-        let slack = f64x4::splat((4.0 * UNIT_ROUNDOFF) * plane.d.abs());
-        let count = self.vertices.count;
-        let (mut any_conflict, mut any_uncertain, mut any_keep) = (0, 0, 0);
-        let words = self.conflict.iter_mut().zip(self.uncertain.iter_mut());
-        for (w, ((conflict_word, uncertain_word), fours)) in
-            words.zip(self.vertices.places[..count.div_ceil(LANES)].chunks(64 / LANES)).enumerate()
-        {
-            let here = (count - w * 64).min(64);
-            let (mut conflict, mut kept) = (0_u64, 0_u64);
-            for (c, four) in fours.iter().enumerate() {
-                let [x, y, z] = four.positions();
-                let value = (((nx * x) + (ny * y)) + (nz * z)) + d;
-                let bound = (size * f64x4::from(four.radius)) + slack;
-                conflict |= u64::from(value.simd_lt(-bound).to_bitmask()) << (c * LANES);
-                kept |= u64::from(value.simd_gt(bound).to_bitmask()) << (c * LANES);
-            }
-            // The padding's lanes hold old numbers.
-            let valid = u64::MAX >> (64 - here);
-            *conflict_word = conflict & valid;
-            *uncertain_word = !(conflict | kept) & valid;
-            any_conflict |= *conflict_word;
-            any_uncertain |= *uncertain_word;
-            any_keep |= kept & valid;
-        }
-        let seen = |bits: u64, flag: u32| if bits == 0 { 0 } else { flag };
-        seen(any_conflict, SEEN_CONFLICT) | seen(any_uncertain, SEEN_UNCERTAIN) | seen(any_keep, SEEN_KEEP)
+        if self.vertices.count >= MANY { self.mark_of_many(k, plane) } else { self.mark_all(plane) }
     }
 
     #[inline(always)]

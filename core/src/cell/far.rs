@@ -3,6 +3,7 @@
 //! One descent of the tree asks for the site of least power at one vertex, and for others near it whether they stay: a node is read once for all
 //! of them. On the CPU, where a node's bounds are worked out for eight nodes at a time, up to eight vertices are asked for at once.
 
+use super::listed::ask_listed;
 use super::quadratic::FEW_ROUNDINGS_OF_SUM;
 use super::search_store::{Answer, Asked, NO_SITE, SearchStore, WIDTH};
 use super::status::{COMPLETE, CUT, UNCERTAIN, UNTOUCHED};
@@ -21,7 +22,7 @@ const ROOM_OF_DISTANCE: Real = 1.0 + (32.0 * UNIT_ROUNDOFF);
 const MOST_UNSHARED: u32 = 256;
 
 /// Vertices that are not settled that a lane compares at most: a cell of a heavy site may have ten thousand.
-const MOST_COMPARED: u32 = 64;
+pub(super) const MOST_COMPARED: u32 = 64;
 
 /// What a power loses with the square of the distance is kept to half the inverse of this.
 #[cfg_attr(opencl, single(1e3))]
@@ -279,6 +280,10 @@ pub(super) fn next_unsettled<S: SearchStore>(s: &S, share: Share, from: V3, sign
 fn ask_near_first<S: SearchStore>(s: &mut S, at_once: u32) -> u32 {
     let first: Asked = s.asked(0);
     let mut asked: u32 = 1;
+    #[cfg(not(opencl))]
+    if s.lanes() == 1 {
+        return ask_listed(s, first.place, at_once);
+    }
     // (Of vertices as far as another one is asked for.)
     let mut key: u32 = s.key_above(0.0);
     while asked < at_once {
@@ -295,7 +300,7 @@ fn ask_near_first<S: SearchStore>(s: &mut S, at_once: u32) -> u32 {
 
 /// Makes vertex `v` the asked vertex `i`, where it is known well: whether it is.
 #[inline(always)]
-fn ask<S: SearchStore>(s: &mut S, v: u32, i: u32) -> bool {
+pub(super) fn ask<S: SearchStore>(s: &mut S, v: u32, i: u32) -> bool {
     let mut place: V3 = v3(0.0, 0.0, 0.0);
     let mut radius: Real = 0.0;
     if s.fine_position(v, &mut place, &mut radius) != COMPLETE {

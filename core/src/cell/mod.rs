@@ -39,6 +39,7 @@ pub mod far;
 mod first;
 mod integrate;
 mod lanes;
+mod listed;
 mod near;
 pub mod node;
 pub mod octree;

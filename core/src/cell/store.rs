@@ -129,6 +129,9 @@ pub trait ClipStore: Polytope {
     fn next_open(&self, v: u32) -> u32 {
         (v..self.vertices()).find(|&v| !self.settled(v)).unwrap_or(self.vertices())
     }
+    /// Says that the next half-space likely cuts off vertex `v`, to a host's store that finds those that are cut off from one of them on.
+    #[inline(always)]
+    fn begin_at(&mut self, _v: u32) {}
     /// Mark of vertex `v`, one of the `MARK_` constants.
     fn mark(&self, v: u32) -> u32;
     /// Sets the mark of vertex `v`.

@@ -82,26 +82,34 @@ impl<'a, S: CellStore> Cell<'a, S> {
         (v3(x - px, y - py, z - pz), w - self.weight)
     }
 
-    /// Cuts the cell by the bisector with a site; `false` ends the search.
+    /// Cuts the cell by the bisector with a site, and measures it; `false` ends the search.
     #[inline(always)]
     pub(super) fn visit(&mut self, site: [f64; 4], index: u32) -> bool {
-        let (d, more) = self.difference(site);
-        if self.is_left_out(d) {
-            return true;
-        }
-        self.outcome.visited += 1;
-        match cell::clip(self.store, bisector(d, -more), index) {
+        match self.cut(site, index) {
             cell::UNTOUCHED => true,
             cell::CUT => {
-                self.outcome.cuts += 1;
                 self.measure();
                 true
             }
-            status => {
-                self.outcome.status = status;
-                false
-            }
+            _ => false,
         }
+    }
+
+    /// Cuts the cell by the bisector with a site: `UNTOUCHED`, `CUT`, or how it ended.
+    #[inline(always)]
+    pub(super) fn cut(&mut self, site: [f64; 4], index: u32) -> u32 {
+        let (d, more) = self.difference(site);
+        if self.is_left_out(d) {
+            return cell::UNTOUCHED;
+        }
+        self.outcome.visited += 1;
+        let status = cell::clip(self.store, bisector(d, -more), index);
+        match status {
+            cell::UNTOUCHED => {}
+            cell::CUT => self.outcome.cuts += 1,
+            _ => self.outcome.status = status,
+        }
+        status
     }
 
     /// Whether the bisector with a site is among its half-spaces.

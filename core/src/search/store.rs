@@ -83,6 +83,8 @@ pub(super) struct Searched<'c, 'a, S> {
     tree: &'c SiteTree,
     octree: Option<&'c PowerOctree>,
     room: &'c mut Room,
+    /// Whether it is known how far the cell reaches: those that ask for vertices do not need it. (For the 22,000 vertices of a heavy site's cell a fifth of its time.)
+    is_measured: bool,
 }
 
 impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
@@ -104,7 +106,7 @@ impl<'c, 'a, S: CellStore> Searched<'c, 'a, S> {
             let is_proven = proven > 0.0 && (away + 2.0 * store.radius(v)) * super::SAFE <= proven;
             store.set_settled(v, is_proven);
         }
-        Self { cell, tree, octree, room }
+        Self { cell, tree, octree, room, is_measured: true }
     }
 
     #[inline(always)]
@@ -264,6 +266,10 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         let arch = self.room.arch;
         arch.dispatch(Measure { search: self, is_container: is_home });
         let Self { cell, tree, room, .. } = self;
+        if !self.is_measured {
+            cell.measure();
+            self.is_measured = true;
+        }
         let reaching = gather(&room.listed, &room.reaches, Real::NEG_INFINITY, cell.reach_square, &mut room.reaching);
         match visit_all::<S, true>(tree, cell, reaching, Real::INFINITY, true) {
             true => UNTOUCHED,
@@ -334,12 +340,11 @@ impl<S: CellStore> SearchStore for Searched<'_, '_, S> {
         self.key_above(square * super::SAFE)
     }
     fn cut_by(&mut self, j: u32) -> u32 {
-        let cuts = self.cell.outcome.cuts;
         self.room.tried.insert(j);
-        if !self.cell.visit(self.tree.site(j), j) {
-            return self.cell.outcome.status;
-        }
-        if self.cell.outcome.cuts == cuts { UNTOUCHED } else { CUT }
+        self.cell.store.begin_at(self.room.asked[0].vertex);
+        let status = self.cell.cut(self.tree.site(j), j);
+        self.is_measured &= status != CUT;
+        status
     }
     fn cut_outside(&mut self, radius: Real) -> u32 {
         if cell::lies_outside(self.cell.store) {

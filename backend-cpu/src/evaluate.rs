@@ -32,6 +32,9 @@ const WAVE_WITH_GEOMETRY: usize = 32 * CHUNK;
 /// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 
+/// That of the cells that a device leaves to the host, mostly for their size.
+const LEFT: Capacities = Capacities { planes: 4096, vertices: 8192 };
+
 /// The CPU backend: rayon over sites, SIMD inside a cell.
 #[derive(Debug)]
 pub struct Cpu {
@@ -127,7 +130,7 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         .geometry()
         .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
     let all = (0..prepared.sites.len() as u32).collect();
-    let (passes, exact_cells) = run(&prepared, &request, (all, true), &mut assembler, geometry.as_mut())?;
+    let (passes, exact_cells) = run(&prepared, &request, (all, FIRST, true), &mut assembler, geometry.as_mut())?;
     let report = Report::of_host(exact_cells, passes);
     assembler.finish(prepared.sites.order(), report, geometry.map(GeometryAssembler::finish).transpose()?)
 }
@@ -143,20 +146,21 @@ pub fn compute_cells(
     sites: Vec<u32>,
     assembler: &mut Assembler<'_>,
 ) -> Result<()> {
-    run(prepared, request, (sites, false), assembler, None).map(|_| ())
+    let room = if sites.len() <= TASKS { LEFT } else { FIRST };
+    run(prepared, request, (sites, room, false), assembler, None).map(|_| ())
 }
 
-/// The passes over some sorted sites, of which is said whether they are all, and how many cells needed exact arithmetic.
+/// The passes over some sorted sites, of which is said the room that the first has, and whether they are all; and how many cells needed exact arithmetic.
 fn run(
     prepared: &Prepared,
     request: &Watched<'_>,
-    (sites, are_all): (Vec<u32>, bool),
+    (sites, first, are_all): (Vec<u32>, Capacities, bool),
     assembler: &mut Assembler<'_>,
     mut geometry: Option<&mut GeometryAssembler>,
 ) -> Result<(Vec<PassReport>, usize)> {
     let integrand = request.integral().map(|f| f.framed(&prepared.container.frame)).transpose()?;
     let (mut exact_cells, has_geometry) = (0, geometry.is_some());
-    let passes = run_passes(FIRST, sites, Capacities::grown_for, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
+    let passes = run_passes(first, sites, Capacities::grown_for, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
         let mut outcome: PassOutcome = PassOutcome::default();
         let are_blocks = are_all && room == FIRST;
         let chunk = if are_blocks { CHUNK } else { cells.len().div_ceil(TASKS).min(CHUNK) };

@@ -24,6 +24,9 @@ pub(super) fn surface_passes_by<S: DomainStore>(
         let mut j: u32 = lo.j;
         while j <= hi.j {
             let mut i: u32 = lo.i;
+            if row_is_empty(s, lo, hi, j, k) {
+                i = hi.i + 1;
+            }
             while i <= hi.i {
                 if !voxel_passes_by(s, Voxel { i: i, j: j, k: k }, lo, low, high, winding) {
                     return false;
@@ -35,6 +38,12 @@ pub(super) fn surface_passes_by<S: DomainStore>(
         k += 1;
     }
     return true;
+}
+
+/// Whether no triangle stands in the voxels of row `j`, `k` from `lo` to `hi`, whose lists stand one after the other.
+#[inline(always)]
+pub(super) fn row_is_empty<S: DomainStore>(s: &S, lo: Voxel, hi: Voxel, j: u32, k: u32) -> bool {
+    return s.list_begin(Voxel { i: lo.i, j: j, k: k }) == s.list_end(Voxel { i: hi.i, j: j, k: k });
 }
 
 /// Whether the site is strictly inside its cell, so that the cell's winding number is the site's.

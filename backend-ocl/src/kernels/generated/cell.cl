@@ -103,6 +103,7 @@ OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight,
 OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real sign);
 OUTLINE void center_facets(Store *s, V3 center);
 OUTLINE bool surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, int *winding);
+INLINE bool row_is_empty(Store *s, Voxel lo, Voxel hi, uint j, uint k);
 OUTLINE bool site_is_inside(Store *s);
 HOT bool voxel_passes_by(Store *s, Voxel voxel, Voxel lo, V3 low, V3 high, int *winding);
 HOT bool triangle_passes_by(Store *s, uint t, Voxel apex, V3 low, V3 high, int *winding);

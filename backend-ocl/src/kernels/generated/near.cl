@@ -11,6 +11,9 @@ OUTLINE bool surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, in
         uint j = lo.j;
         while (j <= hi.j) {
             uint i = lo.i;
+            if (row_is_empty(s, lo, hi, j, k)) {
+                i = hi.i + 1;
+            }
             while (i <= hi.i) {
                 if (!voxel_passes_by(s, (Voxel){ .i = i, .j = j, .k = k }, lo, low, high, winding)) {
                     return 0;
@@ -22,6 +25,11 @@ OUTLINE bool surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, in
         k += 1;
     }
     return 1;
+}
+
+// Whether no triangle stands in the voxels of row `j`, `k` from `lo` to `hi`, whose lists stand one after the other.
+INLINE bool row_is_empty(Store *s, Voxel lo, Voxel hi, uint j, uint k) {
+    return store_list_begin(s, (Voxel){ .i = lo.i, .j = j, .k = k }) == store_list_end(s, (Voxel){ .i = hi.i, .j = j, .k = k });
 }
 
 // Whether the site is strictly inside its cell, so that the cell's winding number is the site's.

@@ -1036,6 +1036,18 @@ __kernel void parity_surface_passes_by(PARITY_ARGUMENTS) {
     parity_dump(&out, s);
 }
 
+__kernel void parity_row_is_empty(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    PARITY_STORE;
+    const Voxel lo = take_Voxel(&in);
+    const Voxel hi = take_Voxel(&in);
+    const uint j = take_uint(&in);
+    const uint k = take_uint(&in);
+    const bool result = row_is_empty(s, lo, hi, j, k);
+    give_bool(&out, result);
+    parity_dump(&out, s);
+}
+
 __kernel void parity_site_is_inside(PARITY_ARGUMENTS) {
     PARITY_CALL;
     PARITY_STORE;

@@ -122,8 +122,9 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, Voxel apex, V3 center, uint
         while (j <= hi.j) {
             // By rows: of a cell with 3,600 pieces, added one to the next, rounding was 1e-14 of the volume.
             CellSums row = (CellSums){ 0 };
+            const bool is_empty = row_is_empty(s, lo, hi, j, k);
             uint i = lo.i;
-            while (i <= hi.i) {
+            while ((i <= hi.i) && !is_empty) {
                 const Voxel voxel = (Voxel){ .i = i, .j = j, .k = k };
                 const uint end = store_list_end(s, voxel);
                 for (uint entry = store_list_begin(s, voxel); entry < end; entry++) {
@@ -146,7 +147,9 @@ OUTLINE uint add_cones(Store *s, Voxel lo, Voxel hi, Voxel apex, V3 center, uint
                 }
                 i += 1;
             }
-            *sums = both_sums(*sums, row);
+            if (!is_empty) {
+                *sums = both_sums(*sums, row);
+            }
             j += 1;
         }
         k += 1;

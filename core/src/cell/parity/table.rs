@@ -104,6 +104,7 @@ pub static FUNCTIONS: &[Function] = &[
     host!(s, (f: Side, foot: V3, position: V3, sign: f64) facet::add_triangle_second(&mut s, f, foot, position, sign), []),
     host!(s, (center: V3) facet::center_facets(&mut s, center), []),
     host!(s, (low: V3, high: V3, lo: Voxel, hi: Voxel, winding: i32) near::surface_passes_by(&mut s, low, high, lo, hi, &mut winding), [winding]),
+    host!(s, (lo: Voxel, hi: Voxel, j: u32, k: u32) near::row_is_empty(&s, lo, hi, j, k), []),
     host!(s, () near::site_is_inside(&s), []),
     host!(s, (voxel: Voxel, lo: Voxel, low: V3, high: V3, winding: i32) near::voxel_passes_by(&mut s, voxel, lo, low, high, &mut winding), [winding]),
     host!(s, (t: u32, apex: Voxel, low: V3, high: V3, winding: i32) near::triangle_passes_by(&mut s, t, apex, low, high, &mut winding), [winding]),

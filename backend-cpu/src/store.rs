@@ -132,7 +132,7 @@ impl<'a> CpuStore<'a> {
         self.site = site;
         self.exact = false;
         self.minors.turn_to_another();
-        self.edges.forget();
+        self.edges.turn_to_another();
         self.triangles.set(0);
         self.last_triangle.set(None);
     }

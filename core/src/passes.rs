@@ -21,16 +21,20 @@ impl Capacities {
     }
 
     /// The same for a host with so many cells left: room for a few costs little, and each pass computes them anew. (The cell of a heavy site among a million, of 11,000
-    /// half-spaces, takes 0.19 s in three passes so, 0.29 in five with four times the room each.)
+    /// half-spaces, takes 0.19 s in three passes so, 0.29 in five with four times the room each. Of more than that a pass has four times as much: a million half-spaces would take 325 MB a thread.)
     #[must_use]
     pub fn grown_for(self, cells: usize) -> Self {
-        let wider = Self { planes: self.planes.saturating_mul(16), vertices: self.vertices.saturating_mul(16) };
+        let times = if self.planes <= SMALL_ROOM { 16 } else { 4 };
+        let wider = Self { planes: self.planes.saturating_mul(times), vertices: self.vertices.saturating_mul(times) };
         if cells <= FEW_CELLS { wider } else { self.grown() }
     }
 }
 
 /// So many cells are few.
 const FEW_CELLS: usize = 64;
+
+/// Half-spaces of a room that is small.
+const SMALL_ROOM: u32 = 1024;
 
 /// Cells that a pass is to compute: a list of sorted sites, or what stands for one where they are on a device.
 pub trait Cells {
@@ -101,6 +105,7 @@ mod tests {
     fn few_cells_get_much_more_room() {
         let room = |planes, vertices| Capacities { planes, vertices };
         assert_eq!(room(64, 128).grown_for(FEW_CELLS), room(1024, 2048));
+        assert_eq!(room(4096, 8192).grown_for(FEW_CELLS), room(16384, 32768));
         assert_eq!(room(64, 128).grown_for(FEW_CELLS + 1), room(96, 192));
     }
 

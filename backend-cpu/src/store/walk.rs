@@ -33,6 +33,12 @@ impl Edges {
         self.first = Some(v);
     }
 
+    /// Turns to another cell.
+    pub(super) fn turn_to_another(&mut self) {
+        self.is_known = false;
+        self.first = None;
+    }
+
     /// Forgets what is known: half-spaces or vertices have other numbers.
     #[inline(always)]
     pub(super) fn forget(&mut self) {

@@ -7,7 +7,7 @@ use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::geometry::{GeometryAssembler, Shaper, Shapes};
 use laguerre_core::integrand::FramedIntegrand;
-use laguerre_core::passes::{Capacities, PassOutcome, run_passes};
+use laguerre_core::passes::{Capacities, FEW_CELLS, PassOutcome, run_passes};
 use laguerre_core::search::Search;
 use laguerre_core::{
     Backend, BackendInfo, Capabilities, CellStatus, Error, ErrorKind, Integrand, Observer, Output, PassReport,
@@ -32,9 +32,8 @@ const WAVE_WITH_GEOMETRY: usize = 32 * CHUNK;
 /// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
 const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 
-/// That of the cells that a device leaves to the host, mostly for their size, where there are so few: some 0.4 ms for each to make.
+/// That of the cells that a device leaves to the host, mostly for their size, where they are few (`FEW_CELLS`): some 0.4 ms for each to make.
 const LEFT: Capacities = Capacities { planes: 4096, vertices: 8192 };
-const FEW_LEFT: usize = 64;
 
 /// The CPU backend: rayon over sites, SIMD inside a cell.
 #[derive(Debug)]
@@ -147,7 +146,7 @@ pub fn compute_cells(
     sites: Vec<u32>,
     assembler: &mut Assembler<'_>,
 ) -> Result<()> {
-    let room = if sites.len() <= FEW_LEFT { LEFT } else { FIRST };
+    let room = if sites.len() <= FEW_CELLS { LEFT } else { FIRST };
     run(prepared, request, (sites, room, false), assembler, None).map(|_| ())
 }
 

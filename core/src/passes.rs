@@ -31,7 +31,7 @@ impl Capacities {
 }
 
 /// So many cells are few.
-const FEW_CELLS: usize = 64;
+pub const FEW_CELLS: usize = 64;
 
 /// Half-spaces of a room that is small.
 const SMALL_ROOM: u32 = 1024;

@@ -1,13 +1,11 @@
 //! The vertices of a large cell that a half-space cuts off, found from one of them on: they are connected by edges, and few. (A heavy site's cell among a million has 22,000 vertices, and each
 //! of its 11,000 half-spaces cuts off some six.)
 
-use super::{CpuStore, LANES, Vertices};
-use laguerre_core::cell::{
-    ClipStore, MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, Plane, Polytope, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN,
-    Triplet, UNIT_ROUNDOFF,
-};
+use super::{CpuStore, next_bit};
+use foldhash::fast::FixedState;
+use laguerre_core::cell::{ClipStore, MARK_CONFLICT, MARK_KEEP, Plane, Polytope, SEEN_KEEP, Triplet};
 use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use std::iter;
 
 /// Vertices from which on it is worth while: to test so many takes as long as to look up the edges of a few.
 pub(super) const MANY: usize = 2048;
@@ -15,7 +13,7 @@ pub(super) const MANY: usize = 2048;
 /// Which vertex each directed edge a→b belongs to, of those that vertices have: one of them has it, and the one at its other end b→a.
 #[derive(Debug, Default)]
 pub(super) struct Edges {
-    vertex_of: HashMap<u64, u32, BuildHasherDefault<Mixed>>,
+    vertex_of: HashMap<[u32; 2], u32, FixedState>,
     /// Whether it is known, but for what the last half-space may have changed: `changed`, and vertices from `end` on.
     is_known: bool,
     changed: Vec<u32>,
@@ -52,14 +50,11 @@ impl Edges {
         self.last = k;
         let first = self.first.take().filter(|&v| (v as usize) < triplets.len());
         if self.is_known {
-            let changed = std::mem::take(&mut self.changed);
-            let last = changed.iter().filter(|&&v| (v as usize) < triplets.len());
-            last.for_each(|&v| self.enter(triplets[v as usize], v));
-            self.changed = changed;
-            (self.end..triplets.len()).for_each(|v| self.enter(triplets[v], v as u32));
+            let changed = self.changed.drain(..).filter(|&v| (v as usize) < triplets.len());
+            changed.chain(self.end as u32..triplets.len() as u32).for_each(|v| enter(&mut self.vertex_of, triplets, v));
         } else if first.is_some() {
             self.vertex_of.clear();
-            triplets.iter().enumerate().for_each(|(v, &t)| self.enter(t, v as u32));
+            (0..triplets.len() as u32).for_each(|v| enter(&mut self.vertex_of, triplets, v));
             self.is_known = true;
         }
         self.changed.clear();
@@ -74,50 +69,16 @@ impl Edges {
         }
     }
 
-    fn enter(&mut self, t: Triplet, v: u32) {
-        for (a, b) in [(t.a, t.b), (t.b, t.c), (t.c, t.a)] {
-            self.vertex_of.insert(key(a, b), v);
-        }
-    }
-
     /// The vertices at the other ends of the edges of that of a triplet.
     pub(super) fn beside(&self, t: Triplet) -> [Option<u32>; 3] {
-        [(t.b, t.a), (t.c, t.b), (t.a, t.c)].map(|(a, b)| self.vertex_of.get(&key(a, b)).copied())
+        [[t.b, t.a], [t.c, t.b], [t.a, t.c]].map(|edge| self.vertex_of.get(&edge).copied())
     }
 }
 
-fn key(a: u32, b: u32) -> u64 {
-    u64::from(a) << 32 | u64::from(b)
-}
-
-/// A hash of one number.
-#[derive(Debug, Default)]
-pub(super) struct Mixed(u64);
-
-impl Hasher for Mixed {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
-    }
-
-    fn write_u64(&mut self, x: u64) {
-        // (The upper bits of a product with an odd number mix all of its bits; the table takes lower and uppermost ones.)
-        let mixed = (self.0 ^ x).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        self.0 = mixed ^ (mixed >> 32);
-    }
-}
-
-/// The numbers of the bits of a word that are set.
-fn set_bits(word: usize, bits: u64) -> impl Iterator<Item = u32> {
-    let mut left = bits;
-    std::iter::from_fn(move || {
-        let bit = (left != 0).then(|| left.trailing_zeros())?;
-        left &= left - 1;
-        Some(word as u32 * 64 + bit)
-    })
+/// Enters the edges of vertex `v`.
+fn enter(vertex_of: &mut HashMap<[u32; 2], u32, FixedState>, triplets: &[Triplet], v: u32) {
+    let t = triplets[v as usize];
+    vertex_of.extend([[t.a, t.b], [t.b, t.c], [t.c, t.a]].map(|edge| (edge, v)));
 }
 
 impl CpuStore<'_> {
@@ -127,8 +88,9 @@ impl CpuStore<'_> {
     pub(super) fn mark_of_many(&mut self, k: u32, plane: Plane) -> u32 {
         self.mark_from_one(k, plane).unwrap_or_else(|| {
             let seen = self.mark_all(plane);
-            let words = 0..self.vertices.count.div_ceil(64);
-            self.edges.expect(words.flat_map(|w| set_bits(w, self.conflict[w] | self.uncertain[w])));
+            let end = self.vertices();
+            let next = |v: u32| Some(next_bit(v, end, |word| self.conflict[word] | self.uncertain[word]));
+            self.edges.expect(iter::successors(next(0), |&v| next(v + 1)).take_while(|&v| v < end));
             seen
         })
     }
@@ -137,29 +99,15 @@ impl CpuStore<'_> {
     fn mark_from_one(&mut self, k: u32, plane: Plane) -> Option<u32> {
         let count = self.vertices.count;
         let first = self.edges.learn(&self.vertices.triplets[..count], k)?;
-        let size = (plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs();
-        let slack = (4.0 * UNIT_ROUNDOFF) * plane.d.abs();
-        let mark_of = |v: u32, vertices: &Vertices| {
-            let (four, lane) = (&vertices.places[v as usize / LANES], v as usize % LANES);
-            let p = four.position(lane);
-            let value = (((plane.n.x * p.x) + (plane.n.y * p.y)) + (plane.n.z * p.z)) + plane.d;
-            let bound = (size * four.radius[lane]) + slack;
-            if value < -bound {
-                MARK_CONFLICT
-            } else if value > bound {
-                MARK_KEEP
-            } else {
-                MARK_UNCERTAIN
-            }
-        };
-        if mark_of(first, &self.vertices) != MARK_CONFLICT {
+        let (mark, mut seen) = self.mark_by(plane, first);
+        if mark != MARK_CONFLICT {
             return None;
         }
         let words = count.div_ceil(64);
         self.conflict[..words].fill(0);
         self.uncertain[..words].fill(0);
-        self.set_mark(first, MARK_CONFLICT);
-        let (mut marked, mut seen, mut next) = (vec![first], SEEN_CONFLICT, 0);
+        self.set_mark(first, mark);
+        let (mut marked, mut next) = (vec![first], 0);
         while let Some(&v) = marked.get(next) {
             next += 1;
             for beside in self.edges.beside(self.triplet(v)) {
@@ -167,10 +115,10 @@ impl CpuStore<'_> {
                 if self.mark(beside) != MARK_KEEP {
                     continue;
                 }
-                let its = mark_of(beside, &self.vertices);
-                if its != MARK_KEEP {
-                    self.set_mark(beside, its);
-                    seen |= if its == MARK_UNCERTAIN { SEEN_UNCERTAIN } else { 0 };
+                let (mark, bit) = self.mark_by(plane, beside);
+                if mark != MARK_KEEP {
+                    self.set_mark(beside, mark);
+                    seen |= bit;
                     marked.push(beside);
                 }
             }

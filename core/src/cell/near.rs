@@ -23,11 +23,9 @@ pub(super) fn surface_passes_by<S: DomainStore>(
     while k <= hi.k {
         let mut j: u32 = lo.j;
         while j <= hi.j {
+            let is_empty: bool = row_is_empty(s, lo, hi, j, k);
             let mut i: u32 = lo.i;
-            if row_is_empty(s, lo, hi, j, k) {
-                i = hi.i + 1;
-            }
-            while i <= hi.i {
+            while (i <= hi.i) && !is_empty {
                 if !voxel_passes_by(s, Voxel { i: i, j: j, k: k }, lo, low, high, winding) {
                     return false;
                 }

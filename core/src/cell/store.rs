@@ -150,26 +150,31 @@ pub trait ClipStore: Polytope {
         v
     }
 
-    /// Marks every vertex with its side of plane `k` and returns the summary: which of the `SEEN_` bits occurred. The door
-    /// for SIMD: an override returns the same marks.
+    /// The mark of vertex `v`, by its side of a plane, and the `SEEN_` bit of that mark.
     ///
     /// Uncertain: `|n·v + d|` at most `‖n‖₁·radius + 4u|d|`.
     #[inline(always)]
+    fn mark_by(&self, plane: Plane, v: u32) -> (u32, u32) {
+        let slack = (4.0 * UNIT_ROUNDOFF) * plane.d.abs();
+        let value = dot(plane.n, self.position(v)) + plane.d;
+        let bound = (norm_1(plane.n) * self.radius(v)) + slack;
+        if value > bound {
+            (MARK_KEEP, SEEN_KEEP)
+        } else if value < -bound {
+            (MARK_CONFLICT, SEEN_CONFLICT)
+        } else {
+            (MARK_UNCERTAIN, SEEN_UNCERTAIN)
+        }
+    }
+
+    /// Marks every vertex with its side of plane `k` and returns the summary: which of the `SEEN_` bits occurred. The door
+    /// for SIMD: an override returns the same marks.
+    #[inline(always)]
     fn mark_conflicts(&mut self, k: u32) -> u32 {
         let plane = self.plane(k);
-        let size = norm_1(plane.n);
-        let slack = (4.0 * UNIT_ROUNDOFF) * plane.d.abs();
         let mut seen = 0;
         for v in 0..self.vertices() {
-            let value = dot(plane.n, self.position(v)) + plane.d;
-            let bound = (size * self.radius(v)) + slack;
-            let (mark, bit) = if value > bound {
-                (MARK_KEEP, SEEN_KEEP)
-            } else if value < -bound {
-                (MARK_CONFLICT, SEEN_CONFLICT)
-            } else {
-                (MARK_UNCERTAIN, SEEN_UNCERTAIN)
-            };
+            let (mark, bit) = self.mark_by(plane, v);
             self.set_mark(v, mark);
             seen |= bit;
         }

@@ -10,11 +10,9 @@ OUTLINE bool surface_passes_by(Store *s, V3 low, V3 high, Voxel lo, Voxel hi, in
     while (k <= hi.k) {
         uint j = lo.j;
         while (j <= hi.j) {
+            const bool is_empty = row_is_empty(s, lo, hi, j, k);
             uint i = lo.i;
-            if (row_is_empty(s, lo, hi, j, k)) {
-                i = hi.i + 1;
-            }
-            while (i <= hi.i) {
+            while ((i <= hi.i) && !is_empty) {
                 if (!voxel_passes_by(s, (Voxel){ .i = i, .j = j, .k = k }, lo, low, high, winding)) {
                     return 0;
                 }

@@ -115,22 +115,46 @@ SUM_SHARE uint sum_share(
 }
 
 #if WITH_FACETS
+// What another work-item has or-ed into it: in global memory not what the nearest cache may still have.
+#if WITH_ROOM == 2
+#define ORED(x) atomic_or((x), 0u)
+#else
+#define ORED(x) (*(x))
+#endif
+
 // Adds what vertices `from` to `end`, of which each lane has had one, have added to their facets to those that each lane has, of the first `count` half-spaces:
-// number `turn·LANES + lane` is its own. In the order of vertices.
-INLINE void gather_facets(CELL_SPACE const Cell *cell, uint lane, uint from, uint end, uint count, uint flags, FacetSum *facet) {
-    for (uint v = from; v < end; v++) {
-        const Triplet t = unpacked(cell->triplet[v]);
+// number `turn·LANES + lane` is its own. In the order of vertices. (Each lane looks at the vertices of its own facets alone, five or six of some 27, which have told it: where it looked at
+// all, with something to add for three lanes at a time, a cell took 38,000 instead of 23,000 cycles in `Integrals`, one NVIDIA H200.)
+INLINE void gather_facets(CELL_SPACE Cell *cell, uint lane, uint from, uint end, uint count, uint flags, FacetSum *facet) {
+    // Of each half-space which lanes' vertices lie on it.
+    volatile CELL_SPACE uint *on = cell->row;
+    for (uint f = lane; f < count; f += LANES) {
+        on[f] = 0;
+    }
+    lanes_wait();
+    if ((from + lane) < end) {
+        const Triplet t = unpacked(cell->triplet[from + lane]);
+        const uint corner[3] = { t.a, t.b, t.c };
         UNROLLED_WORDS
-        for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
-            const uint f = (turn * LANES) + lane;
-            const uint corner = (f < count) ? corner_of(t, f) : 3u;
-            if (corner < 3u) {
-                CELL_SPACE const FacetSum *added = cell->added + ((3u * (v - from)) + corner);
-                facet[turn].area += added->area;
-                facet[turn].rounding = fmax(facet[turn].rounding, added->rounding);
-                if ((flags & FACET_AREAS) == 0u) {
-                    facet[turn].moment = add(facet[turn].moment, added->moment);
-                }
+        for (uint k = 0; k < 3u; k++) {
+            if (corner[k] < count) {
+                atomic_or(on + corner[k], 1u << lane);
+            }
+        }
+    }
+    lanes_wait();
+    UNROLLED_WORDS
+    for (uint turn = 0; turn < (LANES_P / LANES); turn++) {
+        const uint f = (turn * LANES) + lane;
+        uint left = (f < count) ? ORED(on + f) : 0u;
+        while (left != 0u) {
+            const uint k = lowest_bit(left);
+            left &= left - 1u;
+            CELL_SPACE const FacetSum *added = cell->added + ((3u * k) + corner_of(unpacked(cell->triplet[from + k]), f));
+            facet[turn].area += added->area;
+            facet[turn].rounding = fmax(facet[turn].rounding, added->rounding);
+            if ((flags & FACET_AREAS) == 0u) {
+                facet[turn].moment = add(facet[turn].moment, added->moment);
             }
         }
     }

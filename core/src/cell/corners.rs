@@ -2,7 +2,7 @@
 //! the triangles of its facets. The text is that of `integrate.rs` and `facet.rs`, and so are the bits. (One by one a white cell takes a tenth more time,
 //! by vectors of 32 bytes.)
 
-use super::facet::{FacetSum, area_of_triangle, moment_of_triangle, rounding_of_triangle};
+use super::facet::{FacetSum, area_of_triangle, moment_of_triangle, per_length, rounding_of_triangle};
 use super::integrate::{
     CellSums, FACETS, Piece, Side, add_piece, foot_by, is_plain, off_plain_foot, piece_of, radius_at, rounding_across,
     side, spoke_of,
@@ -20,8 +20,9 @@ type Four = [Real; LANES];
 /// The tetrahedra of the vertices of a cell.
 #[derive(Debug)]
 pub struct Corners {
-    /// Its half-spaces as seen from the reference point.
+    /// Its half-spaces as seen from the reference point, and where facets are asked for one over the lengths of their normals.
     sides: Vec<Side>,
+    per_length: Vec<Real>,
     fours: Vec<CornersOfFour>,
     /// Of each edge the triangles on its two half-spaces, where facets are asked for.
     facets: Vec<[[TrianglesOfFour; 2]; 3]>,
@@ -75,11 +76,11 @@ struct SidesOfFour {
     foot: [Four; 3],
 }
 
-/// The foot on an edge each, and the square of the product of the normals of its half-spaces.
+/// The foot on an edge each, and one over the square of the sine of the angle of its half-spaces.
 #[derive(Clone, Copy, Default)]
 struct FeetOfFour {
     foot: [Four; 3],
-    square: Four,
+    per_sine_square: Four,
 }
 
 impl SidesOfFour {
@@ -132,7 +133,8 @@ fn set(fours: &mut [Four; 3], lane: usize, x: V3) {
 
 impl Default for Corners {
     fn default() -> Self {
-        Self { sides: Vec::new(), fours: Vec::new(), facets: Vec::new(), arch: Arch::new() }
+        let (sides, per_length) = (Vec::new(), Vec::new());
+        Self { sides, per_length, fours: Vec::new(), facets: Vec::new(), arch: Arch::new() }
     }
 }
 
@@ -141,6 +143,10 @@ impl Corners {
     pub fn set<S: Polytope>(&mut self, s: &S, weight: Real, center: V3, reach: Real, flags: u32) {
         self.sides.clear();
         self.sides.extend((0..s.planes()).map(|f| side(s, f, center)));
+        self.per_length.clear();
+        if flags & FACETS != 0 {
+            self.per_length.extend(self.sides.iter().map(|&f| per_length(f)));
+        }
         let count = s.vertices().div_ceil(LANES as u32) as usize;
         let with_facets = if flags & FACETS == 0 { 0 } else { count };
         if self.fours.len() < count {
@@ -149,9 +155,9 @@ impl Corners {
         if self.facets.len() < with_facets {
             self.facets.resize(with_facets, Default::default());
         }
-        let Self { sides, fours, facets, arch } = self;
+        let Self { sides, per_length, fours, facets, arch } = self;
         let (fours, facets) = (&mut fours[..count], &mut facets[..with_facets]);
-        arch.dispatch(Set { s, weight, center, reach, sides, fours, facets });
+        arch.dispatch(Set { s, weight, center, reach, sides, per_length, fours, facets });
     }
 
     /// Adds the tetrahedra of vertex `v`, whose way from the site is that long; `false` if one of its feet is to be refined.
@@ -187,6 +193,7 @@ struct Set<'a, S> {
     center: V3,
     reach: Real,
     sides: &'a [Side],
+    per_length: &'a [Real],
     fours: &'a mut [CornersOfFour],
     facets: &'a mut [[[TrianglesOfFour; 2]; 3]],
 }
@@ -196,7 +203,7 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { s, weight, center, reach, sides, fours, facets } = self;
+        let Self { s, weight, center, reach, sides, per_length: lengths, fours, facets } = self;
         let last = s.vertices().max(1) - 1;
         for (number, four) in fours.iter_mut().enumerate() {
             let mut places = PlacesOfFour::default();
@@ -211,13 +218,23 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
                     corner.set(lane, &sides[f as usize]);
                 }
             }
-            let [a, b, c] = &corners;
             let mut are_plain = [true; LANES];
             let mut triangles = facets.get_mut(number);
-            for (e, [f, g]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
-                let feet = set_edge(&mut four.edges[e], f, g, &places, &mut are_plain);
-                if let Some(edges) = &mut triangles {
-                    set_triangles(&mut edges[e], &feet, [f, g], &places, weight, center);
+            let mut per_length = [[0.0; LANES]; 3];
+            if triangles.is_some() {
+                for lane in 0..LANES {
+                    let Triplet { a, b, c } = s.triplet(((number * LANES + lane) as u32).min(last));
+                    for (corner, f) in per_length.iter_mut().zip([a, b, c]) {
+                        corner[lane] = lengths[f as usize];
+                    }
+                }
+            }
+            let ([a, b, c], [per_a, per_b, per_c]) = (&corners, &per_length);
+            let edges = [([a, b], [per_a, per_b]), ([b, c], [per_b, per_c]), ([c, a], [per_c, per_a])];
+            for (e, (edge, per_length)) in edges.into_iter().enumerate() {
+                let feet = set_edge(&mut four.edges[e], edge, &places, &mut are_plain);
+                if let Some(triangles) = &mut triangles {
+                    set_triangles(&mut triangles[e], &feet, edge, per_length, &places, weight, center);
                 }
             }
             four.are_plain = are_plain;
@@ -229,8 +246,7 @@ impl<S: Polytope> NullaryFnOnce for Set<'_, S> {
 #[inline(always)]
 fn set_edge(
     edge: &mut EdgesOfFour,
-    f: &SidesOfFour,
-    g: &SidesOfFour,
+    [f, g]: [&SidesOfFour; 2],
     places: &PlacesOfFour,
     are_plain: &mut [bool; LANES],
 ) -> FeetOfFour {
@@ -239,10 +255,11 @@ fn set_edge(
         let (f, g, position) = (f.side(k), g.side(k), at(&places.position, k));
         let direction = cross(f.n, g.n);
         let square = dot(direction, direction);
-        let foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
+        let (per_square, whole) = (1.0 / square, f.square * g.square);
+        let foot = foot_by(f.n, f.d, g.n, g.d, direction, per_square);
         set(&mut feet.foot, k, foot);
-        feet.square[k] = square;
-        *all_plain &= is_plain(square, f.square * g.square);
+        feet.per_sine_square[k] = per_square * whole;
+        *all_plain &= is_plain(square, whole);
         let spoke = spoke_of(foot, position);
         made.pieces[0].set(k, piece_of(dot(g.foot, spoke), g.foot, foot, position));
         made.pieces[1].set(k, piece_of(-dot(f.foot, spoke), f.foot, foot, position));
@@ -258,17 +275,19 @@ fn set_triangles(
     triangles: &mut [TrianglesOfFour; 2],
     feet: &FeetOfFour,
     [f, g]: [&SidesOfFour; 2],
+    [per_f, per_g]: [&Four; 2],
     places: &PlacesOfFour,
     weight: Real,
     center: V3,
 ) {
     let mut made = [TrianglesOfFour::default(); 2];
     for k in 0..LANES {
-        let (f, g, position, radius) = (f.side(k), g.side(k), at(&places.position, k), places.radius[k]);
-        let (foot, square) = (at(&feet.foot, k), feet.square[k]);
-        let off = off_plain_foot(foot, square, f.square * g.square, center);
-        set_triangle(&mut made[0], k, g, foot, off, position, radius, -weight, center);
-        set_triangle(&mut made[1], k, f, foot, off, position, radius, weight, center);
+        let (f, g) = (f.side(k), g.side(k));
+        let (position, radius) = (at(&places.position, k), places.radius[k]);
+        let foot = at(&feet.foot, k);
+        let off = off_plain_foot(foot, feet.per_sine_square[k], center);
+        set_triangle(&mut made[0], k, g, per_g[k], foot, off, position, radius, -weight, center);
+        set_triangle(&mut made[1], k, f, per_f[k], foot, off, position, radius, weight, center);
     }
     *triangles = made;
 }
@@ -279,6 +298,7 @@ fn set_triangle(
     triangle: &mut TrianglesOfFour,
     k: usize,
     side: Side,
+    per_length: Real,
     foot: V3,
     off: Real,
     position: V3,
@@ -286,7 +306,7 @@ fn set_triangle(
     sign: Real,
     center: V3,
 ) {
-    let area = area_of_triangle(side, sub(foot, side.foot), sub(position, side.foot), sign);
+    let area = area_of_triangle(side, per_length, sub(foot, side.foot), sub(position, side.foot), sign);
     triangle.area[k] = area;
     set(&mut triangle.moment, k, moment_of_triangle(side, foot, position, center, area));
     triangle.rounding[k] = rounding_of_triangle(side, foot, off, position, radius);

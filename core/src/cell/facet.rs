@@ -34,8 +34,9 @@ pub struct FacetSecond {
 }
 
 /// The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
-/// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
-/// quotient, halved; twice that for the sum. (What H is off, one triangle gains and its neighbour loses.)
+/// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, one for that with
+/// one over its length, which is off alike for all triangles of a facet, halved; twice that for the sum. (What H is off, one triangle gains and its
+/// neighbour loses.)
 const ROUNDINGS_OF_TRIANGLE: Real = 8.0;
 
 /// The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles
@@ -71,7 +72,7 @@ pub(super) fn add_triangle(
     area_alone: bool,
     sum: &mut FacetSum,
 ) {
-    let area: Real = area_of_triangle(f, sub(foot, f.foot), sub(at.position, f.foot), sign);
+    let area: Real = area_of_triangle(f, per_length(f), sub(foot, f.foot), sub(at.position, f.foot), sign);
     sum.area = sum.area + area;
     if !area_alone {
         sum.moment = add(sum.moment, moment_of_triangle(f, foot, at.position, center, area));
@@ -95,11 +96,17 @@ pub(super) fn rounding_of_triangle(f: Side, foot: V3, off: Real, position: V3, r
     return lost + (moved * norm_1(sub(position, foot)));
 }
 
-/// `sign·½ (I − H)×(v − H)·n/|n|`, given the two sides at H.
+/// 1/|n|.
 #[inline(always)]
-pub(super) fn area_of_triangle(f: Side, to_foot: V3, to_vertex: V3, sign: Real) -> Real {
+pub(super) fn per_length(f: Side) -> Real {
+    return 1.0 / f.square.sqrt();
+}
+
+/// `sign·½ (I − H)×(v − H)·n/|n|`, given 1/|n| and the two sides at H.
+#[inline(always)]
+pub(super) fn area_of_triangle(f: Side, per_length: Real, to_foot: V3, to_vertex: V3, sign: Real) -> Real {
     let normal: V3 = cross(to_foot, to_vertex);
-    return ((0.5 * sign) * dot(normal, f.n)) / f.square.sqrt();
+    return ((0.5 * sign) * dot(normal, f.n)) * per_length;
 }
 
 /// The sums of the facet of plane `index` alone; `reach` as of `integrate`.
@@ -219,7 +226,7 @@ pub(super) fn add_edge_second<S: IntegralStore + SignStore>(
 /// about the point that all are relative to.
 #[cfg_attr(opencl, outline)]
 pub(super) fn add_triangle_second<S: IntegralStore>(s: &mut S, f: Side, foot: V3, position: V3, sign: Real) {
-    let share: Real = area_of_triangle(f, sub(foot, f.foot), sub(position, f.foot), sign) / 12.0;
+    let share: Real = area_of_triangle(f, per_length(f), sub(foot, f.foot), sub(position, f.foot), sign) / 12.0;
     let sum: V3 = add(add(f.foot, foot), position);
     let mut second: FacetSecond = s.facet_second(f.index);
     second.diagonal = add(second.diagonal, scale(share, second_diagonal(f.foot, foot, position, sum)));

@@ -332,16 +332,17 @@ pub(super) fn foot_on_edge<S: SignStore>(
         *off = UNIT_ROUNDOFF * norm_1(*foot);
         return status;
     }
-    *foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
+    let per_square: Real = 1.0 / square;
+    *foot = foot_by(f.n, f.d, g.n, g.d, direction, per_square);
     if is_plain(square, whole) {
         if is_bounded {
-            *off = off_plain_foot(*foot, square, whole, center);
+            *off = off_plain_foot(*foot, per_square * whole, center);
         }
         return COMPLETE;
     }
     *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * norm_1(*foot);
-    let to_f: V3 = scale(-1.0 / square, cross(g.n, direction));
-    let to_g: V3 = scale(-1.0 / square, cross(direction, f.n));
+    let to_f: V3 = scale(-per_square, cross(g.n, direction));
+    let to_g: V3 = scale(-per_square, cross(direction, f.n));
     let mut steps: u32 = 1;
     if square < (WORTH_REFINING_MORE * whole) {
         steps = 3;
@@ -358,11 +359,11 @@ pub(super) fn foot_on_edge<S: SignStore>(
     return COMPLETE;
 }
 
-/// The foot by the planes' normals and offsets, the normals' product and its square.
+/// The foot by the planes' normals and offsets, the normals' product and one over its square.
 #[inline(always)]
-pub(super) fn foot_by(n_f: V3, d_f: Real, n_g: V3, d_g: Real, direction: V3, square: Real) -> V3 {
-    let to_f: V3 = scale(-1.0 / square, cross(n_g, direction));
-    let to_g: V3 = scale(-1.0 / square, cross(direction, n_f));
+pub(super) fn foot_by(n_f: V3, d_f: Real, n_g: V3, d_g: Real, direction: V3, per_square: Real) -> V3 {
+    let to_f: V3 = scale(-per_square, cross(n_g, direction));
+    let to_g: V3 = scale(-per_square, cross(direction, n_f));
     return add(scale(d_f, to_f), scale(d_g, to_g));
 }
 
@@ -372,10 +373,10 @@ pub(super) fn is_plain(square: Real, whole: Real) -> bool {
     return square >= (WORTH_REFINING_FOOT * whole);
 }
 
-/// How far such a foot may be off its line.
+/// How far such a foot may be off its line, where one over the square of the angle's sine is that.
 #[inline(always)]
-pub(super) fn off_plain_foot(foot: V3, square: Real, whole: Real, center: V3) -> Real {
-    let amplified: Real = UNIT_ROUNDOFF * (whole / square).sqrt();
+pub(super) fn off_plain_foot(foot: V3, per_sine_square: Real, center: V3) -> Real {
+    let amplified: Real = UNIT_ROUNDOFF * per_sine_square.sqrt();
     return amplified * ((ROUNDINGS_OF_FOOT * norm_1(foot)) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
 }
 

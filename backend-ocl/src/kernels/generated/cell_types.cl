@@ -426,8 +426,9 @@ typedef struct {
 } FacetSecond;
 
 // The same for the area of a triangle, in units of the product of its two sides at H, which is what a cross product loses where
-// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, two for the
-// quotient, halved; twice that for the sum. (What H is off, one triangle gains and its neighbour loses.)
+// they are nearly parallel: one for each side, two for the cross product, three for its product with the normal, one for that with
+// one over its length, which is off alike for all triangles of a facet, halved; twice that for the sum. (What H is off, one triangle gains and its
+// neighbour loses.)
 #define ROUNDINGS_OF_TRIANGLE ((real)(REAL(8.0)))
 
 // The same share for a facet, of the bound of its largest triangle. Of many roundings most cancel: what some hundred triangles

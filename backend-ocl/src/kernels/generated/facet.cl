@@ -11,7 +11,7 @@ OUTLINE bool facet_is_above_bound(FacetSum sum) {
 // What I and v are off counts with the way between them: the two triangles of a vertex lose its error times the way between their feet,
 // those of an edge the foot's times the edge's length. The vertex has been rounded once more on its way to the reference point.
 INLINE void add_triangle(Side f, V3 foot, real off, Corner at, real sign, V3 center, bool area_alone, FacetSum *sum) {
-    const real area = area_of_triangle(f, sub(foot, f.foot), sub(at.position, f.foot), sign);
+    const real area = area_of_triangle(f, per_length(f), sub(foot, f.foot), sub(at.position, f.foot), sign);
     sum->area = sum->area + area;
     if (!area_alone) {
         sum->moment = add(sum->moment, moment_of_triangle(f, foot, at.position, center, area));
@@ -33,10 +33,15 @@ INLINE real rounding_of_triangle(Side f, V3 foot, real off, V3 position, real ra
     return lost + (moved * norm_1(sub(position, foot)));
 }
 
-// `sign·½ (I − H)×(v − H)·n/|n|`, given the two sides at H.
-INLINE real area_of_triangle(Side f, V3 to_foot, V3 to_vertex, real sign) {
+// 1/|n|.
+INLINE real per_length(Side f) {
+    return REAL(1.0) / sqrt(f.square);
+}
+
+// `sign·½ (I − H)×(v − H)·n/|n|`, given 1/|n| and the two sides at H.
+INLINE real area_of_triangle(Side f, real per_length, V3 to_foot, V3 to_vertex, real sign) {
     const V3 normal = v3_cross(to_foot, to_vertex);
-    return ((REAL(0.5) * sign) * v3_dot(normal, f.n)) / sqrt(f.square);
+    return ((REAL(0.5) * sign) * v3_dot(normal, f.n)) * per_length;
 }
 
 // The sums of the facet of plane `index` alone; `reach` as of `integrate`.
@@ -136,7 +141,7 @@ OUTLINE uint add_edge_second(Store *s, Side f, Side g, V3 position, real weight,
 // Adds the triangle (H, I, v) to the second moments of the facet of plane `f`: `area·(HHᵀ + IIᵀ + vvᵀ + ssᵀ)/12`, `s = H + I + v`,
 // about the point that all are relative to.
 OUTLINE void add_triangle_second(Store *s, Side f, V3 foot, V3 position, real sign) {
-    const real share = area_of_triangle(f, sub(foot, f.foot), sub(position, f.foot), sign) / REAL(12.0);
+    const real share = area_of_triangle(f, per_length(f), sub(foot, f.foot), sub(position, f.foot), sign) / REAL(12.0);
     const V3 sum = add(add(f.foot, foot), position);
     FacetSecond second = store_facet_second(s, f.index);
     second.diagonal = add(second.diagonal, scale(share, second_diagonal(f.foot, foot, position, sum)));

@@ -154,16 +154,17 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, bool is_bounded, V
         *off = UNIT_ROUNDOFF * norm_1(*foot);
         return status;
     }
-    *foot = foot_by(f.n, f.d, g.n, g.d, direction, square);
+    const real per_square = REAL(1.0) / square;
+    *foot = foot_by(f.n, f.d, g.n, g.d, direction, per_square);
     if (is_plain(square, whole)) {
         if (is_bounded) {
-            *off = off_plain_foot(*foot, square, whole, center);
+            *off = off_plain_foot(*foot, per_square * whole, center);
         }
         return COMPLETE;
     }
     *off = (ROUNDINGS_OF_FOOT * UNIT_ROUNDOFF) * norm_1(*foot);
-    const V3 to_f = scale(-REAL(1.0) / square, v3_cross(g.n, direction));
-    const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, f.n));
+    const V3 to_f = scale(-per_square, v3_cross(g.n, direction));
+    const V3 to_g = scale(-per_square, v3_cross(direction, f.n));
     uint steps = 1;
     if (square < (WORTH_REFINING_MORE * whole)) {
         steps = 3;
@@ -180,10 +181,10 @@ INLINE uint foot_on_edge(Store *s, Side f, Side g, V3 center, bool is_bounded, V
     return COMPLETE;
 }
 
-// The foot by the planes' normals and offsets, the normals' product and its square.
-INLINE V3 foot_by(V3 n_f, real d_f, V3 n_g, real d_g, V3 direction, real square) {
-    const V3 to_f = scale(-REAL(1.0) / square, v3_cross(n_g, direction));
-    const V3 to_g = scale(-REAL(1.0) / square, v3_cross(direction, n_f));
+// The foot by the planes' normals and offsets, the normals' product and one over its square.
+INLINE V3 foot_by(V3 n_f, real d_f, V3 n_g, real d_g, V3 direction, real per_square) {
+    const V3 to_f = scale(-per_square, v3_cross(n_g, direction));
+    const V3 to_g = scale(-per_square, v3_cross(direction, n_f));
     return add(scale(d_f, to_f), scale(d_g, to_g));
 }
 
@@ -192,9 +193,9 @@ INLINE bool is_plain(real square, real whole) {
     return square >= (WORTH_REFINING_FOOT * whole);
 }
 
-// How far such a foot may be off its line.
-INLINE real off_plain_foot(V3 foot, real square, real whole, V3 center) {
-    const real amplified = UNIT_ROUNDOFF * sqrt(whole / square);
+// How far such a foot may be off its line, where one over the square of the angle's sine is that.
+INLINE real off_plain_foot(V3 foot, real per_sine_square, V3 center) {
+    const real amplified = UNIT_ROUNDOFF * sqrt(per_sine_square);
     return amplified * ((ROUNDINGS_OF_FOOT * norm_1(foot)) + (ROUNDINGS_OF_OFFSET * norm_1(center)));
 }
 

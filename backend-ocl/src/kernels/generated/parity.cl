@@ -779,8 +779,8 @@ __kernel void parity_foot_by(PARITY_ARGUMENTS) {
     const V3 n_g = take_V3(&in);
     const real d_g = take_real(&in);
     const V3 direction = take_V3(&in);
-    const real square = take_real(&in);
-    const V3 result = foot_by(n_f, d_f, n_g, d_g, direction, square);
+    const real per_square = take_real(&in);
+    const V3 result = foot_by(n_f, d_f, n_g, d_g, direction, per_square);
     give_V3(&out, result);
 }
 
@@ -795,10 +795,9 @@ __kernel void parity_is_plain(PARITY_ARGUMENTS) {
 __kernel void parity_off_plain_foot(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const V3 foot = take_V3(&in);
-    const real square = take_real(&in);
-    const real whole = take_real(&in);
+    const real per_sine_square = take_real(&in);
     const V3 center = take_V3(&in);
-    const real result = off_plain_foot(foot, square, whole, center);
+    const real result = off_plain_foot(foot, per_sine_square, center);
     give_real(&out, result);
 }
 
@@ -932,13 +931,21 @@ __kernel void parity_rounding_of_triangle(PARITY_ARGUMENTS) {
     give_real(&out, result);
 }
 
+__kernel void parity_per_length(PARITY_ARGUMENTS) {
+    PARITY_CALL;
+    const Side f = take_Side(&in);
+    const real result = per_length(f);
+    give_real(&out, result);
+}
+
 __kernel void parity_area_of_triangle(PARITY_ARGUMENTS) {
     PARITY_CALL;
     const Side f = take_Side(&in);
+    const real per_length = take_real(&in);
     const V3 to_foot = take_V3(&in);
     const V3 to_vertex = take_V3(&in);
     const real sign = take_real(&in);
-    const real result = area_of_triangle(f, to_foot, to_vertex, sign);
+    const real result = area_of_triangle(f, per_length, to_foot, to_vertex, sign);
     give_real(&out, result);
 }
 

@@ -418,6 +418,8 @@ pub(crate) enum BenchRequest {
     Facets,
     /// The Laplacian too
     Laplacian,
+    /// The Laplacian too, which stays on a device, as in a solver's loop
+    LaplacianKept,
 }
 
 /// The experiments of the paper (Basselin et al., "Restricted Power Diagrams on the GPU", 2021), as text for BENCHMARKS.md.

@@ -96,6 +96,7 @@ fn row(
         BenchRequest::Moments => ("moments", Request::moments()),
         BenchRequest::Facets => ("facets", Request::moments().with_facets()),
         BenchRequest::Laplacian => ("laplacian", Request::moments().with_laplacian()),
+        BenchRequest::LaplacianKept => ("laplacian-kept", Request::moments().with_laplacian_kept()),
     };
     let (seconds, _) = measure(backend, diagram, &asked, args.repetitions)?;
     let info = backend.info();
@@ -177,7 +178,7 @@ fn input(distribution: Distribution, count: u32, domain: Option<&Domain>) -> Res
 const COLUMNS: usize = 9;
 const HEADER: [&str; COLUMNS] =
     ["backend", "distribution", "sites", "domain", "request", "median [min, max]", "sites/s", "cycles/site", "device"];
-const WIDTHS: [usize; COLUMNS] = [7, 12, 11, 12, 9, 30, 11, 11, 9];
+const WIDTHS: [usize; COLUMNS] = [7, 12, 11, 12, 14, 30, 11, 11, 9];
 
 impl Row {
     fn cells(&self) -> [String; COLUMNS] {

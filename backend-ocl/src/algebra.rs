@@ -8,7 +8,7 @@ use crate::devices::on_device;
 use crate::evaluate::Ocl;
 use crate::grid::GROUP;
 use crate::interface::algebra::{
-    Combine, DotParts, FindBeyond, FindRisen, InvertDiagonal, Multiply, PartCells, SubtractNumber, SumParts,
+    Combine, DotParts, FindBeyond, FindRisen, InvertDiagonal, Multiply, PartCells, Stiffen, SubtractNumber, SumParts,
 };
 use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
 use crate::interface::kernels::{FillLaplacian, GatherCells};
@@ -373,6 +373,35 @@ impl Algebra for Ocl {
             let arguments = FindRisen { count, offsets, columns, x, cells, share, flattest, is_found };
             device.algebra_kernels.get()?.find_risen.run(&device.queue, a.rows, GROUP, arguments)
         })
+    }
+
+    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Option<Held>> {
+        let (a, x, cells) = (self.own::<Matrix>(a)?, self.own::<Vector>(x)?, self.own::<Vector>(cells)?);
+        let most = a.rows.max(a.width);
+        check_lengths(x.length >= most && cells.length >= CELL * most)?;
+        let (x, cells) = (&x.numbers, &cells.numbers);
+        let made = self.on_first(|device| Matrix::unset(device, a.rows, a.entries, a.width))?;
+        let is_larger = self.finds(|device, is_found| {
+            let Matrix { offsets, columns, values, rows, .. } = a;
+            let Matrix { offsets: made_offsets, columns: made_columns, values: made_values, .. } = &made;
+            let count = *rows as u32;
+            let arguments = Stiffen {
+                count,
+                offsets,
+                columns,
+                values,
+                x,
+                cells,
+                share,
+                flattest,
+                made_offsets,
+                made_columns,
+                made_values,
+                is_found,
+            };
+            device.algebra_kernels.get()?.stiffen.run(&device.queue, rows + 1, GROUP, arguments)
+        })?;
+        Ok(is_larger.then(|| self.hold(made)))
     }
 
     fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held> {

@@ -5,7 +5,7 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::algebra::{
     BalanceRows, ChooseRoots, Combine, CountColumns, DotParts, FindBeyond, FindRisen, InvertDiagonal, JoinRest,
-    JoinRoots, ListColumns, Multiply, MultiplyRows, PartCells, Prolong, RankFree, SortColumns, SpreadRanks,
+    JoinRoots, ListColumns, Multiply, MultiplyRows, PartCells, Prolong, RankFree, SortColumns, SpreadRanks, Stiffen,
     SubtractNumber, SumParts,
 };
 use crate::interface::data::Params;
@@ -126,6 +126,7 @@ built! {
         invert_diagonal: InvertDiagonal,
         find_beyond: FindBeyond,
         find_risen: FindRisen,
+        stiffen: Stiffen,
         part_cells: PartCells,
         rank_free: RankFree,
         spread_ranks: SpreadRanks,

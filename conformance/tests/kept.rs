@@ -119,6 +119,7 @@ fn a_device_computes_what_plain_loops_do() {
     );
     assert!(algebra.multiply(&matrix, &held(&three[1..]), &mut held(&vec![0.0; 3 * n])).is_err());
     assert!(algebra.rises_too_far(&matrix, &held(&x), &held(&short), 1.0, 1.0).is_err());
+    assert!(algebra.stiffened(&matrix, &held(&x), &held(&short), 1.0, 1.0).is_err());
     assert!(algebra.parted(&matrix, &held(&short), 1.0).is_err());
     assert!(algebra.matrix((vec![], vec![], vec![])).is_err());
     assert!(algebra.matrix((vec![0, 2], vec![1], vec![1.0])).is_err());
@@ -258,6 +259,32 @@ fn a_laplacian_that_is_kept_is_the_one_that_comes_back() {
         algebra.rises_too_far(&matrix, &x, &cells, 0.7, 0.1).unwrap()
     };
     assert!(least > 0.0 && !rises(least * (1.0 - 1e-12)) && rises(least * (1.0 + 1e-12)), "{least}");
+    // What rises too far is larger by as much, in both rows, which sum to 0.
+    let x: Vec<f64> = (0..kept.order().len()).map(|i| if i == row { 3.0 * least } else { 0.0 }).collect();
+    let stiffened = |x: &[f64]| {
+        let (x, cells) = (algebra.vector(x).unwrap(), algebra.vector(&cells).unwrap());
+        algebra.stiffened(&matrix, &x, &cells, 0.7, 0.1).unwrap().map(|stiff| algebra.rows(&stiff).unwrap())
+    };
+    assert!(stiffened(&x.iter().map(|x| x / 4.0).collect::<Vec<_>>()).is_none());
+    let (stiff_offsets, stiff_columns, stiff) = stiffened(&x).unwrap();
+    assert!(stiff_offsets == offsets && stiff_columns == columns);
+    let mut larger = 0;
+    for i in 0..kept.order().len() {
+        let entries = offsets[i]..offsets[i + 1];
+        let others = || entries.clone().skip(1);
+        for k in others() {
+            let j = columns[k] as usize;
+            let other = if i == row { j } else { i };
+            let factor = match i == row || j == row {
+                true => (3.0 * least / rise(cell(row), cell(other), 0.7, 0.1)).max(1.0),
+                false => 1.0,
+            };
+            larger += usize::from(factor > 1.0);
+            assert!((stiff[k] - factor * values[k]).abs() <= 1e-14 * stiff[k].abs(), "{i}, {j}");
+        }
+        assert_eq!(stiff[entries.start], -others().map(|k| stiff[k]).sum::<f64>());
+    }
+    assert!(larger >= 2 && larger % 2 == 0, "{larger}");
     // What weights change by for barycenters to be in their cells.
     let changes = algebra.parted(&matrix, &algebra.vector(&cells).unwrap(), 0.1).unwrap();
     let right = |row: usize| -> f64 {

@@ -91,7 +91,7 @@ pub struct Coarser {
     pub matrix: Held,
 }
 
-/// Numbers of a row's cell that [`Algebra::rises_too_far`] and [`Algebra::parted`] read: its site, weight, barycenter, and the cube root of its volume. Where
+/// Numbers of a row's cell that [`Algebra::rises_too_far`], [`Algebra::stiffened`] and [`Algebra::parted`] read: its site, weight, barycenter, and the cube root of its volume. Where
 /// the origin is does not matter.
 pub const CELL: usize = 8;
 
@@ -169,6 +169,10 @@ pub trait Algebra: Send + Sync {
     /// Whether for some entry (i, j) of `a` site i rises above j, by `x_i − x_j`, so far that their facet goes into the cell of j by more than `share` of the
     /// way to the barycenter, or of `flattest` of that cell's size where it is flatter. `cells` has [`CELL`] numbers a row.
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool>;
+
+    /// `a` with each entry (i, j) larger by as much as `|x_i − x_j|` is larger than [`Self::rises_too_far`] allows, and diagonal entries, which come first in
+    /// their rows, such that rows sum to 0; `None` where no entry is larger.
+    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Option<Held>>;
 
     /// By how much each weight has to change for the barycenters of the cells that have entries of `a` in common to be on their own sides of the bisector, `depth`
     /// away from it, or as far as half of what there is between them: the sums of [`part`] over the rows' entries. `cells` has [`CELL`] numbers a row.

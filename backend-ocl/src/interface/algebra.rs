@@ -74,6 +74,22 @@ kernels! {
         output is_found: u32,
     }
 
+    kernel Stiffen = stiffen {
+        value count: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input x: f64,
+        /// As of `FindRisen`.
+        input cells: f64,
+        value share: f64,
+        value flattest: f64,
+        output made_offsets: u32,
+        output made_columns: u32,
+        output made_values: f64,
+        output is_found: u32,
+    }
+
     kernel PartCells = part_cells {
         value count: u32,
         input offsets: u32,

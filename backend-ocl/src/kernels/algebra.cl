@@ -168,6 +168,40 @@ __kernel void find_risen(FIND_RISEN_ARGUMENTS) {
     }
 }
 
+// The matrix with the entries of those larger that are too far apart, and whether there are any.
+__kernel void stiffen(STIFFEN_ARGUMENTS) {
+    const uint row = get_global_id(0);
+    if (row > count) {
+        return;
+    }
+    const uint begin = offsets[row];
+    made_offsets[row] = begin;
+    if (row == count) {
+        return;
+    }
+    real others = REAL(0.0);
+    for (uint k = begin + 1u; k < offsets[row + 1u]; k++) {
+        const uint column = columns[k];
+        const uint above = (x[row] > x[column]) ? row : column;
+        const uint below = (x[row] > x[column]) ? column : row;
+        const real by = x[above] - x[below];
+        real factor = REAL(1.0);
+        if (by > REAL(0.0)) {
+            factor = fmax(by / allowed_rise(cells + (CELL_NUMBERS * (size_t)above), cells + (CELL_NUMBERS * (size_t)below), share, flattest), REAL(1.0));
+        }
+        if (factor > REAL(1.0)) {
+            is_found[0] = 1u;
+        }
+        made_columns[k] = column;
+        made_values[k] = factor * values[k];
+        others += made_values[k];
+    }
+    if (begin < offsets[row + 1u]) {
+        made_columns[begin] = row;
+        made_values[begin] = -others;
+    }
+}
+
 // What each cell adds to its weight for barycenters to be in their cells.
 __kernel void part_cells(PART_CELLS_ARGUMENTS) {
     const uint row = get_global_id(0);

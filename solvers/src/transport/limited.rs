@@ -8,15 +8,13 @@
 //! There is a number of such steps at most, and none empties a cell: from where they end Newton's converge as from any start.
 
 use laguerre_core::Result;
-use laguerre_core::algebra::{Algebra, CELL, Held, rise};
-use laguerre_core::summation::chunks;
-use std::ops::Range;
+use laguerre_core::algebra::{Algebra, CELL, Held};
 
 use super::mend;
 use super::newton::{Problem, State, is_out_of_range};
-use super::sparse::{Matrix, center};
+use super::sparse::center;
 use super::system::System;
-use crate::vectors::{any, for_each, map, sum};
+use crate::vectors::{for_each, sum};
 
 /// Steps of this kind at most; some 15 are usual.
 const MOST_STEPS: usize = 40;
@@ -78,13 +76,10 @@ pub(super) fn step<'a>(
     let algebra = system.multigrid.algebra();
     let mut iterations = 0;
     problem.limited_steps += 1;
-    let mut stiff = system.multigrid.finest_on_host()?.into_owned();
-    let (mirror, cells) = (mirror(&stiff), algebra.read(&system.limits.0)?);
     for _ in 0..ROUNDS {
-        if !stiffen(&mut stiff, &cells, &mirror, &system.newton.solution) {
-            break;
-        }
-        system = system.solved_for(algebra.matrix(stiff.clone().into_rows())?)?;
+        let (matrix, solution) = (system.multigrid.finest(), &system.newton.held);
+        let Some(stiff) = algebra.stiffened(matrix, solution, &system.limits.0, REACH, FLATTEST)? else { break };
+        system = system.solved_for(stiff)?;
         iterations += system.newton.iterations;
     }
     let solution = &system.newton.solution;
@@ -111,37 +106,4 @@ pub(super) fn step<'a>(
 fn ascent(problem: &Problem<'_>, step: &[f64], masses: &[f64]) -> f64 {
     let lacking = |site: usize| problem.targets[site] - masses[site];
     sum(step.len(), |row| lacking(problem.order[row] as usize) * step[row])
-}
-
-/// For each entry of a symmetric matrix where its mirror image stands.
-fn mirror(matrix: &Matrix) -> Vec<usize> {
-    let row = |i: usize| matrix.offsets[i]..matrix.offsets[i + 1];
-    let image = |i: usize, k: usize| {
-        let there = row(matrix.columns[k] as usize);
-        there.start + matrix.columns[there.clone()].iter().position(|&back| back as usize == i).unwrap_or(0)
-    };
-    let images = |rows: Range<usize>| -> Vec<usize> { rows.flat_map(|i| row(i).map(move |k| image(i, k))).collect() };
-    chunks(matrix.rows(), images).concat()
-}
-
-/// Makes the facets larger that weights `x` move too far, by as much as that is; whether there are any.
-fn stiffen(matrix: &mut Matrix, cells: &[f64], mirror: &[usize], x: &[f64]) -> bool {
-    let mut factors = vec![1.0; matrix.entries()];
-    let cell = |row: usize| &cells[CELL * row..][..CELL];
-    // Both entries of a facet have the same factor, to the last bit.
-    for_each(&mut factors, |k, factor| {
-        let (row, column) = (matrix.columns[mirror[k]] as usize, matrix.columns[k] as usize);
-        let rises = x[row] - x[column];
-        if rises != 0.0 {
-            let (above, below) = if rises > 0.0 { (row, column) } else { (column, row) };
-            *factor = (rises.abs() / rise(cell(above), cell(below), REACH, FLATTEST)).max(1.0);
-        }
-    });
-    for_each(&mut matrix.values, |k, value| *value *= factors[k]);
-    let diagonals: Vec<f64> =
-        map(matrix.rows(), |i| -matrix.values[matrix.offsets[i] + 1..matrix.offsets[i + 1]].iter().sum::<f64>());
-    for (i, diagonal) in diagonals.into_iter().enumerate() {
-        matrix.values[matrix.offsets[i]] = diagonal;
-    }
-    any(factors.len(), |k| factors[k] > 1.0)
 }

@@ -705,6 +705,20 @@ typedef struct {
     double flattest, \
     __global uint *is_found
 
+#define STIFFEN_ARGUMENTS \
+    uint count, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *x, \
+    __global const double *cells, \
+    double share, \
+    double flattest, \
+    __global uint *made_offsets, \
+    __global uint *made_columns, \
+    __global double *made_values, \
+    __global uint *is_found
+
 #define PART_CELLS_ARGUMENTS \
     uint count, \
     __global const uint *offsets, \

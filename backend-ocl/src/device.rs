@@ -235,7 +235,7 @@ impl Device {
         self.made = None;
         self.shared.params = Params::new(container, request, integrand);
         self.shared.is_shared = self.lanes(request).is_some();
-        self.shared.will_differ = self.shared.is_shared && request.keeps_laplacian();
+        self.shared.will_differ = self.shared.is_shared && request.weights_will_differ();
         let Self { context, queue, memory, shared, grid_kernels, .. } = self;
         memory.integrand.fill(context, queue, &integrand.map_or(Vec::new(), FramedIntegrand::table))?;
         let grid = container.shared_grid();

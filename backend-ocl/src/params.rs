@@ -62,9 +62,9 @@ impl Params {
         params
     }
 
-    /// Whoever keeps the Laplacian is about to change weights, and needs the builds for weights that differ: where all are the same at first, a million white
-    /// sites take 9 ms more so, and four builds less are to be compiled (8 of 24 s) and brought to the device (40 ms; one NVIDIA H100). (Their last bits may be
-    /// others than without.)
+    /// Who is about to change weights needs the builds for weights that differ: where all are the same at first, a million white sites take 9 ms more so, and four builds
+    /// less are to be compiled (8 of 24 s) and brought to the device (40 ms; one NVIDIA H100). A transport of a million sites of which most are outside a mesh begins with one site for all,
+    /// and had five builds more for it, 48 of 120 s of the driver's compiler (one NVIDIA H200).
     fn weigh(&mut self, range: &Range, will_differ: bool) {
         self.smallest_weight = range.smallest_weight;
         self.largest_weight = range.largest_weight;

@@ -91,8 +91,8 @@ pub struct Coarser {
     pub matrix: Held,
 }
 
-/// Numbers of a row's cell that [`Algebra::rises_too_far`], [`Algebra::stiffened`] and [`Algebra::parted`] read: its site, weight, barycenter, and the cube root of its volume. Where
-/// the origin is does not matter.
+/// Numbers of a row's cell that [`Algebra::rises_too_far`], [`Algebra::stiffened`] and [`Algebra::parted`] read: its site, weight, barycenter, and the cube
+/// root of its volume. Where the origin is does not matter.
 pub const CELL: usize = 8;
 
 /// Vectors and sparse matrices in a backend's memory, and what an iterative solver does with them. Everything has the same bits whenever it is

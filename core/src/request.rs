@@ -11,6 +11,7 @@ pub struct Request {
     laplacian: bool,
     /// Only with `laplacian`.
     keeps_laplacian: bool,
+    weights_will_differ: bool,
     second_moments: bool,
     /// Only with `facets`.
     facet_second_moments: bool,
@@ -45,6 +46,13 @@ impl Request {
     #[must_use]
     pub fn with_laplacian_kept(self) -> Self {
         Self { laplacian: true, keeps_laplacian: true, ..self }
+    }
+
+    /// The same, where weights will differ in what is evaluated next, as by a solver that begins with equal ones: a device then has no kernels built for
+    /// equal weights, but takes those for any. (Last bits may be others than without.)
+    #[must_use]
+    pub fn with_weights_to_differ(self) -> Self {
+        Self { weights_will_differ: true, ..self }
     }
 
     /// Also the second moments.
@@ -128,6 +136,11 @@ impl Request {
     /// Whether it may stay with the backend.
     pub fn keeps_laplacian(&self) -> bool {
         self.keeps_laplacian
+    }
+
+    /// Whether weights will differ in what is evaluated next.
+    pub fn weights_will_differ(&self) -> bool {
+        self.weights_will_differ
     }
 
     /// Whether facets are to be integrated, for themselves or for the Laplacian.

@@ -287,10 +287,11 @@ pub fn targets(backend: &dyn Backend, diagram: &PowerDiagram, masses: &[f64], op
 
 /// What the diagram of each step is asked for. Where its Laplacian is kept, second moments come with the last ones alone (`newton.rs`).
 fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
+    let asked = Request::moments().with_weights_to_differ();
     let request = match options.density {
-        Density::Uniform => with_laplacian(Request::moments(), backend, sites, options.kept_from),
-        Density::Linear { .. } => Request::moments().with_facets(),
-        Density::Function(_) => Request::moments().with_facet_second_moments(),
+        Density::Uniform => with_laplacian(asked, backend, sites, options.kept_from),
+        Density::Linear { .. } => asked.with_facets(),
+        Density::Function(_) => asked.with_facet_second_moments(),
     };
     if options.second_moments && !request.keeps_laplacian() { request.with_second_moments() } else { request }
 }

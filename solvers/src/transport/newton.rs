@@ -246,7 +246,8 @@ impl<'a> Problem<'a> {
         let is_function = matches!(self.density, Density::Function(_));
         let needs_moments = options.second_moments && (is_function || state.output.second_moment().is_none());
         if needs_facets || needs_laplacian || needs_moments {
-            let request = if is_function { self.request.clone() } else { Request::moments() };
+            let asked = || Request::moments().with_weights_to_differ();
+            let request = if is_function { self.request.clone() } else { asked() };
             let request = if wants_facets { request.with_facets() } else { request };
             let request = if needs_laplacian { request.with_laplacian() } else { request };
             let request = if stays { request.with_laplacian_kept() } else { request };

@@ -375,33 +375,28 @@ impl Algebra for Ocl {
         })
     }
 
-    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Option<Held>> {
+    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Held> {
         let (a, x, cells) = (self.own::<Matrix>(a)?, self.own::<Vector>(x)?, self.own::<Vector>(cells)?);
         let most = a.rows.max(a.width);
         check_lengths(x.length >= most && cells.length >= CELL * most)?;
-        let (x, cells) = (&x.numbers, &cells.numbers);
-        let made = self.on_first(|device| Matrix::unset(device, a.rows, a.entries, a.width))?;
-        let is_larger = self.finds(|device, is_found| {
-            let Matrix { offsets, columns, values, rows, .. } = a;
-            let Matrix { offsets: made_offsets, columns: made_columns, values: made_values, .. } = &made;
-            let count = *rows as u32;
+        self.on_first(|device| {
+            let made = Matrix::unset(device, a.rows, a.entries, a.width)?;
             let arguments = Stiffen {
-                count,
-                offsets,
-                columns,
-                values,
-                x,
-                cells,
+                count: a.rows as u32,
+                offsets: &a.offsets,
+                columns: &a.columns,
+                values: &a.values,
+                x: &x.numbers,
+                cells: &cells.numbers,
                 share,
                 flattest,
-                made_offsets,
-                made_columns,
-                made_values,
-                is_found,
+                made_offsets: &made.offsets,
+                made_columns: &made.columns,
+                made_values: &made.values,
             };
-            device.algebra_kernels.get()?.stiffen.run(&device.queue, rows + 1, GROUP, arguments)
-        })?;
-        Ok(is_larger.then(|| self.hold(made)))
+            device.algebra_kernels.get()?.stiffen.run(&device.queue, a.rows + 1, GROUP, arguments)?;
+            Ok(self.hold(made))
+        })
     }
 
     fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held> {

@@ -171,8 +171,8 @@ pub trait Algebra: Send + Sync {
     fn rises_too_far(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<bool>;
 
     /// `a` with each entry (i, j) larger by as much as `|x_i − x_j|` is larger than [`Self::rises_too_far`] allows, and diagonal entries, which come first in
-    /// their rows, such that rows sum to 0; `None` where no entry is larger.
-    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Option<Held>>;
+    /// their rows, such that rows sum to 0.
+    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Held>;
 
     /// By how much each weight has to change for the barycenters of the cells that have entries of `a` in common to be on their own sides of the bisector, `depth`
     /// away from it, or as far as half of what there is between them: the sums of [`part`] over the rows' entries. `cells` has [`CELL`] numbers a row.

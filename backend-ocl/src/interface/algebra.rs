@@ -87,7 +87,6 @@ kernels! {
         output made_offsets: u32,
         output made_columns: u32,
         output made_values: f64,
-        output is_found: u32,
     }
 
     kernel PartCells = part_cells {

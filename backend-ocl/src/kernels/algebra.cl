@@ -168,7 +168,7 @@ __kernel void find_risen(FIND_RISEN_ARGUMENTS) {
     }
 }
 
-// The matrix with the entries of those larger that are too far apart, and whether there are any.
+// The matrix with the entries of those larger that are too far apart.
 __kernel void stiffen(STIFFEN_ARGUMENTS) {
     const uint row = get_global_id(0);
     if (row > count) {
@@ -189,12 +189,10 @@ __kernel void stiffen(STIFFEN_ARGUMENTS) {
         if (by > REAL(0.0)) {
             factor = fmax(by / allowed_rise(cells + (CELL_NUMBERS * (size_t)above), cells + (CELL_NUMBERS * (size_t)below), share, flattest), REAL(1.0));
         }
-        if (factor > REAL(1.0)) {
-            is_found[0] = 1u;
-        }
+        const real value = factor * values[k];
         made_columns[k] = column;
-        made_values[k] = factor * values[k];
-        others += made_values[k];
+        made_values[k] = value;
+        others += value;
     }
     if (begin < offsets[row + 1u]) {
         made_columns[begin] = row;

@@ -2,9 +2,7 @@
 
 use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, check_lengths, part, rise};
 use laguerre_core::rows::Rows;
-use laguerre_core::summation::chunks;
 use laguerre_core::{Laplacian, Result};
-use std::ops::Range;
 
 use super::aggregation;
 use super::sparse::{self, Matrix};
@@ -144,7 +142,7 @@ impl Algebra for Host {
         Ok(any(a.rows(), |i| a.row(i).any(|(j, _)| rises(i, j))))
     }
 
-    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Option<Held>> {
+    fn stiffened(&self, a: &Held, x: &Held, cells: &Held, share: f64, flattest: f64) -> Result<Held> {
         let (a, x) = (own_matrix(a)?, numbers(x)?);
         let cells = cells_of(a, cells)?;
         // (Both entries of a facet have the same factor, to the last bit.)
@@ -153,23 +151,14 @@ impl Algebra for Host {
             let by = x[above] - x[below];
             if by > 0.0 { (by / rise(&cells[above], &cells[below], share, flattest)).max(1.0) } else { 1.0 }
         };
-        let stiff = |rows: Range<usize>| {
-            let (mut values, mut is_larger) = (Vec::with_capacity(a.offsets[rows.end] - a.offsets[rows.start]), false);
-            for i in rows {
-                let diagonal = values.len();
-                values.push(0.0);
-                for (j, entry) in a.row(i).skip(1) {
-                    let factor = factor(i, j);
-                    is_larger |= factor > 1.0;
-                    values.push(factor * entry);
-                }
-                values[diagonal] = -values[diagonal + 1..].iter().sum::<f64>();
-            }
-            (values, is_larger)
+        let row = |i: usize, (): &mut (), columns: &mut Vec<u32>, values: &mut Vec<f64>| {
+            let diagonal = values.len();
+            columns.extend(a.row(i).map(|(j, _)| j as u32));
+            values.push(0.0);
+            values.extend(a.row(i).skip(1).map(|(j, entry)| factor(i, j) * entry));
+            values[diagonal] = -values[diagonal + 1..].iter().sum::<f64>();
         };
-        let (values, are_larger): (Vec<_>, Vec<bool>) = chunks(a.rows(), stiff).into_iter().unzip();
-        let made = || Matrix { offsets: a.offsets.clone(), columns: a.columns.clone(), values: values.concat() };
-        Ok(are_larger.contains(&true).then(|| Held::new(made())))
+        Ok(Held::new(Matrix::from_rows(a.rows(), || (), row)))
     }
 
     fn parted(&self, a: &Held, cells: &Held, depth: f64) -> Result<Held> {

@@ -61,10 +61,12 @@ pub(super) struct Limited {
 
 /// Whether a limited step is to be tried: Newton's goes too far somewhere, and there were not enough of them yet.
 pub(super) fn is_to_be(problem: &Problem<'_>, system: &System<'_>) -> Result<bool> {
-    let algebra = system.multigrid.algebra();
-    let rises =
-        || algebra.rises_too_far(system.multigrid.finest(), &system.newton.held, &system.limits.0, REACH, FLATTEST);
-    Ok(problem.limited_steps < MOST_STEPS && rises()?)
+    Ok(problem.limited_steps < MOST_STEPS && goes_too_far(system)?)
+}
+
+/// Whether a facet goes too far by the system's solution.
+fn goes_too_far(System { multigrid, limits, newton, .. }: &System<'_>) -> Result<bool> {
+    multigrid.algebra().rises_too_far(multigrid.finest(), &newton.held, &limits.0, REACH, FLATTEST)
 }
 
 /// A limited step in place of Newton's; and the system, solved for that.
@@ -77,8 +79,11 @@ pub(super) fn step<'a>(
     let mut iterations = 0;
     problem.limited_steps += 1;
     for _ in 0..ROUNDS {
+        if !goes_too_far(&system)? {
+            break;
+        }
         let (matrix, solution) = (system.multigrid.finest(), &system.newton.held);
-        let Some(stiff) = algebra.stiffened(matrix, solution, &system.limits.0, REACH, FLATTEST)? else { break };
+        let stiff = algebra.stiffened(matrix, solution, &system.limits.0, REACH, FLATTEST)?;
         system = system.solved_for(stiff)?;
         iterations += system.newton.iterations;
     }

@@ -716,8 +716,7 @@ typedef struct {
     double flattest, \
     __global uint *made_offsets, \
     __global uint *made_columns, \
-    __global double *made_values, \
-    __global uint *is_found
+    __global double *made_values
 
 #define PART_CELLS_ARGUMENTS \
     uint count, \

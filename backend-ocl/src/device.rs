@@ -70,6 +70,8 @@ pub(crate) struct Device {
     /// Time that kernels took in this call.
     seconds: f64,
     pub(crate) results: Results,
+    /// Whether rows and records of facets are on the device, all of them.
+    pub(crate) facets_are_kept: bool,
     pub(crate) facets: FacetMemory,
     pub(crate) laplacian: LaplacianMemory,
     octree: OctreeMemory,
@@ -175,6 +177,7 @@ impl Device {
             counters: Counters::default(),
             seconds: 0.0,
             results: Results::default(),
+            facets_are_kept: false,
             facets: FacetMemory::new(),
             laplacian: LaplacianMemory::new(),
             octree: OctreeMemory::new(),

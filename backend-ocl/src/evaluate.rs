@@ -9,6 +9,7 @@ use crate::fresh::{Ahead, Lengths};
 use crate::laplacian::Made;
 use crate::platform::{Found, choose};
 use crate::resident::Stay;
+use crate::results::Results;
 use crate::single::Single;
 #[cfg(feature = "test-util")]
 use laguerre_core::Error;
@@ -22,6 +23,7 @@ use laguerre_core::{
     Backend, BackendInfo, Capabilities, DeviceChoice, ErrorKind, Observer, Output, PassReport, PowerDiagram, Precision,
     Report, Request, Result, Watched,
 };
+use std::mem;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -182,12 +184,25 @@ impl Ocl {
         let (mut exact_cells, mut passes) = (0, Vec::new());
         let mut tree = None;
         for (device, computed) in devices.iter().zip(computed) {
-            device.results.assemble(&mut assembler);
             exact_cells += device.results.exact_cells();
             for_host.extend(computed.for_host);
             join_passes(&mut passes, &computed.passes);
             tree = tree.or(computed.tree);
         }
+        // Facets are put in order, and read, while the sums of all cells are gone through.
+        let all: Vec<Results> = devices.iter_mut().map(|device| mem::take(&mut device.results)).collect();
+        let (ordered, ()) = rayon::join(
+            || match &mut *devices {
+                [first, ..] if request.facets() && for_host.is_empty() => {
+                    let ordered = first.assemble_facets(request, &container, sites, room);
+                    ordered.map_err(|error| on_device(error, &first.name))
+                }
+                _ => Ok(None),
+            },
+            || all.iter().for_each(|results| results.assemble(&mut assembler)),
+        );
+        devices.iter_mut().zip(all).for_each(|(device, results)| device.results = results);
+        let ordered = ordered?;
         if !for_host.is_empty() {
             let prepared = match (prepared, tree) {
                 (Some(prepared), _) => prepared,
@@ -203,14 +218,9 @@ impl Ocl {
             let first_name = first.name.clone();
             let named = |error| on_device(error, &first_name);
             if request.facets() {
-                let ordered = match for_host.is_empty() {
-                    true => first.assemble_facets(request, &container, sites, room).map_err(named)?,
-                    false => {
-                        drop(room);
-                        first.lengths = Lengths::default();
-                        None
-                    }
-                };
+                if !for_host.is_empty() {
+                    first.lengths = Lengths::default();
+                }
                 match ordered {
                     Some(ordered) => assembler.take_facets(ordered),
                     None => first.read_kept_facets(request, sites).map_err(named)?,

@@ -44,7 +44,7 @@ impl Device {
         sites: usize,
         arrays: FacetArrays,
     ) -> Result<Option<FacetArrays>> {
-        if !self.results.are_kept {
+        if !self.facets_are_kept {
             return Ok(None);
         }
         let made = match self.order_facets(request, container, sites, arrays) {

@@ -56,7 +56,7 @@ impl Device {
         of_host: &[(u32, Row<'_>)],
         lists: (Vec<u32>, Vec<f64>),
     ) -> Result<Option<Made>> {
-        let is_made = self.results.are_kept && self.bring(of_host)?;
+        let is_made = self.facets_are_kept && self.bring(of_host)?;
         if let Some(entries) = if is_made { self.make_laplacian(sites)? } else { None } {
             let (evaluation, rows) = (self.evaluation, self.shared.params.tree_sites as usize);
             let made = MadeLaplacian { evaluation, rows, entries, is_without_host: of_host.is_empty() };

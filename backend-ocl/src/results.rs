@@ -19,8 +19,6 @@ pub(crate) struct Results {
     /// Records of all batches, one after the other, up to `facet_count`.
     pub(crate) facets: FacetRecords,
     pub(crate) facet_count: usize,
-    /// Whether rows and records of facets are on the device, all of them.
-    pub(crate) are_kept: bool,
 }
 
 impl Results {

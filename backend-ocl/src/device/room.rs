@@ -56,14 +56,14 @@ impl Device {
         }
         results.rows.clear();
         results.facet_count = 0;
-        results.are_kept = false;
+        self.facets_are_kept = false;
         self.counters = Counters::default();
         memory.counters.fill(context, queue, &[self.counters])
     }
 
     /// Reads the records of facets back, for which the device then has room again.
     pub(crate) fn read_facets(&mut self, request: &Request) -> Result<()> {
-        let Self { queue, memory, results, counters, .. } = self;
+        let Self { queue, memory, results, counters, facets_are_kept, .. } = self;
         // Beyond the room there is nothing; a gap at its end belongs to no row.
         let written = counters.facets.min(self.shared.params.facet_room) as usize;
         memory.facets.read_at(queue, written, &mut results.facets.records, results.facet_count)?;
@@ -74,14 +74,14 @@ impl Device {
             memory.facet_seconds.read_at(queue, written, &mut results.facets.seconds, results.facet_count)?;
         }
         results.facet_count += written;
-        results.are_kept = false;
+        *facets_are_kept = false;
         counters.facets = 0;
         Ok(())
     }
 
     /// The same at the end, with where those of each cell stand, if they have stayed on the device.
     pub(crate) fn read_kept_facets(&mut self, request: &Request, sites: usize) -> Result<()> {
-        if !self.results.are_kept {
+        if !self.facets_are_kept {
             return Ok(());
         }
         self.read_facets(request)?;
@@ -148,13 +148,13 @@ impl Device {
             .min(most)
             .max(FEWEST_CELLS)
             .min(count.max(self.most_cells));
-        if self.results.are_kept && self.counters.facets > 0 {
+        if self.facets_are_kept && self.counters.facets > 0 {
             // What stays must not go with the memory that it is in; what has no room in that is told by `full`.
             let fit = (self.shared.params.near_room as usize).checked_div(length).unwrap_or(batch);
             return Ok(batch.min(fit.max(1)));
         }
         // All that are to stay on the device, if it has the memory.
-        let mut all = if self.results.are_kept { most_kept } else { 0 };
+        let mut all = if self.facets_are_kept { most_kept } else { 0 };
         loop {
             let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
             let Memory { facets, facet_moments, facet_seconds, near, .. } = &mut self.memory;

@@ -84,7 +84,7 @@ impl Device {
         }
         self.clear(request, sites, self.most_cells)?;
         self.was_swept = false;
-        self.results.are_kept = request.needs_facets() && of == 1;
+        self.facets_are_kept = request.needs_facets() && of == 1;
         let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
@@ -145,12 +145,12 @@ impl Device {
 
     /// Reads back what came of the cells of all of the caller's sites.
     pub(crate) fn read_results(&mut self, request: &Request, sites: usize) -> Result<()> {
-        let Self { queue, memory, results, shared, .. } = self;
+        let Self { queue, memory, results, shared, facets_are_kept, .. } = self;
         let width = shared.params.sums_width as usize;
         results.width = width;
         memory.outcome.read(queue, sites, &mut results.outcomes)?;
         memory.sums.read(queue, sites * width, &mut results.sums)?;
-        if request.needs_facets() && !results.are_kept {
+        if request.needs_facets() && !*facets_are_kept {
             memory.rows.read(queue, sites, &mut results.rows)?;
         }
         Ok(())
@@ -369,7 +369,7 @@ impl Device {
             }
             request.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize))?;
             let fit = self.counters.facets <= self.shared.params.facet_room;
-            if request.needs_facets() && !(self.results.are_kept && fit) {
+            if request.needs_facets() && !(self.facets_are_kept && fit) {
                 self.read_facets(request)?;
             }
             begin = end;

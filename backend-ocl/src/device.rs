@@ -7,6 +7,8 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use leaders::IN_TESTS;
+
 use crate::algebra::Answers;
 use crate::buffer::{failed, rooms};
 use crate::builds::Lanes;

@@ -1,26 +1,27 @@
 //! The octree over the container (`core/src/power_octree.rs`), made on the device.
 
 use crate::buffer::{Room, failed, rooms};
+use crate::device::IN_TESTS;
 use crate::grid::scan_all;
-use crate::interface::data::{GRID_GROUP, NO_BOX, NO_HOME, OCTREE_GROUP, Params};
-use crate::interface::kernels::{FindHomes, JudgeParts, PlaceLeaves, SplitBoxes};
+use crate::interface::data::{NO_BOX, NO_HOME, OCTREE_GROUP, Params};
+use crate::interface::kernels::{FindHomes, FindLeasts, JudgeParts, MarkSlices, PlaceLeaves, SplitBoxes};
 use crate::params::Shared;
 use crate::program::{GridKernels, OctreeKernels};
 use crate::queue::Queue;
 use laguerre_core::Result;
-use laguerre_core::cell::octree::MOST_DEPTH;
+use laguerre_core::cell::octree::{MOST_DEPTH, OCTREE_PLACES};
 use laguerre_core::cell::search_store::MOST_LEAVES;
 use laguerre_core::power_octree::{OctreeBox, are_too_many, margin_of, most_listed, off_of};
 use laguerre_core::site_tree::WIDTH;
 use opencl3::context::Context;
-use opencl3::types::cl_device_id;
 use std::mem;
 
-/// Work-items of a group, and where boxes list more leaves than so many: there are few such boxes. (Of a million sites the first two levels took 22 of 41 ms
-/// with small groups, one NVIDIA H100.)
 const GROUP: usize = OCTREE_GROUP as usize;
-const LARGE_GROUP: usize = GRID_GROUP as usize;
-const MANY_LEAVES: usize = 1024;
+
+/// Leaves that boxes list, on average, above which several groups go over those of a part, and how many each then does: there are few such boxes. (With one group for each part, of 256 work-items, the first
+/// four of seven levels over a million sites took 12.6 of 27 ms, one NVIDIA H200.)
+const MANY_LEAVES: usize = if IN_TESTS { 16 } else { 1024 };
+const OF_SLICE: usize = MANY_LEAVES / 2;
 
 rooms! {
     pub(crate) struct OctreeMemory {
@@ -37,6 +38,8 @@ rooms! {
         next: u32 = "boxes of the octree over the container",
         kept: u8 = "boxes of the octree over the container",
         counts: u32 = "boxes of the octree over the container",
+        firsts: u32 = "boxes of the octree over the container",
+        leasts: u32 = "boxes of the octree over the container",
         splits: u32 = "boxes of the octree over the container",
         wholes: u32 = "boxes of the octree over the container",
         lists: u32 = "boxes of the octree over the container",
@@ -47,7 +50,6 @@ rooms! {
 /// A device, and the sorted sites on it.
 #[derive(Clone, Copy)]
 pub(crate) struct OfSites<'a> {
-    pub(crate) device: cl_device_id,
     pub(crate) context: &'a Context,
     pub(crate) queue: &'a Queue,
     pub(crate) grid: &'a GridKernels,
@@ -67,8 +69,9 @@ impl OctreeMemory {
 
     /// Gives back what the octree was made with, if it is more than `most` bytes.
     pub(crate) fn free_scratch(&mut self, most: u64) {
-        let Self { ways, boxes, next_boxes, whole, next, kept, counts, splits, wholes, lists, .. } = self;
-        let mut numbers = [ways, whole, next, counts, splits, wholes, lists];
+        let Self { ways, boxes, next_boxes, whole, next, kept, counts, firsts, leasts, splits, wholes, lists, .. } =
+            self;
+        let mut numbers = [ways, whole, next, counts, firsts, leasts, splits, wholes, lists];
         let of_numbers: u64 = numbers.iter().map(|numbers| numbers.bytes()).sum();
         if of_numbers + boxes.bytes() + next_boxes.bytes() + kept.bytes() > most {
             numbers.iter_mut().for_each(|numbers| numbers.free());
@@ -122,6 +125,35 @@ impl OctreeMemory {
         Ok(off_of(margin))
     }
 
+    /// Marks the leaves that each part of the boxes of a level keeps, and counts them.
+    fn mark(&mut self, of: OfSites<'_>, level: Level, margin: f64) -> Result<()> {
+        let OfSites { context, queue, kernels, shared, sites, .. } = of;
+        let Level { boxes: count, leaves: all, .. } = level;
+        let parts = WIDTH * count;
+        self.kept.grow(context, WIDTH * all)?;
+        self.counts.grow(context, parts)?;
+        let params = &shared.room;
+        if all <= MANY_LEAVES * count {
+            let Self { boxes, whole: leaves, kept, counts, .. } = &*self;
+            let arguments = SplitBoxes { params, sites, boxes, leaves, margin, kept, counts };
+            return kernels.split_boxes.run(queue, parts * GROUP, GROUP, arguments);
+        }
+        let slices = all.div_ceil(OF_SLICE * count);
+        self.leasts.grow(context, parts * slices * OCTREE_PLACES as usize)?;
+        self.firsts.fill_with(context, queue, 0, parts)?;
+        self.counts.fill_with(context, queue, 0, parts)?;
+        let Self { boxes, whole: leaves, kept, counts, firsts, leasts, .. } = &*self;
+        let (items, slices) = (parts * slices * GROUP, slices as u32);
+        for is_second in [0, 1] {
+            let finding = FindLeasts { params, sites, boxes, leaves, margin, slices, is_second, kept, firsts, leasts };
+            kernels.find_leasts.run(queue, items, GROUP, finding)?;
+            let marking =
+                MarkSlices { params, sites, boxes, leaves, margin, slices, is_second, leasts, kept, firsts, counts };
+            kernels.mark_slices.run(queue, items, GROUP, marking)?;
+        }
+        Ok(())
+    }
+
     /// Splits the boxes of a level; `None` where there are too many then.
     fn split(
         &mut self,
@@ -131,19 +163,14 @@ impl OctreeMemory {
         margin: f64,
         sums: &mut Vec<Room<u32>>,
     ) -> Result<Option<Level>> {
-        let OfSites { device, context, queue, grid, kernels, shared, sites } = of;
-        let Level { boxes: count, leaves, nodes: first, listed: before } = level;
+        let OfSites { context, queue, grid, kernels, shared, .. } = of;
+        let Level { boxes: count, nodes: first, listed: before, .. } = level;
         let parts = WIDTH * count;
-        self.kept.grow(context, WIDTH * leaves)?;
-        self.counts.grow(context, parts)?;
+        self.mark(of, level, margin)?;
         for numbers in [&mut self.splits, &mut self.wholes, &mut self.lists] {
             numbers.grow(context, parts + 1)?;
         }
-        let Self { boxes, whole, kept, counts, splits, wholes, lists, unlisted, .. } = &*self;
-        let arguments = SplitBoxes { params: &shared.room, sites, boxes, leaves: whole, margin, kept, counts };
-        let largest = kernels.split_boxes.largest_group(device)?.clamp(GROUP, LARGE_GROUP);
-        let group = if leaves > MANY_LEAVES * count { 1 << largest.ilog2() } else { GROUP };
-        kernels.split_boxes.run(queue, parts * group, group, arguments)?;
+        let Self { boxes, counts, splits, wholes, lists, unlisted, .. } = &*self;
         let most = MOST_LEAVES - 1;
         let number = parts as u32;
         let arguments = JudgeParts { boxes, counts, parts: number, depth, most, splits, wholes, lists, unlisted };

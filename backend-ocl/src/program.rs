@@ -11,9 +11,9 @@ use crate::interface::algebra::{
 use crate::interface::data::Params;
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, Cells, ChooseLeaders, CountDigits, CountFacets, CountRows, EnterSites, FillLaplacian,
-    FindHomes, FindVoxels, GatherCells, GatherSites, JudgeParts, ListFacets, LookAbout, LookAtRings, MarkVoxels,
-    MatchFacets, MeasureClearances, MoveSites, PackFacets, PlaceDigits, PlaceLeaves, RankSites, ScanBlocks, SettleRuns,
-    SortFacets, SplitBoxes, SumCells, TightenSlabs, WriteRows,
+    FindHomes, FindLeasts, FindVoxels, GatherCells, GatherSites, JudgeParts, ListFacets, LookAbout, LookAtRings,
+    MarkSlices, MarkVoxels, MatchFacets, MeasureClearances, MoveSites, PackFacets, PlaceDigits, PlaceLeaves, RankSites,
+    ScanBlocks, SettleRuns, SortFacets, SplitBoxes, SumCells, TightenSlabs, WriteRows,
 };
 use crate::launch::Kernel;
 use crate::platform::DeviceId;
@@ -92,6 +92,8 @@ built! {
     /// Those that make the octree over the container.
     OctreeKernels of Octree {
         split_boxes: SplitBoxes,
+        find_leasts: FindLeasts,
+        mark_slices: MarkSlices,
         judge_parts: JudgeParts,
         place_leaves: PlaceLeaves,
         find_homes: FindHomes,

@@ -24,7 +24,7 @@ const WORTH_SWEEPING: usize = if IN_TESTS { 1 << 6 } else { 1 << 15 };
 pub(super) const SWEPT_AT_ONCE: usize = if IN_TESTS { 1 << 9 } else { 1 << 18 };
 /// Fewer are not tried where memory lacks: they would not fill a large GPU.
 const FEWEST_SWEPT: usize = if IN_TESTS { 1 << 5 } else { 1 << 14 };
-pub(super) const IN_TESTS: bool = cfg!(feature = "test-util");
+pub(crate) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 impl Device {
     /// Runs the kernel over `turns` of the given cells, or of every `stride`th of them, and reads the counters. Where the device

@@ -150,10 +150,9 @@ impl Device {
     /// Makes an octree over the container, for this evaluation, if that is not too large.
     pub(super) fn make_octree(&mut self, request: &Watched<'_>) -> Result<()> {
         let begin = Instant::now();
-        let Self { id, context, queue, grid_kernels: grid, octree_kernels, octree, shared, sites, memory_size, .. } =
-            self;
+        let Self { context, queue, grid_kernels: grid, octree_kernels, octree, shared, sites, memory_size, .. } = self;
         let kernels = octree_kernels.get()?;
-        let of = OfSites { device: *id, context, queue, grid, kernels, shared, sites: &sites.sites };
+        let of = OfSites { context, queue, grid, kernels, shared, sites: &sites.sites };
         let made = octree.make(of, &mut sites.sums, &|| request.advance(0));
         let off = match made {
             // (It is for want of memory, or what comes will say it again.)

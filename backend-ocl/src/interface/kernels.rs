@@ -207,6 +207,36 @@ kernels! {
         output counts: u32,
     }
 
+    kernel FindLeasts = find_leasts {
+        input params: Params,
+        input sites: [f64; 4],
+        input boxes: OctreeBox,
+        input leaves: u32,
+        value margin: f64,
+        value slices: u32,
+        /// Whether it is by the middles of the faces, and not by that of the box.
+        value is_second: u32,
+        output kept: u8,
+        /// Leaves that each part keeps by the site of least power in its middle.
+        input firsts: u32,
+        /// Sites of each slice, a place of a box each.
+        output leasts: u32,
+    }
+
+    kernel MarkSlices = mark_slices {
+        input params: Params,
+        input sites: [f64; 4],
+        input boxes: OctreeBox,
+        input leaves: u32,
+        value margin: f64,
+        value slices: u32,
+        value is_second: u32,
+        input leasts: u32,
+        output kept: u8,
+        atomic firsts: u32,
+        atomic counts: u32,
+    }
+
     kernel JudgeParts = judge_parts {
         input boxes: OctreeBox,
         input counts: u32,

@@ -5,6 +5,12 @@
 // Before a loop over places, so that what there is of each stays in registers.
 #define EACH_PLACE _Pragma("unroll")
 
+// Places but the first, which is a box's middle; and leaves that are marked at a time.
+#define FACES (OCTREE_PLACES - 1u)
+#define MARKED 1024u
+
+#define NO_LEAST 0xffffffffu
+
 INLINE V3 corner_of(__global const double *corner) { return v3(corner[0], corner[1], corner[2]); }
 INLINE void set_corner(__global double *corner, V3 v) {
     corner[0] = v.x;
@@ -18,11 +24,10 @@ INLINE V3 place_of(real4 site) { return v3(site.x, site.y, site.z); }
 // split_boxes.)
 INLINE void least_of_group(__local real *powers, __local uint *of, uint places) {
     const uint own = get_local_id(0);
-    const uint size = (uint)get_local_size(0);
-    for (uint distance = size / 2u; distance > 0u; distance >>= 1) {
+    for (uint distance = OCTREE_GROUP / 2u; distance > 0u; distance >>= 1) {
         barrier(CLK_LOCAL_MEM_FENCE);
         if (own < distance) {
-            for (uint at = own; at < (places * size); at += size) {
+            for (uint at = own; at < (places * OCTREE_GROUP); at += OCTREE_GROUP) {
                 const real other = powers[at + distance];
                 const uint its = of[at + distance];
                 if ((other < powers[at]) || ((other == powers[at]) && (its < of[at]))) {
@@ -35,106 +40,206 @@ INLINE void least_of_group(__local real *powers, __local uint *of, uint places) 
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// Marks those of a box's leaves with a site that may have the least power somewhere in a part of it, and counts them: each work-item looks at its own.
-// (Its loop as a function, called twice, gave marks that differed from run to run where PoCL 3 had two threads.)
-__kernel void split_boxes(SPLIT_BOXES_ARGUMENTS) {
-    __local real powers[GRID_GROUP * (OCTREE_PLACES - 1u)];
-    __local uint of[GRID_GROUP * (OCTREE_PLACES - 1u)];
-    __local uint total;
-    const uint own = get_local_id(0);
-    const uint size = get_local_size(0);
-    const uint octant = get_group_id(0) % WIDTH;
-    __global const OctreeBox *whole = boxes + (get_group_id(0) / WIDTH);
+// A part of a box, and those of the box's leaves, from `begin` to before `end`, that a group looks at.
+typedef struct {
+    V3 middle;
+    V3 halves;
+    __global const uint *list;
+    __global uchar *mark;
+    uint begin;
+    uint end;
+} Part;
+
+// One of `slices` of a part's leaves.
+INLINE Part part_of(__global const OctreeBox *boxes, __global const uint *leaves, __global uchar *kept, real margin, uint part, uint slice, uint slices) {
+    __global const OctreeBox *whole = boxes + (part / WIDTH);
+    const uint octant = part % WIDTH;
+    const uint all = whole->count;
     const V3 lo = part_lo(corner_of(whole->lo), corner_of(whole->hi), octant);
     const V3 hi = part_hi(corner_of(whole->lo), corner_of(whole->hi), octant);
-    const V3 middle = middle_of(lo, hi);
-    const V3 halves = half_of(lo, hi, margin);
-    const uint all = whole->count;
+    const uint each = (all + (slices - 1u)) / slices;
+    const uint begin = min(slice * each, all);
+    return (Part){
+        .middle = middle_of(lo, hi),
+        .halves = half_of(lo, hi, margin),
+        .list = leaves + whole->begin,
+        .mark = kept + (((size_t)WIDTH * whole->begin) + ((size_t)octant * all)),
+        .begin = begin,
+        .end = min(begin + each, all)
+    };
+}
+
+// Of the middle, or with `is_second` of each middle of a face, the site of least power, of those leaves that are marked then: a work-item for each site, so that those of a leaf are read together.
+INLINE void find_least(__global const real4 *sites, uint last, Part part, bool is_second, __local real *powers, __local uint *of) {
+    const uint own = get_local_id(0);
+    const uint places = is_second ? FACES : 1u;
+    real least[FACES];
+    uint site[FACES];
+    EACH_PLACE
+    for (uint p = 0; p < FACES; p++) {
+        least[p] = INFINITY;
+        site[p] = NO_LEAST;
+    }
+    for (uint i = (part.begin * WIDTH) + own; i < (part.end * WIDTH); i += OCTREE_GROUP) {
+        const uint at = i / WIDTH;
+        const uint j = (part.list[at] * WIDTH) + (i % WIDTH);
+        if ((j < last) && (!is_second || (part.mark[at] != 0u))) {
+            const real4 its = sites[j];
+            EACH_PLACE
+            for (uint p = 0; p < FACES; p++) {
+                if (p >= places) {
+                    break;
+                }
+                const real power = power_at(place_of(its), its.w, octree_place(part.middle, part.halves, p + (is_second ? 1u : 0u)));
+                site[p] = (power < least[p]) ? j : site[p];
+                least[p] = (power < least[p]) ? power : least[p];
+            }
+        }
+    }
+    EACH_PLACE
+    for (uint p = 0; p < FACES; p++) {
+        if (p >= places) {
+            break;
+        }
+        powers[(p * OCTREE_GROUP) + own] = least[p];
+        of[(p * OCTREE_GROUP) + own] = site[p];
+    }
+    least_of_group(powers, of, places);
+}
+
+// Marks those leaves, with `is_second` of those that are marked, with a site that may have less power than each of some `others` somewhere in the part; how many they are. `bits` and `total` are scratch.
+INLINE uint mark_leaves(__global const real4 *sites, uint last, real base, Part part, bool is_second, __local const SeenSite *others, __local uint *bits, __local uint *total) {
+    const uint own = get_local_id(0);
+    const uint places = is_second ? FACES : 1u;
+    uint found = 0;
+    if (own == 0u) {
+        *total = 0;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint from = part.begin; from < part.end; from += MARKED) {
+        const uint to = min(from + MARKED, part.end);
+        for (uint i = own; i < (MARKED / 32u); i += OCTREE_GROUP) {
+            bits[i] = 0;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint i = (from * WIDTH) + own; i < (to * WIDTH); i += OCTREE_GROUP) {
+            const uint at = i / WIDTH;
+            const uint j = (part.list[at] * WIDTH) + (i % WIDTH);
+            if ((j < last) && (!is_second || (part.mark[at] != 0u))) {
+                const real4 its = sites[j];
+                const SeenSite seen = seen_from(place_of(its), its.w - base, part.middle);
+                bool has_more = false;
+                for (uint p = 0; (p < places) && !has_more; p++) {
+                    has_more = more_power(seen, others[p], part.halves) > REAL(0.0);
+                }
+                if (!has_more) {
+                    atomic_or(&bits[(at - from) / 32u], 1u << ((at - from) % 32u));
+                }
+            }
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint at = from + own; at < to; at += OCTREE_GROUP) {
+            const uint stays = (bits[(at - from) / 32u] >> ((at - from) % 32u)) & 1u;
+            part.mark[at] = (uchar)stays;
+            found += stays;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    }
+    atomic_add(total, found);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint count = *total;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return count;
+}
+
+// Marks those of a box's leaves with a site that may have the least power somewhere in a part of it, and counts them: by the site of least power in the middle; and where that leaves
+// many, by those in the middles of the faces. A group for each part.
+__kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void split_boxes(SPLIT_BOXES_ARGUMENTS) {
+    __local real powers[OCTREE_GROUP * FACES];
+    __local uint of[OCTREE_GROUP * FACES];
+    __local SeenSite others[FACES];
+    __local uint bits[MARKED / 32u];
+    __local uint total;
+    const uint own = get_local_id(0);
     const uint last = params->tree_sites;
     const real base = params->smallest_weight;
-    __global const uint *list = leaves + whole->begin;
-    __global uchar *mark = kept + (((size_t)WIDTH * whole->begin) + ((size_t)octant * all));
-    uint count = all;
-    // By the site of least power in the middle; and where that leaves many, by those in the middles of the faces.
-    for (uint first = 0; (first <= 1u) && ((first == 0u) || (count > FEW_LISTED)); first++) {
-        const uint places = (first == 0u) ? 1u : (OCTREE_PLACES - 1u);
-        SeenSite others[OCTREE_PLACES - 1u];
-        real least[OCTREE_PLACES - 1u];
-        uint site[OCTREE_PLACES - 1u];
-        EACH_PLACE
-        for (uint p = 0; p < (OCTREE_PLACES - 1u); p++) {
-            least[p] = INFINITY;
-            site[p] = 0;
+    const Part part = part_of(boxes, leaves, kept, margin, get_group_id(0), 0u, 1u);
+    uint count = 0;
+    // (A loop: as functions that are called twice PoCL 3 gave marks that differed from run to run.)
+    for (uint turn = 0; (turn <= 1u) && ((turn == 0u) || (count > FEW_LISTED)); turn++) {
+        const bool is_second = turn != 0u;
+        find_least(sites, last, part, is_second, powers, of);
+        if (own < (is_second ? FACES : 1u)) {
+            const real4 other = sites[of[own * OCTREE_GROUP]];
+            others[own] = seen_from(place_of(other), other.w - base, part.middle);
         }
-        for (uint i = own; i < all; i += size) {
-            if ((first == 0u) || (mark[i] != 0u)) {
-                const uint begin = list[i] * WIDTH;
-                const uint end = min(begin + WIDTH, last);
-                for (uint j = begin; j < end; j++) {
-                    const real4 its = sites[j];
-                    EACH_PLACE
-                    for (uint p = 0; p < (OCTREE_PLACES - 1u); p++) {
-                        if (p >= places) {
-                            break;
-                        }
-                        const real power = power_at(place_of(its), its.w, octree_place(middle, halves, first + p));
-                        site[p] = (power < least[p]) ? j : site[p];
-                        least[p] = (power < least[p]) ? power : least[p];
-                    }
-                }
-            }
-        }
-        EACH_PLACE
-        for (uint p = 0; p < (OCTREE_PLACES - 1u); p++) {
-            if (p >= places) {
-                break;
-            }
-            powers[(p * size) + own] = least[p];
-            of[(p * size) + own] = site[p];
-        }
-        least_of_group(powers, of, places);
-        EACH_PLACE
-        for (uint p = 0; p < (OCTREE_PLACES - 1u); p++) {
-            if (p >= places) {
-                break;
-            }
-            const real4 other = sites[of[p * size]];
-            others[p] = seen_from(place_of(other), other.w - base, middle);
-        }
-        if (own == 0u) {
-            total = 0;
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-        uint found = 0;
-        for (uint i = own; i < all; i += size) {
-            bool stays = false;
-            if ((first == 0u) || (mark[i] != 0u)) {
-                const uint begin = list[i] * WIDTH;
-                const uint end = min(begin + WIDTH, last);
-                for (uint j = begin; (j < end) && !stays; j++) {
-                    const real4 its = sites[j];
-                    const SeenSite seen = seen_from(place_of(its), its.w - base, middle);
-                    bool has_more = false;
-                    EACH_PLACE
-                    for (uint p = 0; p < (OCTREE_PLACES - 1u); p++) {
-                        if ((p >= places) || has_more) {
-                            break;
-                        }
-                        has_more = more_power(seen, others[p], halves) > REAL(0.0);
-                    }
-                    stays = !has_more;
-                }
-            }
-            mark[i] = stays ? 1u : 0u;
-            found += stays ? 1u : 0u;
-        }
-        atomic_add(&total, found);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        count = total;
-        barrier(CLK_LOCAL_MEM_FENCE);
+        count = mark_leaves(sites, last, base, part, is_second, others, bits, &total);
     }
     if (own == 0u) {
         counts[get_group_id(0)] = count;
+    }
+}
+
+// The same where boxes list many leaves, in four steps, a group for each of `slices` of the leaves: the sites of least power of each slice;
+__kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void find_leasts(FIND_LEASTS_ARGUMENTS) {
+    __local real powers[OCTREE_GROUP * FACES];
+    __local uint of[OCTREE_GROUP * FACES];
+    const uint own = get_local_id(0);
+    const uint number = get_group_id(0) / slices;
+    if ((is_second != 0u) && (firsts[number] <= FEW_LISTED)) {
+        return;
+    }
+    const Part part = part_of(boxes, leaves, kept, margin, number, get_group_id(0) % slices, slices);
+    find_least(sites, params->tree_sites, part, is_second != 0u, powers, of);
+    if (own < ((is_second != 0u) ? FACES : 1u)) {
+        leasts[(get_group_id(0) * FACES) + own] = of[own * OCTREE_GROUP];
+    }
+}
+
+// and by the least of these the leaves of each. They are counted in `firsts`, the second time in `counts`.
+__kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void mark_slices(MARK_SLICES_ARGUMENTS) {
+    __local real powers[OCTREE_GROUP * FACES];
+    __local uint of[OCTREE_GROUP * FACES];
+    __local SeenSite others[FACES];
+    __local uint bits[MARKED / 32u];
+    __local uint total;
+    const uint own = get_local_id(0);
+    const uint number = get_group_id(0) / slices;
+    const uint slice = get_group_id(0) % slices;
+    const uint places = (is_second != 0u) ? FACES : 1u;
+    const real base = params->smallest_weight;
+    if ((is_second != 0u) && (firsts[number] <= FEW_LISTED)) {
+        if ((own == 0u) && (slice == 0u)) {
+            counts[number] = firsts[number];
+        }
+        return;
+    }
+    const Part part = part_of(boxes, leaves, kept, margin, number, slice, slices);
+    for (uint p = 0; p < places; p++) {
+        const V3 place = octree_place(part.middle, part.halves, p + is_second);
+        real least = INFINITY;
+        uint site = NO_LEAST;
+        for (uint i = own; i < slices; i += OCTREE_GROUP) {
+            const uint j = leasts[(((number * slices) + i) * FACES) + p];
+            if (j != NO_LEAST) {
+                const real power = power_at(place_of(sites[j]), sites[j].w, place);
+                if ((power < least) || ((power == least) && (j < site))) {
+                    least = power;
+                    site = j;
+                }
+            }
+        }
+        powers[(p * OCTREE_GROUP) + own] = least;
+        of[(p * OCTREE_GROUP) + own] = site;
+    }
+    least_of_group(powers, of, places);
+    if (own < places) {
+        const real4 other = sites[of[own * OCTREE_GROUP]];
+        others[own] = seen_from(place_of(other), other.w - base, part.middle);
+    }
+    const uint count = mark_leaves(sites, params->tree_sites, base, part, is_second != 0u, others, bits, &total);
+    if (own == 0u) {
+        atomic_add((is_second != 0u) ? &counts[number] : &firsts[number], count);
     }
 }
 

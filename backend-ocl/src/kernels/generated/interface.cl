@@ -471,6 +471,31 @@ typedef struct {
     __global uchar *kept, \
     __global uint *counts
 
+#define FIND_LEASTS_ARGUMENTS \
+    __global const Params *params, \
+    __global const double4 *sites, \
+    __global const OctreeBox *boxes, \
+    __global const uint *leaves, \
+    double margin, \
+    uint slices, \
+    uint is_second, \
+    __global uchar *kept, \
+    __global const uint *firsts, \
+    __global uint *leasts
+
+#define MARK_SLICES_ARGUMENTS \
+    __global const Params *params, \
+    __global const double4 *sites, \
+    __global const OctreeBox *boxes, \
+    __global const uint *leaves, \
+    double margin, \
+    uint slices, \
+    uint is_second, \
+    __global const uint *leasts, \
+    __global uchar *kept, \
+    volatile __global uint *firsts, \
+    volatile __global uint *counts
+
 #define JUDGE_PARTS_ARGUMENTS \
     __global const OctreeBox *boxes, \
     __global const uint *counts, \

@@ -69,8 +69,8 @@ pub(crate) struct Device {
     pub(crate) sites: Sites,
     pub(crate) shared: Shared,
     pub(crate) counters: Counters,
-    /// Time that kernels took in this call.
-    seconds: f64,
+    /// How long it has computed in this call, from sites on the device to results on the device.
+    pub(crate) seconds: f64,
     pub(crate) results: Results,
     /// Whether rows and records of facets are on the device, all of them.
     pub(crate) facets_are_kept: bool,
@@ -142,8 +142,6 @@ pub(crate) struct Computed {
     /// The caller's indices of the sites whose cells only the host can decide, and where there are any the tree that it searches, if the device has made it.
     pub(crate) for_host: Vec<u32>,
     pub(crate) tree: Option<MadeTree>,
-    /// Time from sites on the device to results on the device.
-    pub(crate) seconds: f64,
 }
 
 impl Device {
@@ -190,7 +188,7 @@ impl Device {
             domain: None,
             most_cells: 0,
             was_swept: false,
-            swept_at_once: leaders::SWEPT_AT_ONCE,
+            swept_at_once: leaders::swept_at_first(found.info.memory),
             first: None,
         })
     }
@@ -284,6 +282,7 @@ impl Device {
         queue.finish().map_err(|e| failed("copying sites to the device", e))?;
         let begin = Instant::now();
         let sorted = sites.sort(context, queue, grid_kernels, is_in_range, shared)?;
+        queue.finish().map_err(|e| failed("sorting sites", e))?;
         self.seconds = begin.elapsed().as_secs_f64();
         Ok(sorted)
     }

@@ -14,14 +14,14 @@ use crate::single::Single;
 #[cfg(feature = "test-util")]
 use laguerre_core::Error;
 use laguerre_core::algebra::Algebra;
-use laguerre_core::assemble::Assembler;
-use laguerre_core::diagram::Prepared;
+use laguerre_core::assemble::{Assembler, Row};
+use laguerre_core::diagram::{FramedContainer, Prepared};
 use laguerre_core::geometry;
 use laguerre_core::session::Resident;
 use laguerre_core::site_tree::SiteTree;
 use laguerre_core::{
-    Backend, BackendInfo, Capabilities, DeviceChoice, ErrorKind, Observer, Output, PassReport, PowerDiagram, Precision,
-    Report, Request, Result, Watched,
+    Backend, BackendInfo, Capabilities, DeviceChoice, ErrorKind, FacetArrays, Observer, Output, PassReport,
+    PowerDiagram, Precision, Report, Request, Result, Watched,
 };
 use std::mem;
 use std::ops::Range;
@@ -166,7 +166,7 @@ impl Ocl {
         let shares = shares(count.unwrap_or(0), devices.len());
         // The memory of the output is made while the devices compute: of ten million cells that takes 0.02 s, of a million with facets as much (16 cores).
         let lengths = devices.first().map(|device| device.lengths).unwrap_or_default();
-        let (computed, (mut assembler, ahead)) = rayon::join(
+        let (computed, (mut assembler, mut ahead)) = rayon::join(
             || {
                 on_all(devices, name, &|i, device| {
                     let computed = device.compute(request, sites, shares[i].clone(), shares.len())?;
@@ -177,9 +177,6 @@ impl Ocl {
             || (Assembler::new(diagram, &container, request), Ahead::new(lengths, request, sites)),
         );
         let computed = computed?;
-        let Ahead { facets: room, columns, values } = ahead;
-        let device_seconds = computed.iter().map(|device| device.seconds).fold(0.0, f64::max);
-
         let mut for_host = Vec::new();
         let (mut exact_cells, mut passes) = (0, Vec::new());
         let mut tree = None;
@@ -189,20 +186,17 @@ impl Ocl {
             join_passes(&mut passes, &computed.passes);
             tree = tree.or(computed.tree);
         }
-        // Facets are put in order, and read, while the sums of all cells are gone through.
+        // What comes of facets is put in order, and read, while the sums of all cells are gone through.
         let all: Vec<Results> = devices.iter_mut().map(|device| mem::take(&mut device.results)).collect();
-        let (ordered, ()) = rayon::join(
+        let (rows, ()) = rayon::join(
             || match &mut *devices {
-                [first, ..] if request.facets() && for_host.is_empty() => {
-                    let ordered = first.assemble_facets(request, &container, sites, room);
-                    ordered.map_err(|error| on_device(error, &first.name))
-                }
-                _ => Ok(None),
+                [first, ..] if for_host.is_empty() => first.assemble_rows(request, &container, sites, &[], &mut ahead),
+                _ => Ok(Rows::default()),
             },
             || all.iter().for_each(|results| results.assemble(&mut assembler)),
         );
         devices.iter_mut().zip(all).for_each(|(device, results)| device.results = results);
-        let ordered = ordered?;
+        let mut rows = rows?;
         if !for_host.is_empty() {
             let prepared = match (prepared, tree) {
                 (Some(prepared), _) => prepared,
@@ -215,26 +209,28 @@ impl Ocl {
         }
         let mut order = Vec::new();
         if let (true, [first, ..]) = (request.needs_facets(), &mut *devices) {
+            if !for_host.is_empty() {
+                let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
+                rows = first.assemble_rows(request, &container, sites, &of_host, &mut ahead)?;
+            }
             let first_name = first.name.clone();
             let named = |error| on_device(error, &first_name);
-            if request.facets() {
-                if !for_host.is_empty() {
-                    first.lengths = Lengths::default();
-                }
-                match ordered {
-                    Some(ordered) => assembler.take_facets(ordered),
-                    None => first.read_kept_facets(request, sites).map_err(named)?,
-                }
+            match rows.facets {
+                Some(ordered) => assembler.take_facets(ordered),
+                None if request.facets() => first.read_kept_facets(request, sites).map_err(named)?,
+                None => {}
             }
-            if request.laplacian() {
-                let of_host: Vec<_> = for_host.iter().map(|&site| (site, assembler.row(site))).collect();
-                match first.assemble_laplacian(request, sites, &of_host, (columns, values)).map_err(named)? {
-                    Some(Made::Kept(kept)) => assembler.keep(kept),
-                    Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
-                    None => order = first.order().map_err(named)?,
+            match rows.laplacian {
+                Some(Made::Kept(kept)) => assembler.keep(kept),
+                Some(Made::Read(laplacian)) => assembler.take_laplacian(laplacian),
+                None if request.laplacian() => {
+                    first.leave_laplacian(request, sites).map_err(named)?;
+                    order = first.order().map_err(named)?;
                 }
+                None => {}
             }
         }
+        let device_seconds = devices.iter().map(|device| device.seconds).fold(0.0, f64::max);
         let results: Vec<_> = devices.iter().map(|device| &device.results).collect();
         let row =
             |i| results.iter().map(|results| results.facets_of(i)).find(|row| !row.is_empty()).unwrap_or_default();
@@ -246,6 +242,39 @@ impl Ocl {
             check_volumes(diagram, &output, self.precision, &self.name)?;
         }
         Ok(output)
+    }
+}
+
+/// What a device has made of the facets of all cells: none of it where the host has to, or it is not asked for.
+#[derive(Default)]
+struct Rows {
+    facets: Option<FacetArrays>,
+    laplacian: Option<Made>,
+}
+
+impl Device {
+    /// Puts the facets of all cells in order, where the host has none of these, and makes the Laplacian.
+    fn assemble_rows(
+        &mut self,
+        request: &Request,
+        container: &FramedContainer,
+        sites: usize,
+        of_host: &[(u32, Row<'_>)],
+        ahead: &mut Ahead,
+    ) -> Result<Rows> {
+        let Ahead { facets: room, columns, values } = mem::take(ahead);
+        let mut rows = Rows::default();
+        if request.facets() && of_host.is_empty() {
+            rows.facets =
+                self.assemble_facets(request, container, sites, room).map_err(|e| on_device(e, &self.name))?;
+        } else if request.facets() {
+            self.lengths = Lengths::default();
+        }
+        if request.laplacian() && (!request.facets() || rows.facets.is_some()) {
+            let made = self.assemble_laplacian(request, sites, of_host, (columns, values));
+            rows.laplacian = made.map_err(|e| on_device(e, &self.name))?;
+        }
+        Ok(rows)
     }
 }
 

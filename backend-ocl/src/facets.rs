@@ -10,6 +10,7 @@ use crate::laplacian::SHARE_BETWEEN;
 use laguerre_core::assemble::{area_unit, facet_second_unit};
 use laguerre_core::diagram::FramedContainer;
 use laguerre_core::{ErrorKind, FacetArrays, Request, Result};
+use std::time::Instant;
 
 rooms! {
     pub(crate) struct FacetMemory {
@@ -66,7 +67,8 @@ impl Device {
         sites: usize,
         mut arrays: FacetArrays,
     ) -> Result<Option<FacetArrays>> {
-        let Self { context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
+        let begin = Instant::now();
+        let Self { context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, seconds, .. } = self;
         let (ordered, lengths) = (&mut self.facets, &mut self.lengths);
         let kernels = row_kernels.get()?;
         // As much as for their records, so that nothing is allocated where there are a few more.
@@ -108,6 +110,7 @@ impl Device {
         kernels.write_rows.run(queue, sites * PER_ROW as usize, GROUP, writing)?;
 
         arrays.offsets = offsets.read_offsets(queue, sites)?;
+        *seconds += begin.elapsed().as_secs_f64();
         let all = arrays.offsets.last().copied().unwrap_or(0);
         lengths.of(sites).facets = all;
         fresh::keep_fitting(&mut arrays.neighbor, all);

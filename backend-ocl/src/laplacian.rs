@@ -9,6 +9,7 @@ use crate::interface::kernels::{CountFacets, ListFacets, MatchFacets, PackFacets
 use laguerre_core::algebra::Kept;
 use laguerre_core::assemble::Row;
 use laguerre_core::{Laplacian, Request, Result};
+use std::time::Instant;
 
 /// Cells of the host's whose facets are brought to the device; where there are more, the host does it all.
 const MOST_OF_HOST: usize = 4096;
@@ -48,7 +49,7 @@ pub(crate) struct MadeLaplacian {
 
 impl Device {
     /// The Laplacian of the cells whose facets have stayed on the device, and of those of the host's, which are few; `None` where the host has to
-    /// make it, for which the facets then have been read back. One that is read is put in the memory of `lists`.
+    /// make it ([`leave_laplacian`](Self::leave_laplacian)). One that is read is put in the memory of `lists`.
     pub(crate) fn assemble_laplacian(
         &mut self,
         request: &Request,
@@ -56,25 +57,32 @@ impl Device {
         of_host: &[(u32, Row<'_>)],
         lists: (Vec<u32>, Vec<f64>),
     ) -> Result<Option<Made>> {
-        let is_made = self.facets_are_kept && self.bring(of_host)?;
-        if let Some(entries) = if is_made { self.make_laplacian(sites)? } else { None } {
-            let (evaluation, rows) = (self.evaluation, self.shared.params.tree_sites as usize);
-            let made = MadeLaplacian { evaluation, rows, entries, is_without_host: of_host.is_empty() };
-            self.made = Some(made);
-            self.give_scratch_back();
-            return Ok(Some(match request.keeps_laplacian() {
-                true => Made::Kept(Kept::new(self.order()?, evaluation)),
-                false => {
-                    self.lengths.of(sites).entries = entries;
-                    Made::Read(self.read_laplacian(made, lists)?)
-                }
-            }));
+        if !self.facets_are_kept || !self.bring(of_host)? {
+            return Ok(None);
         }
-        drop(lists);
+        let begin = Instant::now();
+        let entries = self.make_laplacian(sites)?;
+        self.seconds += begin.elapsed().as_secs_f64();
+        let Some(entries) = entries else { return Ok(None) };
+        let (evaluation, rows) = (self.evaluation, self.shared.params.tree_sites as usize);
+        let made = MadeLaplacian { evaluation, rows, entries, is_without_host: of_host.is_empty() };
+        self.made = Some(made);
+        self.give_scratch_back();
+        Ok(Some(match request.keeps_laplacian() {
+            true => Made::Kept(Kept::new(self.order()?, evaluation)),
+            false => {
+                self.lengths.of(sites).entries = entries;
+                Made::Read(self.read_laplacian(made, lists)?)
+            }
+        }))
+    }
+
+    /// Leaves it to the host: reads the facets back.
+    pub(crate) fn leave_laplacian(&mut self, request: &Request, sites: usize) -> Result<()> {
         self.lengths.of(sites).entries = 0;
         self.read_kept_facets(request, sites)?;
         self.give_scratch_back();
-        Ok(None)
+        Ok(())
     }
 
     /// Frees what only a diagram with its Laplacian needs, where it is large.

@@ -156,7 +156,7 @@ impl Device {
         if !computed.for_host.is_empty() {
             return Ok(None);
         }
-        let (passes, seconds, totals) = (computed.passes, computed.seconds, self.sum_cells(request, sites)?);
+        let (passes, seconds, totals) = (computed.passes, self.seconds, self.sum_cells(request, sites)?);
         Ok(Some(Found { evaluation: self.evaluation, passes, seconds, totals }))
     }
 

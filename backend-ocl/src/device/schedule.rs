@@ -140,7 +140,7 @@ impl Device {
             true => None,
             false => Some(sorted.read_tree(queue, &shared.params)?),
         };
-        Ok(Computed { passes, for_host, tree, seconds: self.seconds })
+        Ok(Computed { passes, for_host, tree })
     }
 
     /// Reads back what came of the cells of all of the caller's sites.
@@ -420,6 +420,7 @@ impl Device {
     ) -> Result<Option<Error>> {
         let Self { context, queue, memory, octree, programs, sites, shared, counters, .. } = self;
         let kernels = programs.get(context, self.id, way, &shared.params)?;
+        let begin = Instant::now();
         memory.facets.grow(context, 1)?;
         memory.facet_moments.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
@@ -440,7 +441,6 @@ impl Device {
             (Way::Alone(_), Some(lanes)) => (FEW_ITEMS / turns.len().max(1)).clamp(1, lanes.count()),
             _ => 1,
         };
-        let begin = Instant::now();
         let world = World {
             params: &shared.room,
             sites: &sites.sites,

@@ -16,44 +16,41 @@ const OFF: [f64; 9] = [1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-7, 1e-5, 1e-3, 1e-2]
 /// So many sites that many cells have nothing of the domain but a slab between folds.
 const SITES: usize = 3000;
 
-/// The volumes sum to the mesh's, also of cells of which no other has facets.
-pub fn volumes(backend: &dyn Backend) -> Verdict {
+/// The volumes sum to the mesh's, also of cells of which no other has facets; and the cyclic permutations of the axes, which round nothing, change no status but of cells that are nothing, and
+/// no volume by more. (One check, as the cells take longer than all else.)
+pub fn prisms(backend: &dyn Backend) -> Verdict {
     each(backend, |scene, outputs, name| {
-        for output in outputs {
-            let mut sum = Sum::default();
-            sum.extend(output.volume().iter().copied());
-            let (total, volume) = (sum.total(), scene.room.volume());
-            let off = (total - volume).abs();
-            ensure!(
-                off <= of_digits(backend) * SUM * volume,
-                "{name}: the volumes sum to {total}, not {volume}: off by {off:e}"
-            );
-        }
-        Ok(())
+        fill(backend, scene, outputs).map_err(|reason| format!("{name}: {reason}"))?;
+        are_alike(backend, scene, outputs).map_err(|reason| format!("{name}: {reason}"))
     })
 }
 
-/// The cyclic permutations of the axes, which round nothing, change no status but of cells that are nothing, and no volume by more.
-pub fn order_of_axes(backend: &dyn Backend) -> Verdict {
-    each(backend, |scene, [first, others @ ..], name| {
-        let bound = NOTHING * scene.room.volume() / scene.len() as f64;
-        let of_volume = of_digits(backend) * bound;
-        for other in others {
-            for i in 0..scene.len() {
-                let (a, b) = (first.volume()[i], other.volume()[i]);
-                let (s, t) = (first.status()[i], other.status()[i]);
-                ensure!(
-                    (a - b).abs() <= of_volume,
-                    "{name}: site {i}: volumes {a:e} and {b:e}, {s:?} and {t:?}, bound {of_volume:e}"
-                );
-                ensure!(
-                    s == t || a.abs().max(b.abs()) <= bound,
-                    "{name}: site {i}: {s:?} and {t:?}, volumes {a:e} and {b:e}"
-                );
-            }
+fn fill(backend: &dyn Backend, scene: &Scene, outputs: &[Output; 3]) -> Verdict {
+    for output in outputs {
+        let mut sum = Sum::default();
+        sum.extend(output.volume().iter().copied());
+        let (total, volume) = (sum.total(), scene.room.volume());
+        let off = (total - volume).abs();
+        ensure!(off <= of_digits(backend) * SUM * volume, "the volumes sum to {total}, not {volume}: off by {off:e}");
+    }
+    Ok(())
+}
+
+fn are_alike(backend: &dyn Backend, scene: &Scene, [first, others @ ..]: &[Output; 3]) -> Verdict {
+    let bound = NOTHING * scene.room.volume() / scene.len() as f64;
+    let of_volume = of_digits(backend) * bound;
+    for other in others {
+        for i in 0..scene.len() {
+            let (a, b) = (first.volume()[i], other.volume()[i]);
+            let (s, t) = (first.status()[i], other.status()[i]);
+            ensure!(
+                (a - b).abs() <= of_volume,
+                "site {i}: volumes {a:e} and {b:e}, {s:?} and {t:?}, bound {of_volume:e}"
+            );
+            ensure!(s == t || a.abs().max(b.abs()) <= bound, "site {i}: {s:?} and {t:?}, volumes {a:e} and {b:e}");
         }
-        Ok(())
-    })
+    }
+    Ok(())
 }
 
 /// Holds the outputs of each prism and the same sites in the three cyclic orders of the axes to `law`; the scene is that of the first.

@@ -28,6 +28,7 @@ use std::collections::hash_map::Entry;
 use std::ffi::CString;
 use std::ptr;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Most half-spaces that a work-item has room for; what needs more is the host's.
 pub(crate) const MOST_PLANES: u32 = 216;
@@ -235,6 +236,22 @@ pub(crate) fn build(context: &Context, device: cl_device_id, way: Way, asked: As
     Ok(Kernels { cells, group, per_cell })
 }
 
+/// Tells a logger that a device's driver compiles kernels, which may take a minute where it has not kept them, and that it has.
+struct Compiling(Instant);
+
+impl Compiling {
+    fn begin() -> Self {
+        log::info!(target: "laguerre::kernels", "a device's driver compiles kernels");
+        Self(Instant::now())
+    }
+}
+
+impl Drop for Compiling {
+    fn drop(&mut self) {
+        log::debug!(target: "laguerre::kernels", "the driver had kernels after {:.2} s", self.0.elapsed().as_secs_f64());
+    }
+}
+
 /// Most characters of a build log that stand in a message.
 const MOST_OF_A_LOG: usize = 1000;
 
@@ -254,6 +271,7 @@ pub(crate) fn compile_text(
         let message = format!("the OpenCL kernels do not build: {error} ({}): use the CPU{log}", error.0);
         Error::new(ErrorKind::Device, message)
     };
+    let _compiling = Compiling::begin();
     // As one string: given several, opencl3 0.12 passes their lengths wrongly.
     let program = Program::create_from_source(context, source).map(Handle::new).map_err(|e| failed(e, ""))?;
     let options = CString::new(options).map_err(|_| failed(ClError(CL_INVALID_BUILD_OPTIONS), ""))?;

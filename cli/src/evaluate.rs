@@ -12,6 +12,7 @@ use laguerre::engine::memory;
 use laguerre::{Backend, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Result, Selection};
 
 use crate::args::{BackendArgs, BackendChoice, Precision};
+use crate::kernels;
 use crate::outcome::is_interrupted;
 
 /// Opens the backend of the command line. The only place that does.
@@ -116,11 +117,12 @@ impl Observer for Interruptible {
 
 fn draw(progress: &Progress, cells: usize, wait: &mpsc::Receiver<()>) {
     let bar = ProgressBar::new(cells as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} cells, {eta}") {
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} cells, {msg}{eta}") {
         bar.set_style(style);
     }
     while wait.recv_timeout(REDRAW) == Err(RecvTimeoutError::Timeout) {
         bar.set_position(progress.0.load(Ordering::Relaxed) as u64);
+        bar.set_message(if kernels::are_compiled() { "the device's driver compiles kernels, once; " } else { "" });
     }
     bar.finish_and_clear();
 }

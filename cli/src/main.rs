@@ -13,6 +13,7 @@ mod evaluate;
 mod files;
 mod fluid;
 mod integrate;
+mod kernels;
 mod lloyd;
 mod manual;
 mod npz;
@@ -40,6 +41,7 @@ use args::{Args, Command};
 
 fn main() -> ExitCode {
     outcome::leave_nothing_when_interrupted();
+    kernels::listen();
     let result = match Args::try_parse() {
         Ok(Args { command }) => match command {
             Command::Integrate(args) => integrate::run(&args),

@@ -1,4 +1,4 @@
-// The octree over the container (`core/src/power_octree.rs`): a group of work-items for each part of a box, or for each box.
+// The octree over the container (`core/src/power_octree.rs`): a group of work-items for each part of a box, for some of its leaves, or for each box.
 
 #import "generated/nodes.cl"
 

@@ -7,8 +7,6 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use leaders::IN_TESTS;
-
 use crate::algebra::Answers;
 use crate::buffer::{failed, rooms};
 use crate::builds::Lanes;
@@ -42,6 +40,9 @@ use opencl3::types::cl_device_id;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
+
+/// Whether numbers of cells from which on something is worth while are small, so that tests come to it.
+pub(crate) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 /// Evaluations of all devices, and one.
 static EVALUATIONS: AtomicU64 = AtomicU64::new(1);

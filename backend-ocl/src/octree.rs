@@ -4,7 +4,7 @@ use crate::buffer::{Room, failed, rooms};
 use crate::device::IN_TESTS;
 use crate::grid::scan_all;
 use crate::interface::data::{NO_BOX, NO_HOME, OCTREE_GROUP, Params};
-use crate::interface::kernels::{FindHomes, FindLeasts, JudgeParts, MarkSlices, PlaceLeaves, SplitBoxes};
+use crate::interface::kernels::{FindHomes, FindLeasts, JudgeParts, MarkSlices, PlaceLeaves, SplitBoxes, Splitting};
 use crate::params::Shared;
 use crate::program::{GridKernels, OctreeKernels};
 use crate::queue::Queue;
@@ -132,23 +132,20 @@ impl OctreeMemory {
         let parts = WIDTH * count;
         self.kept.grow(context, WIDTH * all)?;
         self.counts.grow(context, parts)?;
-        let params = &shared.room;
+        let Self { boxes, whole: leaves, kept, counts, firsts, leasts, .. } = self;
+        let splitting = Splitting { params: &shared.room, sites, boxes, leaves, margin, kept };
         if all <= MANY_LEAVES * count {
-            let Self { boxes, whole: leaves, kept, counts, .. } = &*self;
-            let arguments = SplitBoxes { params, sites, boxes, leaves, margin, kept, counts };
-            return kernels.split_boxes.run(queue, parts * GROUP, GROUP, arguments);
+            return kernels.split_boxes.run(queue, parts * GROUP, GROUP, SplitBoxes { splitting, counts });
         }
         let slices = all.div_ceil(OF_SLICE * count);
-        self.leasts.grow(context, parts * slices * OCTREE_PLACES as usize)?;
-        self.firsts.fill_with(context, queue, 0, parts)?;
-        self.counts.fill_with(context, queue, 0, parts)?;
-        let Self { boxes, whole: leaves, kept, counts, firsts, leasts, .. } = &*self;
+        leasts.grow(context, parts * slices * OCTREE_PLACES as usize)?;
+        firsts.fill_with(context, queue, 0, parts)?;
+        counts.fill_with(context, queue, 0, parts)?;
         let (items, slices) = (parts * slices * GROUP, slices as u32);
         for is_second in [0, 1] {
-            let finding = FindLeasts { params, sites, boxes, leaves, margin, slices, is_second, kept, firsts, leasts };
+            let finding = FindLeasts { splitting, slices, is_second, firsts, leasts };
             kernels.find_leasts.run(queue, items, GROUP, finding)?;
-            let marking =
-                MarkSlices { params, sites, boxes, leaves, margin, slices, is_second, leasts, kept, firsts, counts };
+            let marking = MarkSlices { splitting, slices, is_second, leasts, firsts, counts };
             kernels.mark_slices.run(queue, items, GROUP, marking)?;
         }
         Ok(())

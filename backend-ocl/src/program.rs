@@ -236,7 +236,7 @@ pub(crate) fn build(context: &Context, device: cl_device_id, way: Way, asked: As
     Ok(Kernels { cells, group, per_cell })
 }
 
-/// Tells a logger that a device's driver compiles kernels, which may take a minute where it has not kept them, and that it has.
+/// Tells a logger that a device's driver compiles kernels, which may take a minute where it has not kept them (`Info`), and that it has (`Debug`): the program's bar goes by that.
 struct Compiling(Instant);
 
 impl Compiling {

@@ -1,8 +1,8 @@
 //! Cells that end with one look at all that can still cut them, of which some begin with what bounds others far off (`kernels/README.md`).
 
-use super::Device;
 use super::room::LONGEST_SWEPT;
 use super::schedule::Todo;
+use super::{Device, IN_TESTS};
 use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;
 use crate::interface::data::{ALL_TURNS, MOST_KEPT};
@@ -26,7 +26,6 @@ const SWEPT_AT_ONCE: usize = if IN_TESTS { 1 << 9 } else { 1 << 19 };
 const SHARE_OF_SWEPT: u64 = 32;
 /// Fewer are not tried where memory lacks: they would not fill a large GPU.
 const FEWEST_SWEPT: usize = if IN_TESTS { 1 << 5 } else { 1 << 14 };
-pub(crate) const IN_TESTS: bool = cfg!(feature = "test-util");
 
 /// Cells that are swept at a time, at first, where the device has so much memory.
 pub(super) fn swept_at_first(memory: u64) -> usize {

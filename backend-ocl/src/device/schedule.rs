@@ -1,9 +1,8 @@
 //! The scheduler of one device (paper, Alg. 1): passes, substeps, batches.
 
-use super::leaders::IN_TESTS;
 use super::room::{FEWEST_CELLS, MOST_CELLS};
 use super::sample::{MAY_FAIL, SHARE_OF_SCRATCH, WORTH_LEAVING};
-use super::{Computed, Device};
+use super::{Computed, Device, IN_TESTS};
 use crate::buffer::{failed, lacked_memory};
 use crate::builds::{Lanes, Stage, Way};
 use crate::facets::FacetMemory;

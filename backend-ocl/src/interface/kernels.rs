@@ -196,7 +196,8 @@ kernels! {
         output slabs: Slabs,
     }
 
-    kernel SplitBoxes = split_boxes {
+    /// Boxes of the octree over the container that are split, and the leaves that they list.
+    group Splitting {
         input params: Params,
         input sites: [f64; 4],
         input boxes: OctreeBox,
@@ -204,19 +205,18 @@ kernels! {
         value margin: f64,
         /// 1 for each leaf of a box that a part keeps, part by part.
         output kept: u8,
+    }
+
+    kernel SplitBoxes = split_boxes {
+        group splitting: Splitting,
         output counts: u32,
     }
 
     kernel FindLeasts = find_leasts {
-        input params: Params,
-        input sites: [f64; 4],
-        input boxes: OctreeBox,
-        input leaves: u32,
-        value margin: f64,
+        group splitting: Splitting,
         value slices: u32,
         /// Whether it is by the middles of the faces, and not by that of the box.
         value is_second: u32,
-        output kept: u8,
         /// Leaves that each part keeps by the site of least power in its middle.
         input firsts: u32,
         /// Sites of each slice, a place of a box each.
@@ -224,15 +224,10 @@ kernels! {
     }
 
     kernel MarkSlices = mark_slices {
-        input params: Params,
-        input sites: [f64; 4],
-        input boxes: OctreeBox,
-        input leaves: u32,
-        value margin: f64,
+        group splitting: Splitting,
         value slices: u32,
         value is_second: u32,
         input leasts: u32,
-        output kept: u8,
         atomic firsts: u32,
         atomic counts: u32,
     }

@@ -51,8 +51,8 @@ typedef struct {
 } Part;
 
 // One of `slices` of a part's leaves.
-INLINE Part part_of(__global const OctreeBox *boxes, __global const uint *leaves, __global uchar *kept, real margin, uint part, uint slice, uint slices) {
-    __global const OctreeBox *whole = boxes + (part / WIDTH);
+INLINE Part part_of(Splitting s, uint part, uint slice, uint slices) {
+    __global const OctreeBox *whole = s.boxes + (part / WIDTH);
     const uint octant = part % WIDTH;
     const uint all = whole->count;
     const V3 lo = part_lo(corner_of(whole->lo), corner_of(whole->hi), octant);
@@ -61,18 +61,19 @@ INLINE Part part_of(__global const OctreeBox *boxes, __global const uint *leaves
     const uint begin = min(slice * each, all);
     return (Part){
         .middle = middle_of(lo, hi),
-        .halves = half_of(lo, hi, margin),
-        .list = leaves + whole->begin,
-        .mark = kept + (((size_t)WIDTH * whole->begin) + ((size_t)octant * all)),
+        .halves = half_of(lo, hi, s.margin),
+        .list = s.leaves + whole->begin,
+        .mark = s.kept + (((size_t)WIDTH * whole->begin) + ((size_t)octant * all)),
         .begin = begin,
         .end = min(begin + each, all)
     };
 }
 
 // Of the middle, or with `is_second` of each middle of a face, the site of least power, of those leaves that are marked then: a work-item for each site, so that those of a leaf are read together.
-INLINE void find_least(__global const real4 *sites, uint last, Part part, bool is_second, __local real *powers, __local uint *of) {
+INLINE void find_least(Splitting s, Part part, bool is_second, __local real *powers, __local uint *of) {
     const uint own = get_local_id(0);
     const uint places = is_second ? FACES : 1u;
+    const uint last = s.params->tree_sites;
     real least[FACES];
     uint site[FACES];
     EACH_PLACE
@@ -84,7 +85,7 @@ INLINE void find_least(__global const real4 *sites, uint last, Part part, bool i
         const uint at = i / WIDTH;
         const uint j = (part.list[at] * WIDTH) + (i % WIDTH);
         if ((j < last) && (!is_second || (part.mark[at] != 0u))) {
-            const real4 its = sites[j];
+            const real4 its = s.sites[j];
             EACH_PLACE
             for (uint p = 0; p < FACES; p++) {
                 if (p >= places) {
@@ -107,11 +108,18 @@ INLINE void find_least(__global const real4 *sites, uint last, Part part, bool i
     least_of_group(powers, of, places);
 }
 
-// Marks those leaves, with `is_second` of those that are marked, with a site that may have less power than each of some `others` somewhere in the part; how many they are. `bits` and `total` are scratch.
-INLINE uint mark_leaves(__global const real4 *sites, uint last, real base, Part part, bool is_second, __local const SeenSite *others, __local uint *bits, __local uint *total) {
+// Marks those leaves, with `is_second` of those that are marked, with a site that may have less power than each of those that have the least (`of`, as `find_least` has them)
+// somewhere in the part; how many they are. `others`, `bits` and `total` are scratch.
+INLINE uint mark_leaves(Splitting s, Part part, bool is_second, __local const uint *of, __local SeenSite *others, __local uint *bits, __local uint *total) {
     const uint own = get_local_id(0);
     const uint places = is_second ? FACES : 1u;
+    const uint last = s.params->tree_sites;
+    const real base = s.params->smallest_weight;
     uint found = 0;
+    if (own < places) {
+        const real4 other = s.sites[of[own * OCTREE_GROUP]];
+        others[own] = seen_from(place_of(other), other.w - base, part.middle);
+    }
     if (own == 0u) {
         *total = 0;
     }
@@ -126,7 +134,7 @@ INLINE uint mark_leaves(__global const real4 *sites, uint last, real base, Part 
             const uint at = i / WIDTH;
             const uint j = (part.list[at] * WIDTH) + (i % WIDTH);
             if ((j < last) && (!is_second || (part.mark[at] != 0u))) {
-                const real4 its = sites[j];
+                const real4 its = s.sites[j];
                 const SeenSite seen = seen_from(place_of(its), its.w - base, part.middle);
                 bool has_more = false;
                 for (uint p = 0; (p < places) && !has_more; p++) {
@@ -160,22 +168,15 @@ __kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void split_bo
     __local SeenSite others[FACES];
     __local uint bits[MARKED / 32u];
     __local uint total;
-    const uint own = get_local_id(0);
-    const uint last = params->tree_sites;
-    const real base = params->smallest_weight;
-    const Part part = part_of(boxes, leaves, kept, margin, get_group_id(0), 0u, 1u);
+    const Splitting s = SPLITTING_OF_ARGUMENTS;
+    const Part part = part_of(s, get_group_id(0), 0u, 1u);
     uint count = 0;
     // (A loop: as functions that are called twice PoCL 3 gave marks that differed from run to run.)
     for (uint turn = 0; (turn <= 1u) && ((turn == 0u) || (count > FEW_LISTED)); turn++) {
-        const bool is_second = turn != 0u;
-        find_least(sites, last, part, is_second, powers, of);
-        if (own < (is_second ? FACES : 1u)) {
-            const real4 other = sites[of[own * OCTREE_GROUP]];
-            others[own] = seen_from(place_of(other), other.w - base, part.middle);
-        }
-        count = mark_leaves(sites, last, base, part, is_second, others, bits, &total);
+        find_least(s, part, turn != 0u, powers, of);
+        count = mark_leaves(s, part, turn != 0u, of, others, bits, &total);
     }
-    if (own == 0u) {
+    if (get_local_id(0) == 0u) {
         counts[get_group_id(0)] = count;
     }
 }
@@ -189,8 +190,8 @@ __kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void find_lea
     if ((is_second != 0u) && (firsts[number] <= FEW_LISTED)) {
         return;
     }
-    const Part part = part_of(boxes, leaves, kept, margin, number, get_group_id(0) % slices, slices);
-    find_least(sites, params->tree_sites, part, is_second != 0u, powers, of);
+    const Splitting s = SPLITTING_OF_ARGUMENTS;
+    find_least(s, part_of(s, number, get_group_id(0) % slices, slices), is_second != 0u, powers, of);
     if (own < ((is_second != 0u) ? FACES : 1u)) {
         leasts[(get_group_id(0) * FACES) + own] = of[own * OCTREE_GROUP];
     }
@@ -207,14 +208,14 @@ __kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void mark_sli
     const uint number = get_group_id(0) / slices;
     const uint slice = get_group_id(0) % slices;
     const uint places = (is_second != 0u) ? FACES : 1u;
-    const real base = params->smallest_weight;
     if ((is_second != 0u) && (firsts[number] <= FEW_LISTED)) {
         if ((own == 0u) && (slice == 0u)) {
             counts[number] = firsts[number];
         }
         return;
     }
-    const Part part = part_of(boxes, leaves, kept, margin, number, slice, slices);
+    const Splitting s = SPLITTING_OF_ARGUMENTS;
+    const Part part = part_of(s, number, slice, slices);
     for (uint p = 0; p < places; p++) {
         const V3 place = octree_place(part.middle, part.halves, p + is_second);
         real least = INFINITY;
@@ -233,11 +234,7 @@ __kernel __attribute__((reqd_work_group_size(OCTREE_GROUP, 1, 1))) void mark_sli
         of[(p * OCTREE_GROUP) + own] = site;
     }
     least_of_group(powers, of, places);
-    if (own < places) {
-        const real4 other = sites[of[own * OCTREE_GROUP]];
-        others[own] = seen_from(place_of(other), other.w - base, part.middle);
-    }
-    const uint count = mark_leaves(sites, params->tree_sites, base, part, is_second != 0u, others, bits, &total);
+    const uint count = mark_leaves(s, part, is_second != 0u, of, others, bits, &total);
     if (own == 0u) {
         atomic_add((is_second != 0u) ? &counts[number] : &firsts[number], count);
     }

@@ -462,6 +462,32 @@ typedef struct {
     uint level, \
     __global Slabs *slabs
 
+// Boxes of the octree over the container that are split, and the leaves that they list.
+typedef struct {
+    __global const Params *params;
+    __global const double4 *sites;
+    __global const OctreeBox *boxes;
+    __global const uint *leaves;
+    double margin;
+    // 1 for each leaf of a box that a part keeps, part by part.
+    __global uchar *kept;
+} Splitting;
+#define SPLITTING_OF_ARGUMENTS ((Splitting){ \
+    .params = params, \
+    .sites = sites, \
+    .boxes = boxes, \
+    .leaves = leaves, \
+    .margin = margin, \
+    .kept = kept \
+})
+#define SPLITTING_ARGUMENTS \
+    __global const Params *params, \
+    __global const double4 *sites, \
+    __global const OctreeBox *boxes, \
+    __global const uint *leaves, \
+    double margin, \
+    __global uchar *kept
+
 #define SPLIT_BOXES_ARGUMENTS \
     __global const Params *params, \
     __global const double4 *sites, \
@@ -477,9 +503,9 @@ typedef struct {
     __global const OctreeBox *boxes, \
     __global const uint *leaves, \
     double margin, \
+    __global uchar *kept, \
     uint slices, \
     uint is_second, \
-    __global uchar *kept, \
     __global const uint *firsts, \
     __global uint *leasts
 
@@ -489,10 +515,10 @@ typedef struct {
     __global const OctreeBox *boxes, \
     __global const uint *leaves, \
     double margin, \
+    __global uchar *kept, \
     uint slices, \
     uint is_second, \
     __global const uint *leasts, \
-    __global uchar *kept, \
     volatile __global uint *firsts, \
     volatile __global uint *counts
 

@@ -85,8 +85,6 @@ pub struct Outcome {
     /// Blocks of eight nodes of the tree opened for its vertices.
     pub opened: u32,
     cuts: u32,
-    /// Whether it was tried with the sites that are kept before those that are near.
-    tried_kept: bool,
 }
 
 impl<'a> Search<'a> {
@@ -131,33 +129,10 @@ impl<'a> Search<'a> {
         let slope = prepared.sites.has_weights().then(|| self.group.slope_at([x, y, z]));
         let mut cell = Cell::new(store, site, [x, y, z, weight], slope, epsilon);
         cell.measure();
-        if self.is_row && cell.slope.is_some() && self.tries_kept_first(&cell) && !self.try_kept(&mut cell) {
-            return cell.outcome;
-        }
         if let Some(proven_square) = self.near(&mut cell) {
             self.far(&mut cell, proven_square);
         }
         cell.outcome
-    }
-
-    /// Whether a cell in a domain is first tried with the kept sites, those that bound the cells of its block before it far off: where weights are so rough that the first chunk proves
-    /// nothing. (Of blue noise with the weights that give cells of one volume in the bunny, a million sites in its box, one cell in twenty is so: 1.95 instead of 2.2 s, two threads. Without a
-    /// domain a sinusoid takes 5 % longer.)
-    #[inline(never)]
-    fn tries_kept_first<S: CellStore>(&self, cell: &Cell<'_, S>) -> bool {
-        let may_be = self.kept_of == cell.site as usize / SHARING && !self.kept.is_empty();
-        let is_in_domain = cell.enlarged.is_none() && self.prepared.domain_grid().is_some();
-        may_be && is_in_domain && self.group.proven_square(0, cell.position, cell.weight) <= 0.0
-    }
-
-    /// Visits the sites that are kept, which do not count as near; `false` ends the search.
-    #[cold]
-    #[inline(never)]
-    fn try_kept<S: CellStore>(&mut self, cell: &mut Cell<'_, S>) -> bool {
-        let goes_on = self.visit_kept(cell, Real::NEG_INFINITY);
-        cell.outcome.tried_kept = true;
-        cell.most_near += cell.outcome.visited;
-        goes_on
     }
 
     /// Visits the sites of the group's chunks until none beyond them can cut the cell. Where that is not worth while, the square of the radius
@@ -201,7 +176,7 @@ impl<'a> Search<'a> {
         let shares = self.is_row && cell.enlarged.is_none();
         // (Those that reach less were visited.)
         let above = 4.0 * proven_square;
-        if shares && !cell.outcome.tried_kept && !self.visit_kept(cell, above) {
+        if shares && !self.visit_kept(cell, above) {
             return;
         }
         // Where many sites in a row have not cut a simple cell, few will; nor, likely, where there were those that cut the cells beside it.
@@ -402,8 +377,7 @@ fn visit_all<S: CellStore, const ALL: bool>(
                     return true;
                 }
                 let site = candidate as u32;
-                let is_known = site == cell.site || (!ALL && cell.outcome.tried_kept && cell.is_cut_by(site));
-                if !is_known && !cell.visit(tree.site(site), site) {
+                if site != cell.site && !cell.visit(tree.site(site), site) {
                     return false;
                 }
             }

@@ -11,6 +11,14 @@ use std::collections::BinaryHeap;
 const FIRST_LEAVES: usize = 128;
 const MORE_LEAVES: usize = 48;
 
+/// Leaves that are found for the first chunk at most, where weights are so rough about the group that fewer prove nothing. (Of 88,000 sites of blue noise with the weights that give cells of one
+/// volume in the bunny 11 % would be completed by their vertices, or begin far off; 8 % are so, as their Voronoi cells. That takes 1.4 times the cycles of these, instead of 1.86. 2,048 take as long.)
+const MOST_FIRST_LEAVES: usize = 512;
+
+/// Times the square of its diagonal, what the weights of a group's sites differ by beyond their slope where some hide others. (Where 97 of 100 sites are hidden, more leaves for each group take 1.5
+/// times as long.)
+const HIDING: Real = 0.5;
+
 /// The first candidates of the first chunk are about as near as this many nearest sites of the group's middle one.
 const NEAREST: usize = 24;
 
@@ -171,6 +179,14 @@ impl<'a> Group<'a> {
 
     /// The square of the radius about the centre of a cell of the group within which no site beyond a chunk can cut it, at least.
     pub(super) fn proven_square(&self, chunk: usize, position: [f64; 3], weight: Real) -> Real {
+        let (own, size) = self.beyond_slope(position, weight);
+        let bound = self.chunks[chunk].bound;
+        let margin = if bound == Real::INFINITY { 0.0 } else { ROUNDINGS * (bound.abs() + size) };
+        self.lambda * ((bound + own) - margin)
+    }
+
+    /// What a site of the group weighs beyond the group's slope and curvature, more than the lightest of all; and the size of the terms that this is a sum of.
+    fn beyond_slope(&self, position: [f64; 3], weight: Real) -> (Real, Real) {
         let mut own = weight - self.tree.base_weight();
         let mut size = own.abs();
         for axis in 0..3 {
@@ -178,9 +194,23 @@ impl<'a> Group<'a> {
             own -= (self.slope[axis] + self.curvature[axis] * u) * u;
             size += (self.slope[axis].abs() + self.curvature[axis].abs() * u.abs()) * u.abs();
         }
-        let bound = self.chunks[chunk].bound;
-        let margin = if bound == Real::INFINITY { 0.0 } else { ROUNDINGS * (bound.abs() + size) };
-        self.lambda * ((bound + own) - margin)
+        (own, size)
+    }
+
+    /// Whether a bound proves nothing for a cell of the group, though its sites do not hide each other.
+    fn proves_too_little(&self, bound: Real) -> bool {
+        if !self.tree.has_weights() {
+            return false;
+        }
+        let (mut least, mut most) = (Real::INFINITY, Real::NEG_INFINITY);
+        let first = self.leaf.unwrap_or_default() * WIDTH;
+        for site in first..self.tree.len().min(first + WIDTH) {
+            let [x, y, z, weight] = self.tree.site(site as u32);
+            let own = self.beyond_slope([x, y, z], weight).0;
+            (least, most) = (smaller(least, own), larger(most, own));
+        }
+        let diagonal: Real = (0..3).map(|axis| self.hi[axis] - self.lo[axis]).map(|extent| extent * extent).sum();
+        bound + least <= 0.0 && most - least < HIDING * diagonal
     }
 
     /// What [`Reaches`] says of the twentieth nearest site of one of the group's: about the square of its distance.
@@ -196,17 +226,20 @@ impl<'a> Group<'a> {
 
     /// Lists one more chunk: the leaves that are nearer than all that is not found yet.
     fn list(&mut self) {
+        let is_first = self.chunks.is_empty();
+        let mut wanted = self.leaves.len() + if is_first { FIRST_LEAVES } else { MORE_LEAVES };
         let mut bound;
         loop {
-            let wanted = self.leaves.len() + if self.chunks.is_empty() { FIRST_LEAVES } else { MORE_LEAVES };
             while self.leaves.len() < wanted {
                 let Some(nearest) = self.nodes.pop() else { break };
                 self.open(self.tree.child(nearest.block as usize, nearest.k as usize));
             }
             bound = self.nodes.peek().map_or(Real::INFINITY, |node| node.power);
-            if bound == Real::INFINITY || self.leaves.iter().any(|leaf| leaf.power < bound) {
+            let goes_on = is_first && self.leaves.len() < MOST_FIRST_LEAVES && self.proves_too_little(bound);
+            if bound == Real::INFINITY || (!goes_on && self.leaves.iter().any(|leaf| leaf.power < bound)) {
                 break;
             }
+            wanted = self.leaves.len() + MORE_LEAVES;
         }
         let Self { leaves, listed, .. } = self;
         leaves.retain(|leaf| {

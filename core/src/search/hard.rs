@@ -22,12 +22,13 @@ const LEAST_TRIED: usize = 4;
 /// Of them in one task.
 const TRIED_AT_ONCE: usize = 4;
 
-/// A cell is hard that opens more blocks of eight nodes than this. An octree is made where more than one of so many cells that are tried is hard, or a few open so many that all do on average. (Of sites
-/// in clusters with weights of transport 44 of 64 are, or all, which open 500 to 2,900: cells take a quarter to half of the time with it. In the bunny, of blue noise so weighted, 6 are, and all open 50: 1.8 s
-/// without it, 2.3 with.)
+/// A cell is hard that opens more blocks of eight nodes than this. An octree is made where more than one of so many cells that are tried is hard and all open many on average, or a few open so many that
+/// all do. (Of sites in clusters with weights of transport all of 64 are, and open 780: cells take a sixth of the time with it. Of white ones in the bunny's box 11 are, and all open 43: 3.3 instead of 5.1 s. In the bunny, of blue noise
+/// so weighted, 3 are, and all open 3: 1.4 s without it, 2.7 with.)
 const MANY_OPENED: u32 = 40;
-const ENOUGH_HARD: u64 = 4;
-const VERY_MANY_OPENED: u64 = 400;
+const ENOUGH_HARD: u64 = 8;
+const MANY_ON_AVERAGE: u64 = 30;
+const VERY_MANY_ON_AVERAGE: u64 = 400;
 
 impl Prepared {
     /// With an octree over the container where cells look at many nodes of the tree over the sites for want of good bounds of their weights.
@@ -53,7 +54,8 @@ impl Prepared {
         let opened: Vec<u32> = parallel::chunks(tried, TRIED_AT_ONCE, some).concat();
         let (all, hard) = (tried as u64, opened.iter().filter(|&&opened| opened > MANY_OPENED).count() as u64);
         let sum: u64 = opened.iter().map(|&opened| u64::from(opened)).sum();
-        if ENOUGH_HARD * hard > all || sum > VERY_MANY_OPENED * all {
+        let are_hard = ENOUGH_HARD * hard > all && sum > MANY_ON_AVERAGE * all;
+        if are_hard || sum > VERY_MANY_ON_AVERAGE * all {
             let bounds = [self.container.lo, self.container.hi];
             self.octree = PowerOctree::new(&self.sites, bounds, MOST_LISTED, go_on)?;
         }

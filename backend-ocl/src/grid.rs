@@ -2,7 +2,7 @@
 //! each other for the curve, by the host.
 
 use crate::buffer::Room;
-use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, Params, Range, SCAN_EACH, SORT_EACH};
+use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, Params, RINGS_GROUP, Range, SCAN_EACH, SORT_EACH};
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, LookAtRings, MarkVoxels, PlaceDigits,
     RankSites, ScanBlocks, SettleRuns, TightenSlabs,
@@ -236,14 +236,13 @@ impl Sites {
             let count = blocks_of_leaves(sites as usize);
             kernels.look_at_rings.run(
                 queue,
-                count * RINGS as usize,
-                GROUP,
+                count * RINGS_GROUP as usize,
+                RINGS_GROUP as usize,
                 LookAtRings {
                     params: &shared.room,
                     sites: &self.sites,
                     boxes: &self.boxes,
                     weight_bounds: &self.weight_bounds,
-                    count: count as u32,
                     around: &self.around,
                 },
             )?;

@@ -184,8 +184,6 @@ kernels! {
         input sites: [f64; 4],
         input boxes: Boxes,
         input weight_bounds: WeightBounds,
-        /// Blocks of leaves.
-        value count: u32,
         output around: f64,
     }
 

@@ -7,13 +7,6 @@
 // `set_box_plane` by value, had what the stack held in place of their zeros (of 2,000 white cells 300 were wrong with 8 lanes, others in each call). With all
 // inlined none is (8 and 32 lanes).
 
-#if LANES > 1u
-// Before a loop over words or places that have to stay in registers.
-#define UNROLLED _Pragma("unroll")
-#else
-#define UNROLLED
-#endif
-
 #if WITH_SUBGROUPS
 
 #pragma OPENCL EXTENSION cl_khr_subgroups : enable

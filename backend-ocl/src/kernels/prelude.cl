@@ -26,6 +26,12 @@ typedef double4 real4;
 #else
 #define ROLLED
 #endif
+// One over numbers that have to stay in registers.
+#if LANES == 1
+#define UNROLLED
+#else
+#define UNROLLED _Pragma("unroll")
+#endif
 
 // What is inlined, and what had better be one piece of code: it is called from several places, and large (`outline` in the Rust text). In between is what
 // to inline is worth it where lanes share the work of a cell, and not where each work-item has all of it (`hot`). In sub-groups nothing is a piece of code of
@@ -43,3 +49,10 @@ typedef double4 real4;
 #else
 #define HOT OUTLINE
 #endif
+
+// Numbers in single precision in their order, and back.
+INLINE uint in_order(float x) {
+    const uint bits = as_uint(x);
+    return bits ^ ((((int)bits < 0) ? 0xFFFFFFFFu : 0u) | 0x80000000u);
+}
+INLINE float from_order(uint key) { return as_float(((key >> 31) != 0u) ? (key ^ 0x80000000u) : ~key); }

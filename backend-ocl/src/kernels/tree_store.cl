@@ -118,10 +118,5 @@ INLINE bool store_has_weights(Store *s) { return false; }
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) { return (NodeWeights){ 0 }; }
 #endif
 
-// Numbers in single precision in their order.
-INLINE uint in_order(float x) {
-    const uint bits = as_uint(x);
-    return bits ^ ((((int)bits < 0) ? 0xFFFFFFFFu : 0u) | 0x80000000u);
-}
 INLINE uint store_key_below(Store *s, real x) { return in_order(convert_float_rtn(x)); }
 INLINE uint store_key_above(Store *s, real x) { return in_order(convert_float_rtp(x)); }

@@ -11,7 +11,7 @@
 //! store, tuples, `Option`, `match`, closures, operators on structs, or panics; `for` goes over `a..b`, where `b` stays what it is in the loop; locals carry types; float expressions are
 //! fully parenthesised, with `sqrt`, `abs` and `max` alone and no fused operation; integers wrap in `wrapping_sub` alone; functions return a status
 //! or a plain value. `#[cfg_attr(opencl, …)]` says what is other on devices: `single(…)` is a constant's value in single precision, `returns("…")`
-//! what a function does, `rolled` a loop that is not unrolled; an `if` under `#[cfg(not(opencl))]` is of hosts alone; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
+//! what a function does, `rolled` a loop that is not unrolled, `unrolled` one that is; an `if` under `#[cfg(not(opencl))]` is of hosts alone; a function is inlined there, unless it is `outline` (always called) or `hot` (called where each
 //! work-item has a cell of its own). Only what is behind `store.rs` (traits; `plain.rs` is that of tests) is written by hand for each backend; the bounds of a
 //! function say what it asks of a store, and who asks for a `ClipStore` is for one work-item (`clip`, `restrict`): lanes that share a cell have a text of their own.
 

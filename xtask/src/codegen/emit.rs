@@ -345,13 +345,13 @@ impl<'a> Emitter<'a> {
         Ok(())
     }
 
-    /// Before a loop, that it is not to be unrolled, where its attributes say so.
+    /// Before a loop, that it is to be unrolled or is not, where its attributes say so.
     fn rolled(&mut self, attrs: &[syn::Attribute]) -> Result<(), String> {
         if let Some(attr) = attrs.iter().find(|attr| !attr.path().is_ident("cfg_attr")) {
             return self.unit.error(attr.span(), "such attribute");
         }
-        if !said(self.unit, attrs, &["rolled"])?.is_empty() {
-            self.put("ROLLED");
+        for part in said(self.unit, attrs, &["rolled", "unrolled"])? {
+            self.put(if part.path().is_ident("rolled") { "ROLLED" } else { "UNROLLED" });
         }
         Ok(())
     }

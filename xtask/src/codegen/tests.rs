@@ -36,14 +36,15 @@ fn constants_and_structs() {
 }
 
 #[test]
-fn a_loop_may_be_one_that_is_not_unrolled() {
+fn a_loop_may_be_unrolled_or_not() {
     let looped = |attribute: &str| {
         format!(
             "#[inline]\npub fn f(n: u32) -> u32 {{\nlet mut i: u32 = 0;\n{attribute} while i < n {{\ni += 1;\n}}\nreturn i;\n}}"
         )
     };
     assert_c(&looped("#[cfg_attr(opencl, rolled)]"), &["    ROLLED\n    while (i < n) {"]);
-    assert!(c_of(&looped("#[cfg_attr(opencl, unrolled)]")).unwrap_err().contains("such attribute"));
+    assert_c(&looped("#[cfg_attr(opencl, unrolled)]"), &["    UNROLLED\n    while (i < n) {"]);
+    assert!(c_of(&looped("#[cfg_attr(opencl, rolls)]")).unwrap_err().contains("such attribute"));
 }
 
 #[test]

@@ -12,64 +12,46 @@ INLINE real square_between(NodeBox a, NodeBox b) {
     return ((x * x) + (y * y)) + (z * z);
 }
 
-// An upper bound of what any site weighs, less the slope at the middle of block `own`, that is nearer to its box than `end`, where a ring
-// ends that has a beginning.
-HOT real largest_around(Store *s, uint own, real begin, real end) {
-    const uint top = store_top_level(s);
-    const NodeBox bounds = store_node_box(s, level_of_block(top), own);
-    const V3 middle = scale(REAL(0.5), add(bounds.lo, bounds.hi));
-    const V3 slope = store_node_weights(s, level_of_block(top), own).slope;
-    const Seer seer = (Seer){ .site = middle, .excess = REAL(0.0), .has_weights = 1 };
-    const real within = (end * end) * (REAL(1.0) + FEW_ROUNDINGS_OF_SUM);
-    const V3 own_extent = sub(bounds.hi, bounds.lo);
-    const real small = larger(begin * begin, (SHARE_OF_BLOCK * SHARE_OF_BLOCK) * v3_dot(own_extent, own_extent));
-    real largest = LEAST_OF_ALL;
-    uint level = top;
-    uint node = 0;
-    for (;;) {
-        bool opens = 0;
-        if ((node << (3 * level)) <= ((store_sites(s) - 1) / WIDTH)) {
-            const NodeBox its = store_node_box(s, level, node);
-            real most = LEAST_OF_ALL;
-            if (square_between(bounds, its) < within) {
-                most = -least_weighted(seer, REAL(0.0), slope, its, store_node_weights(s, level, node));
-            }
-            if (most > largest) {
-                const V3 extent = sub(its.hi, its.lo);
-                if (v3_dot(extent, extent) < small) {
-                    largest = most;
-                } else if (level > 0) {
-                    opens = 1;
-                } else {
-                    uint last = (node + 1) * WIDTH;
-                    if (store_sites(s) < last) {
-                        last = store_sites(s);
-                    }
-                    for (uint j = (node * WIDTH); j < last; j++) {
-                        const V3 place = store_site_place(s, j);
-                        real size = REAL(0.0);
-                        const real weight = less_slope(store_site_weight(s, j), slope, sub(place, middle), &size);
-                        if (square_between(bounds, (NodeBox){ .lo = place, .hi = place }) < within) {
-                            largest = larger(largest, weight + (FEW_ROUNDINGS_OF_SUM * size));
-                        }
-                    }
-                }
-            }
-        }
-        if (opens) {
-            level -= 1;
-            node = node * WIDTH;
-        } else {
-            node += 1;
-            while (((node & (WIDTH - 1)) == 0) && (level < top)) {
-                node = node / WIDTH;
-                level += 1;
-            }
-            if (node == WIDTH) {
-                if (level == top) {
-                    return largest;
-                }
-            }
+// Block `own`, where voxels are so wide.
+INLINE Around around_block(Store *s, uint own, real width) {
+    const uint level = level_of_block(store_top_level(s));
+    const NodeBox bounds = store_node_box(s, level, own);
+    return (Around){ .bounds = bounds, .middle = scale(REAL(0.5), add(bounds.lo, bounds.hi)), .slope = store_node_weights(s, level, own).slope, .width = width };
+}
+
+// The ring that what is so far, as a square, is in, at least.
+INLINE uint ring_at(real square, real width) {
+    uint ring = 0;
+    bool is_within = 0;
+    while ((ring < (RINGS - 1)) && !is_within) {
+        const real end = ((real)end_of_ring(ring)) * width;
+        is_within = square < ((end * end) * (REAL(1.0) + FEW_ROUNDINGS_OF_SUM));
+        if (!is_within) {
+            ring += 1;
         }
     }
+    return ring;
+}
+
+// Looks at a node.
+INLINE Seen look_at_node(Store *s, Around of, uint level, uint node) {
+    const NodeBox its = store_node_box(s, level, node);
+    const uint ring = ring_at(square_between(of.bounds, its), of.width);
+    real begin = REAL(0.0);
+    if (ring > 0) {
+        begin = ((real)end_of_ring(ring - 1)) * of.width;
+    }
+    const V3 own = sub(of.bounds.hi, of.bounds.lo);
+    const real small = larger(begin * begin, (SHARE_OF_BLOCK * SHARE_OF_BLOCK) * v3_dot(own, own));
+    const V3 extent = sub(its.hi, its.lo);
+    const Seer seer = (Seer){ .site = of.middle, .excess = REAL(0.0), .has_weights = 1 };
+    return (Seen){ .most = -least_weighted(seer, REAL(0.0), of.slope, its, store_node_weights(s, level, node)), .ring = ring, .is_small = v3_dot(extent, extent) < small };
+}
+
+// Looks at a site.
+INLINE Seen look_at_site(Store *s, Around of, uint j) {
+    const V3 place = store_site_place(s, j);
+    real size = REAL(0.0);
+    const real weight = less_slope(store_site_weight(s, j), of.slope, sub(place, of.middle), &size);
+    return (Seen){ .most = weight + (FEW_ROUNDINGS_OF_SUM * size), .ring = ring_at(square_between(of.bounds, (NodeBox){ .lo = place, .hi = place }), of.width), .is_small = 1 };
 }

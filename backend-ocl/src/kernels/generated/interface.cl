@@ -114,6 +114,9 @@ typedef struct {
 
 #define SCAN_EACH ((uint)(8))
 
+// Work-items of a group that looks around a block of leaves.
+#define RINGS_GROUP ((uint)(64))
+
 // Numbers of a cell, of those that tell how far a facet may go.
 #define CELL_NUMBERS ((uint)(8))
 
@@ -453,7 +456,6 @@ typedef struct {
     __global const double4 *sites, \
     __global const Boxes *boxes, \
     __global const WeightBounds *weight_bounds, \
-    uint count, \
     __global double *around
 
 #define TIGHTEN_SLABS_ARGUMENTS \

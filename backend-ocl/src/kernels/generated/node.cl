@@ -113,12 +113,10 @@ HOT Rest rest_of_sampled(Store *s, V3 middle, NodeWeights w) {
     return rest;
 }
 
-// The polynomial of so many coefficients, and where these are but a slope of a given curvature, that fits the sampled weights best, without its constant; all 0 where
-// there is none.
-HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns, V3 curvature) {
-    const uint count = store_sampled(s);
+// The normal equations of what fits the sampled weights best, less a given curvature.
+INLINE Equations equations_of_sampled(Store *s, V3 middle, real width, real base, V3 curvature) {
     Equations e = (Equations){ .matrix = { 0 }, .right = { 0 } };
-    for (uint i = 0; i < count; i++) {
+    for (uint i = 0; i < store_sampled(s); i++) {
         const V3 way = sub(store_sampled_place(s, i), middle);
         const V3 u = scale(REAL(1.0) / width, way);
         const V3 curved = v3(curvature.x * way.x, curvature.y * way.y, curvature.z * way.z);
@@ -131,31 +129,66 @@ HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint 
         terms[4] = u.x * u.x;
         terms[5] = u.y * u.y;
         terms[6] = u.z * u.z;
-        for (uint row = 0; row < unknowns; row++) {
-            for (uint column = 0; column < unknowns; column++) {
-                e.matrix[((row * QUADRATIC) + column)] += (terms[row] * terms[column]);
+        UNROLLED
+        for (uint row = 0; row < QUADRATIC; row++) {
+            UNROLLED
+            for (uint column = 0; column < QUADRATIC; column++) {
+                if (column >= row) {
+                    e.matrix[((row * QUADRATIC) + column)] += (terms[row] * terms[column]);
+                }
             }
             e.right[row] += (terms[row] * w);
         }
     }
-    for (uint row = 1; row < unknowns; row++) {
-        e.matrix[((row * QUADRATIC) + row)] += (RIDGE_SHARE * ((real)count));
+    return e;
+}
+
+// The polynomial of so many coefficients, and where these are but a slope of a given curvature, that fits the sampled weights best, without its constant; all 0 where
+// there is none.
+HOT NodeWeights fit_of_sampled(Store *s, V3 middle, real width, real base, uint unknowns, V3 curvature) {
+    Equations e = equations_of_sampled(s, middle, width, base, curvature);
+    const real ridge = RIDGE_SHARE * ((real)store_sampled(s));
+    UNROLLED
+    for (uint row = 0; row < QUADRATIC; row++) {
+        if (row > 0) {
+            e.matrix[((row * QUADRATIC) + row)] += ridge;
+        }
+        // (Coefficients that are not asked for are 0.)
+        if (row >= unknowns) {
+            e.matrix[((row * QUADRATIC) + row)] = REAL(1.0);
+            e.right[row] = REAL(0.0);
+        }
+        UNROLLED
+        for (uint column = 0; column < QUADRATIC; column++) {
+            if (column > row) {
+                if (column >= unknowns) {
+                    e.matrix[((row * QUADRATIC) + column)] = REAL(0.0);
+                }
+                e.matrix[((column * QUADRATIC) + row)] = e.matrix[((row * QUADRATIC) + column)];
+            }
+        }
     }
     // Gauss–Jordan; positive definite, so that no pivot is sought.
-    for (uint pivot = 0; pivot < unknowns; pivot++) {
+    UNROLLED
+    for (uint pivot = 0; pivot < QUADRATIC; pivot++) {
         const real inverse = REAL(1.0) / e.matrix[((pivot * QUADRATIC) + pivot)];
-        for (uint row = 0; row < unknowns; row++) {
+        UNROLLED
+        for (uint row = 0; row < QUADRATIC; row++) {
             if (row != pivot) {
                 const real share = e.matrix[((row * QUADRATIC) + pivot)] * inverse;
-                for (uint column = pivot; column < unknowns; column++) {
-                    e.matrix[((row * QUADRATIC) + column)] -= (share * e.matrix[((pivot * QUADRATIC) + column)]);
+                UNROLLED
+                for (uint column = 0; column < QUADRATIC; column++) {
+                    if (column >= pivot) {
+                        e.matrix[((row * QUADRATIC) + column)] -= (share * e.matrix[((pivot * QUADRATIC) + column)]);
+                    }
                 }
                 e.right[row] -= (share * e.right[pivot]);
             }
         }
     }
     real largest = REAL(0.0);
-    for (uint row = 0; row < unknowns; row++) {
+    UNROLLED
+    for (uint row = 0; row < QUADRATIC; row++) {
         e.right[row] = e.right[row] / (e.matrix[((row * QUADRATIC) + row)] * width);
         if (row >= AFFINE) {
             e.right[row] = e.right[row] / width;

@@ -1,6 +1,7 @@
 // The tree over the sorted sites: what bounds the nodes of a level, when those are known that it stands on (`order_of_levels`).
 
 #import "generated/nodes.cl"
+#import "keys.cl"
 
 INLINE void set_vector(__global real (*of)[WIDTH], uint k, V3 v) {
     of[0][k] = v.x;

@@ -2,6 +2,7 @@
 
 #import "generated/cell.cl"
 #import "generated/tree_types.cl"
+#import "keys.cl"
 
 INLINE uint store_sites(Store *s) { return s->world.params->tree_sites; }
 INLINE uint store_own_site(Store *s) { return s->own; }

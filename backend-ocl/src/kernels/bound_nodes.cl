@@ -1,7 +1,6 @@
 // The tree over the sorted sites: what bounds the nodes of a level, when those are known that it stands on (`order_of_levels`).
 
 #import "generated/nodes.cl"
-#import "keys.cl"
 
 INLINE void set_vector(__global real (*of)[WIDTH], uint k, V3 v) {
     of[0][k] = v.x;
@@ -56,92 +55,82 @@ __kernel void bound_nodes(BOUND_NODES_ARGUMENTS) {
     }
 }
 
-// Blocks at hand of a group that looks around a block of leaves, and of them those that it looks at in one step; bits of one that say which of its level it is, those above say its level, 0 of
-// a leaf's sites.
+// Blocks at hand of a group that looks around a block of leaves, each with one more than its level (0 of a leaf's sites) above its number, as open blocks of a search have it (`tree.rs`); and of them
+// those that it looks at in one step.
 #define AT_HAND 512u
 #define IN_A_STEP (RINGS_GROUP / WIDTH)
-#define CODE_SHIFT 28u
-#define CODE_MASK 0x0FFFFFFFu
 
 // What the sites around each block of leaves weigh at most, less its slope, ring by ring: a group of work-items for each block, which look at eight nodes of eight blocks in one step, the last ones that were
 // found, all at what was known before it, so that what comes of it depends on no order. (A work-item for each ring, from the root each time, took 1.8 ms for a million sites; one NVIDIA H200.)
 __kernel __attribute__((reqd_work_group_size(RINGS_GROUP, 1, 1))) void look_at_rings(LOOK_AT_RINGS_ARGUMENTS) {
-    __local uint largest[RINGS];
+    __local real largest[RINGS];
+    __local Seen seen_by[RINGS_GROUP];
     __local uint at_hand[AT_HAND];
+    // Bits of those work-items whose nodes are opened, and of those whose nodes, or sites, count as they are.
     __local uint opened[RINGS_GROUP / 32u];
+    __local uint counted[RINGS_GROUP / 32u];
     const uint own = get_local_id(0);
     const uint block = get_group_id(0);
     Store source = (Store){ .sites = sites, .boxes = boxes, .weights = weight_bounds, .base = params->smallest_weight, .params = params };
     const Around around_it = around_block(&source, block, params->grid_width);
     const uint tree_sites = params->tree_sites;
     if (own < RINGS) {
-        largest[own] = in_order(-INFINITY);
+        largest[own] = -INFINITY;
     }
     if (own == 0u) {
-        at_hand[0] = (params->tree_top + 1u) << CODE_SHIFT;
+        at_hand[0] = (params->tree_top + 1u) << LEVEL_SHIFT;
     }
     uint count = 1;
     while (count > 0u) {
         const uint some = min(count, IN_A_STEP);
         if (own < (RINGS_GROUP / 32u)) {
             opened[own] = 0;
+            counted[own] = 0;
         }
         barrier(CLK_LOCAL_MEM_FENCE);
-        uint is_there = 0;
+        bool opens = false;
         uint child = 0;
-        Seen seen = (Seen){ 0 };
-        uint known = 0;
         if ((own / WIDTH) < some) {
             const uint its = at_hand[(count - some) + (own / WIDTH)];
-            const uint level = its >> CODE_SHIFT;
-            const uint node = ((its & CODE_MASK) * WIDTH) + (own % WIDTH);
-            if (level == 0u) {
-                is_there = node < tree_sites;
-                if (is_there != 0u) {
-                    seen = look_at_site(&source, around_it, node);
+            const uint level = its >> LEVEL_SHIFT;
+            const uint node = ((its & BLOCK_MASK) * WIDTH) + (own % WIDTH);
+            if (((ulong)node << (3u * level)) < tree_sites) {
+                const Seen seen = (level == 0u) ? look_at_site(&source, around_it, node) : look_at_node(&source, around_it, level - 1u, node);
+                real known = -INFINITY;
+                for (uint ring = 0; ring <= seen.ring; ring++) {
+                    known = fmax(known, largest[ring]);
                 }
-            } else {
-                is_there = ((ulong)node << (3u * level)) < tree_sites;
-                if (is_there != 0u) {
-                    seen = look_at_node(&source, around_it, level - 1u, node);
+                if (seen.most > known) {
+                    opens = !seen.is_small && (((count - some) + RINGS_GROUP) <= AT_HAND);
+                    child = ((level - 1u) << LEVEL_SHIFT) | node;
+                    seen_by[own] = seen;
+                    atomic_or((opens ? opened : counted) + (own / 32u), 1u << (own % 32u));
                 }
-                child = ((level - 1u) << CODE_SHIFT) | node;
-            }
-            for (uint ring = 0; ring <= seen.ring; ring++) {
-                known = max(known, largest[ring]);
             }
         }
         count -= some;
-        const uint most = in_order(convert_float_rtp(seen.most));
-        const uint is_more = is_there & (most > known);
-        const uint opens = is_more & ((seen.is_small == 0u) && ((count + RINGS_GROUP) <= AT_HAND));
-        if (opens != 0u) {
-            atomic_or(opened + (own / 32u), 1u << (own % 32u));
-        }
         barrier(CLK_LOCAL_MEM_FENCE);
-        if ((is_more != 0u) && (opens == 0u)) {
-            atomic_max(largest + seen.ring, most);
-        }
-        uint before = 0;
-        uint all = 0;
         for (uint word = 0; word < (RINGS_GROUP / 32u); word++) {
-            const uint bits = opened[word];
-            const uint below = (word < (own / 32u)) ? bits : ((word == (own / 32u)) ? (bits & ((1u << (own % 32u)) - 1u)) : 0u);
-            before += popcount(below);
-            all += popcount(bits);
+            const uint before = popcount(opened[word] & ((1u << (own % 32u)) - 1u));
+            if (opens && (word == (own / 32u))) {
+                at_hand[count + before] = child;
+            }
+            count += popcount(opened[word]);
+            for (uint left = (own < RINGS) ? counted[word] : 0u; left != 0u; left &= left - 1u) {
+                const uint i = (32u * word) + popcount((left & (~left + 1u)) - 1u);
+                if (seen_by[i].ring == own) {
+                    largest[own] = fmax(largest[own], seen_by[i].most);
+                }
+            }
         }
-        if (opens != 0u) {
-            at_hand[count + before] = child;
-        }
-        count += all;
         barrier(CLK_LOCAL_MEM_FENCE);
     }
     if (own < RINGS) {
-        uint most = 0;
-        for (uint ring = 0; ring <= own; ring++) {
-            most = max(most, largest[ring]);
+        real most = largest[0];
+        for (uint ring = 1; ring <= own; ring++) {
+            most = fmax(most, largest[ring]);
         }
-        around[(RINGS * block) + own] = (real)from_order(most);
+        around[(RINGS * block) + own] = most;
     }
 }
 

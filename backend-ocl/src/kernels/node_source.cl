@@ -47,7 +47,6 @@ INLINE NodeWeights store_part_weights(Store *s, uint i) {
 INLINE V3 store_curvature_above(Store *s) { return s->curvature_above; }
 
 // The whole tree (`AroundSource`).
-INLINE uint store_sites(Store *s) { return s->params->tree_sites; }
 INLINE uint store_top_level(Store *s) { return s->params->tree_top; }
 INLINE NodeBox store_node_box(Store *s, uint level, uint node) {
     __global const Boxes *block = s->boxes + (s->params->tree_begin[level] + (node / WIDTH));

@@ -2,7 +2,6 @@
 
 #import "generated/cell.cl"
 #import "generated/tree_types.cl"
-#import "keys.cl"
 
 INLINE uint store_sites(Store *s) { return s->world.params->tree_sites; }
 INLINE uint store_own_site(Store *s) { return s->own; }
@@ -119,5 +118,10 @@ INLINE bool store_has_weights(Store *s) { return false; }
 INLINE NodeWeights store_node_weights(Store *s, uint level, uint node) { return (NodeWeights){ 0 }; }
 #endif
 
+// Numbers in single precision in their order.
+INLINE uint in_order(float x) {
+    const uint bits = as_uint(x);
+    return bits ^ ((((int)bits < 0) ? 0xFFFFFFFFu : 0u) | 0x80000000u);
+}
 INLINE uint store_key_below(Store *s, real x) { return in_order(convert_float_rtn(x)); }
 INLINE uint store_key_above(Store *s, real x) { return in_order(convert_float_rtp(x)); }

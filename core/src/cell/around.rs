@@ -13,8 +13,6 @@ const SHARE_OF_BLOCK: Real = 0.25;
 
 /// The tree over the sites.
 pub trait AroundSource {
-    /// Number of sites.
-    fn sites(&self) -> u32;
     /// The level of the root, 0 that of the leaves.
     fn top_level(&self) -> u32;
     /// The box of node `node` of a level.

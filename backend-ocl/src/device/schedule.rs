@@ -245,6 +245,10 @@ impl Device {
             if is_second {
                 second.seconds += self.seconds - before;
             }
+            let is_far = matches!(way, Way::Together(_, Stage::Far)) && self.counters.full == 0;
+            if is_far && large == Stage::Wide && self.counters.later <= FEW_OPEN {
+                self.leave_later()?;
+            }
             let Self { memory, counters, .. } = self;
             now = Todo::Listed(counters.full as usize);
             if counters.full > 0 {
@@ -256,12 +260,6 @@ impl Device {
                     self.was_swept = true;
                     way = Way::Together(lanes, if is_shown { self.stage_of_far(now.count()) } else { Stage::Far });
                 }
-            } else if let (Way::Together(lanes, Stage::Far), Stage::Wide, 1..=FEW_OPEN) = (way, large, counters.later) {
-                now = self.join_later_and_left()?;
-                second.cells += if is_second { 0 } else { now.count() };
-                way = Way::Together(lanes, large);
-                interior_only = false;
-                is_second = true;
             } else if let (Way::Together(lanes, stage), 1..) = (way, counters.later)
                 && matches!(
                     stage,
@@ -322,16 +320,15 @@ impl Device {
         Ok(PassOutcome { failed, neighbors, triangles, device_seconds: self.seconds - begin, second })
     }
 
-    /// The cells of both lists, to be computed next.
-    fn join_later_and_left(&mut self) -> Result<Todo> {
-        let Self { context, queue, memory, counters, .. } = self;
-        let (mut cells, mut left) = (Vec::new(), Vec::new());
-        memory.later.read(queue, counters.later as usize, &mut cells)?;
-        memory.left.read(queue, counters.left as usize, &mut left)?;
-        cells.append(&mut left);
-        memory.todo.fill(context, queue, &cells)?;
-        (counters.later, counters.beyond, counters.left) = (0, 0, 0);
-        Ok(Todo::Listed(cells.len()))
+    /// Leaves the cells that are for later to the stage of those that need more room, which are left to the end.
+    fn leave_later(&mut self) -> Result<()> {
+        let Self { queue, memory, counters, .. } = self;
+        let mut later = Vec::new();
+        memory.later.read(queue, counters.later as usize, &mut later)?;
+        memory.left.write_at(queue, counters.left as usize, &later)?;
+        counters.left += counters.later;
+        (counters.later, counters.beyond) = (0, 0);
+        Ok(())
     }
 
     /// Runs over the given cells, batch by batch.

@@ -5,7 +5,7 @@ use super::*;
 use crate::PowerDiagram;
 use crate::cell::far::{asked_at, least_at};
 use crate::cell::search_store::{NO_SITE, SearchStore};
-use crate::cell::{PlainStore, Polytope as _};
+use crate::cell::{CellSums, PlainStore, Polytope as _};
 
 /// Points that fill the unit cube with no pattern.
 fn point(i: usize) -> [f64; 3] {
@@ -214,6 +214,41 @@ fn cells_of_a_row_are_what_they_are_alone() {
         }
         assert!(4 * opened[1] < 3 * opened[0], "{opened:?}");
     }
+}
+
+/// In a domain, where weights are at random, and of sites on a surface, whose cells reach far, cells of a row are what they are alone.
+#[test]
+fn cells_of_a_row_in_a_domain_are_what_they_are_alone() {
+    let ball = crate::shapes::icosphere(2)
+        .transformed(glam::DMat3::from_diagonal(glam::DVec3::splat(0.4)), glam::DVec3::splat(0.5));
+    let domain = ball.domain();
+    let wavy = |[x, y, _]: [f64; 3]| [x, y, 0.5 + 0.1 * (7.0 * x).sin() * (5.0 * y).cos()];
+    let mut far = 0;
+    for (is_on_a_surface, weight) in [(false, 0.03), (true, 1e-3)] {
+        let place = |p| if is_on_a_surface { wavy(p) } else { p };
+        let places: Vec<[f64; 3]> = (0..3000).map(point).map(place).collect();
+        let weights: Vec<f64> = places.iter().map(|p| weight * (1e5 * p[1]).fract()).collect();
+        let prepared = PowerDiagram::new(&places, &weights).unwrap().restricted_to(&domain).prepare().unwrap();
+        let (mut alone, mut row) = (Search::new(&prepared), Search::new(&prepared));
+        row.begin_row();
+        for site in 0..3000 {
+            let [x, y, z, _] = prepared.sites.site(site);
+            let [one, other] = [&mut alone, &mut row].map(|search| {
+                let mut store = PlainStore::new([x, y, z], prepared.domain_grid());
+                let outcome = search.complete(&mut store, site, None);
+                let mut sums = CellSums::default();
+                let status = match outcome.status {
+                    cell::COMPLETE => cell::integrate_cell(&mut store, 0, 0, &mut sums),
+                    other => other,
+                };
+                far += usize::from(outcome.opened > 0);
+                (status, sums.volume)
+            });
+            assert_eq!(one.0, other.0, "{site}");
+            assert!((one.1 - other.1).abs() < 1e-15, "{site}: {one:?}, {other:?}");
+        }
+    }
+    assert!(far > 1000, "{far}");
 }
 
 /// Where one site in fifty is heavy, what is known of the nodes that hold one says little: more leaves are found, until the first chunk proves something for all cells of a group

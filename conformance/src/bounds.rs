@@ -78,6 +78,8 @@ pub struct Bounds<'a> {
     output: &'a Output,
     /// The facets of each cell.
     rows: Vec<Vec<Facet>>,
+    /// The facets that others have with each cell: their sites and areas.
+    seen: Vec<Vec<(usize, f64)>>,
     /// For each site its reach D.
     reach: Vec<f64>,
     /// For each site how far its planes and vertices may be off.
@@ -104,6 +106,10 @@ impl<'a> Bounds<'a> {
                 ROUNDINGS * U * reach[i] * closeness
             })
             .collect();
+        let mut seen = vec![Vec::new(); scene.len()];
+        for (k, row) in rows.iter().enumerate() {
+            row.iter().for_each(|f| seen[f.neighbor].push((k, f.area)));
+        }
         let areas: Vec<f64> = rows.iter().flatten().map(|f| f.area).collect();
         Self {
             condition: vec![OnceCell::new(); scene.len()],
@@ -112,6 +118,7 @@ impl<'a> Bounds<'a> {
             mean_volume: scene.room.volume() / scene.len() as f64,
             mean_area: areas.iter().sum::<f64>() / areas.len().max(1) as f64,
             rows,
+            seen,
             scene,
             output,
             of_digits: 1.0,
@@ -318,8 +325,8 @@ fn condition(bounds: &Bounds, i: usize) -> f64 {
     let mut worst = (surface * reach / volume.abs()).max(1.0);
     // Neighbours and areas, as either side sees them.
     let mut seen: BTreeMap<usize, f64> = rows[i].iter().map(|f| (f.neighbor, f.area)).collect();
-    for (k, row) in rows.iter().enumerate() {
-        row.iter().filter(|f| f.neighbor == i).for_each(|f| _ = seen.entry(k).or_insert(f.area));
+    for &(k, area) in &bounds.seen[i] {
+        seen.entry(k).or_insert(area);
     }
     let normals: Vec<DVec3> = seen.keys().map(|&j| (scene.site(j) - scene.site(i)).normalize()).collect();
     for (k, a) in normals.iter().enumerate() {

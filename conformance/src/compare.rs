@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
-use laguerre_core::{Facets, Output};
+use laguerre_core::{Boundary, Facets, Output};
 
 use crate::bounds::{Bounds, CLOSURE, FACET, FLAT, Planes};
 use crate::scene::{Facet, rows};
@@ -33,35 +33,33 @@ pub fn same_cells(scene: &Scene, reference: &Output, other: &Output, planes: Pla
 /// The first cell that differs by more than its bound.
 pub fn same_within(bounds: &Bounds<'_>, scene: &Scene, reference: &Output, other: &Output, cells: &[usize]) -> Verdict {
     let (rows, other_rows) = (rows(reference), rows(other));
+    let has_facets = reference.facets().is_some() && other.facets().is_some();
     for &i in cells {
         same_moments(reference, other, i, bounds)?;
         // A cell that one of the two calls empty, while its volume is within its rounding.
         let empty = reference.status()[i] != other.status()[i];
         let nothing = if empty { bounds.facet_of_empty(i) } else { 0.0 };
-        let mut open = false;
-        if reference.facets().is_some() && other.facets().is_some() {
-            for (j, [a, b]) in pairs(&rows[i], &other_rows[i]) {
-                if undecided(scene, i, j, bounds) {
-                    open = true;
-                    continue;
-                }
-                let bound = bounds.area(i).max(bounds.area(j)).max(nothing);
-                same_facet(a, b, bound, scene.site(i), bounds.reach(i))
-                    .map_err(|reason| format!("facet {i}-{j}: {reason}"))?;
+        // (What rounding alone decides is looked for where two answers differ: it takes a look at all sites.)
+        let pairs = if has_facets { pairs(&rows[i], &other_rows[i]) } else { BTreeMap::new() };
+        for (&j, &[a, b]) in &pairs {
+            let bound = bounds.area(i).max(bounds.area(j)).max(nothing);
+            let verdict = same_facet(a, b, bound, scene.site(i), bounds.reach(i));
+            if let Err(reason) = verdict
+                && !undecided(scene, i, j, bounds)
+            {
+                return Err(format!("facet {i}-{j}: {reason}"));
             }
         }
-        if let (Some(a), Some(b), false) = (reference.boundary(), other.boundary(), open) {
-            let (a, b) = (a[i], b[i]);
-            let bound = bounds.area(i).max(nothing) + CLOSURE * a.area;
-            let vector = DVec3::from(a.vector_area).distance(DVec3::from(b.vector_area));
-            let moment = a.area.min(b.area) * DVec3::from(a.barycenter).distance(DVec3::from(b.barycenter));
-            let off = (a.area - b.area).abs().max(vector);
+        if let (Some(a), Some(b)) = (reference.boundary(), other.boundary()) {
+            let bound = bounds.area(i).max(nothing) + CLOSURE * a[i].area;
             // (One that is called empty takes its boundary with it.)
-            let missing = if empty && off > bound { scene.surface_in_cell(i) } else { 0.0 };
-            let bound = bound + missing;
-            ensure!(off <= bound, "site {i}: boundary {a:?} and {b:?} differ by more than {bound:e}");
-            let (off, bound) = (moment.max((a.flux - b.flux).abs()), bound * bounds.reach(i));
-            ensure!(off <= bound, "site {i}: boundary {a:?} and {b:?} differ by more than {bound:e} in moment or flux");
+            let missing = || if empty { scene.surface_in_cell(i) } else { 0.0 };
+            let verdict = same_boundary(a[i], b[i], bound, bounds.reach(i), missing);
+            if let Err(reason) = verdict
+                && !pairs.keys().any(|&j| undecided(scene, i, j, bounds))
+            {
+                return Err(format!("site {i}: {reason}"));
+            }
         }
         if let (Some(a), Some(b)) = (reference.second_moment(), other.second_moment()) {
             // About the site: where negative volumes cancel most of a cell, its barycenter is anywhere, and the rounding of the volume counts with the
@@ -153,6 +151,19 @@ pub fn same_facet(a: Option<Facet>, b: Option<Facet>, bound: f64, site: DVec3, r
         let off = (a.distance - b.distance).abs();
         ensure!(off <= FACET * reach, "distances {} and {}", a.distance, b.distance);
     }
+    Ok(())
+}
+
+/// Holds two views of a cell's boundary against each other: areas and vector areas within `bound`, and where they are not, with what may be `missing`; first
+/// moments and fluxes within that times `reach`.
+fn same_boundary(a: Boundary, b: Boundary, bound: f64, reach: f64, missing: impl FnOnce() -> f64) -> Verdict {
+    let vector = DVec3::from(a.vector_area).distance(DVec3::from(b.vector_area));
+    let moment = a.area.min(b.area) * DVec3::from(a.barycenter).distance(DVec3::from(b.barycenter));
+    let off = (a.area - b.area).abs().max(vector);
+    let bound = if off > bound { bound + missing() } else { bound };
+    ensure!(off <= bound, "boundary {a:?} and {b:?} differ by more than {bound:e}");
+    let (off, bound) = (moment.max((a.flux - b.flux).abs()), bound * reach);
+    ensure!(off <= bound, "boundary {a:?} and {b:?} differ by more than {bound:e} in moment or flux");
     Ok(())
 }
 

@@ -17,10 +17,12 @@ pub fn mutual(backend: &dyn Backend, case: &Case) -> Verdict {
     for (i, row) in rows.iter().enumerate() {
         for &(j, moment) in row {
             let Some(&(_, back)) = rows[j].iter().find(|(k, _)| *k == i) else { continue };
-            if !undecided(&scene, i, j, &bounds) {
-                let reach = bounds.reach(i).max(bounds.reach(j));
-                let bound = bounds.area(i).max(bounds.area(j)) * reach * reach;
-                same(moment, back, bound).map_err(|reason| format!("facets {i}-{j} and {j}-{i}: {reason}"))?;
+            let reach = bounds.reach(i).max(bounds.reach(j));
+            let bound = bounds.area(i).max(bounds.area(j)) * reach * reach;
+            if let Err(reason) = same(moment, back, bound)
+                && !undecided(&scene, i, j, &bounds)
+            {
+                return Err(format!("facets {i}-{j} and {j}-{i}: {reason}"));
             }
         }
     }
@@ -36,9 +38,11 @@ pub fn like_the_oracle(backend: &dyn Backend, case: &Case) -> Verdict {
     for (i, row) in rows.iter().enumerate() {
         for &(j, moment) in row {
             let Some(&(_, there)) = wanted[i].iter().find(|(k, _)| *k == j) else { continue };
-            if !undecided(&scene, i, j, &bounds) {
-                let bound = bounds.area(i).max(bounds.area(j)) * bounds.reach(i).powi(2);
-                same(moment, there, bound).map_err(|reason| format!("facet {i}-{j}: {reason}"))?;
+            let bound = bounds.area(i).max(bounds.area(j)) * bounds.reach(i).powi(2);
+            if let Err(reason) = same(moment, there, bound)
+                && !undecided(&scene, i, j, &bounds)
+            {
+                return Err(format!("facet {i}-{j}: {reason}"));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The backend: passes over chunks of sites in grid order.
 
 use crate::store::CpuStore;
-use laguerre_core::assemble::{Assembler, CellRecord, FacetRecords};
+use laguerre_core::assemble::{Assembler, CellRecord, FinishedCells};
 use laguerre_core::backend::MOST_THREADS;
 use laguerre_core::cell::{self, CellSums, v3};
 use laguerre_core::diagram::Prepared;
@@ -44,13 +44,8 @@ pub struct Cpu {
 /// What one chunk of cells yields.
 #[derive(Default)]
 struct ChunkResult {
-    cells: Vec<CellRecord>,
-    facets: FacetRecords,
-    /// Number of facets of each cell.
-    facet_counts: Vec<u32>,
+    finished: FinishedCells,
     shapes: Shapes,
-    /// Of a function of several columns: of each but the first the integral over each cell.
-    columns: Vec<Vec<f64>>,
     failed: Vec<u32>,
     exact_cells: usize,
     visited: u32,
@@ -139,7 +134,7 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
 /// the host. None depends on which others are among them.
 ///
 /// # Errors
-/// `Input` where a function cannot be integrated, `Undecided` where a cell is, and what the observer says.
+/// `Input` where a function cannot be integrated, `Device` where a cell cannot be decided, and what the observer says.
 pub fn compute_cells(
     prepared: &Prepared,
     request: &Watched<'_>,
@@ -174,17 +169,16 @@ fn run(
                 || run_chunks(pass, wave),
                 || geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes))),
             );
+            let mut finished = Vec::new();
             for result in results? {
-                assembler.add(&result.cells, result.facets, &result.facet_counts);
-                for (column, integrals) in result.columns.iter().enumerate() {
-                    assembler.add_column(column + 1, &result.cells, integrals);
-                }
+                finished.push(result.finished);
                 shapes.push(result.shapes);
                 outcome.failed.extend(result.failed);
                 outcome.neighbors = outcome.neighbors.max(result.visited);
                 outcome.triangles = outcome.triangles.max(result.triangles);
                 exact_cells += result.exact_cells;
             }
+            assembler.add(finished);
         }
         geometry.iter_mut().for_each(|geometry| shapes.drain(..).for_each(|shapes| geometry.add(&shapes)));
         Ok(outcome)
@@ -204,7 +198,7 @@ fn run_chunks(pass: Pass<'_>, cells: &[u32]) -> Result<Vec<ChunkResult>> {
             || Worker::new(pass),
             |worker, chunk| {
                 let result = run_chunk(worker, chunk, pass)?;
-                request.advance(result.cells.len())?;
+                request.advance(result.finished.cells.len())?;
                 Ok(result)
             },
         )
@@ -225,9 +219,9 @@ fn run_batch(pass: Pass<'_>, cells: &[u32]) -> Result<ChunkResult> {
     let mut result = run()?;
     for column in 1..request.integral().map_or(1, Integrand::columns) {
         tape.turn_to(column);
-        result.columns.push(run()?.cells.iter().map(|cell| cell.sums.integral).collect());
+        result.finished.columns.push(run()?.finished.cells.iter().map(|cell| cell.sums.integral).collect());
     }
-    request.advance(result.cells.len())?;
+    request.advance(result.finished.cells.len())?;
     Ok(result)
 }
 
@@ -240,7 +234,7 @@ fn run_chunk(worker: &mut Worker<'_>, cells: &[u32], pass: Pass<'_>) -> Result<C
         run_cell(worker, site, pass, &mut result)?;
     }
     // (They stay until all cells are computed.)
-    result.facets.shrink();
+    result.finished.facets.shrink();
     Ok(result)
 }
 
@@ -280,13 +274,14 @@ fn run_cell(
         }
     }
     result.exact_cells += usize::from(store.exact);
-    result.cells.push(CellRecord { site: order[site as usize], status, sums });
+    result.finished.cells.push(CellRecord { site: order[site as usize], status, sums });
     if request.needs_facets() {
-        let before = result.facets.records.len();
+        let FinishedCells { facets, facet_counts, .. } = &mut result.finished;
+        let before = facets.records.len();
         if status != CellStatus::Empty {
-            result.facets.collect(store, flags, order);
+            facets.collect(store, flags, order);
         }
-        result.facet_counts.push((result.facets.records.len() - before) as u32);
+        facet_counts.push((facets.records.len() - before) as u32);
     }
     Ok(())
 }

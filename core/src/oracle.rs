@@ -1,7 +1,7 @@
 //! The naive oracle: every site clips every cell, in sorted order, with no grid and no early stop. It shares the clipping
 //! with the backends, so it tests completeness; what tests the clipping is what shares nothing with it.
 
-use crate::assemble::{Assembler, CellRecord, FacetRecords};
+use crate::assemble::{Assembler, CellRecord, FinishedCells};
 use crate::backend::{Backend, BackendInfo, Observer, Watched};
 use crate::cell::{self, CellSums, PlainStore, bisector, v3};
 use crate::geometry::{GeometryAssembler, Shaper, Shapes};
@@ -36,6 +36,7 @@ impl Backend for Naive {
         let mut geometry = request
             .geometry()
             .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
+        let mut finished = FinishedCells::default();
         let mut shaper = Shaper::new(request.solids());
         let sites: Vec<[f64; 4]> = prepared.sites.sites().collect();
         for (i, &[x, y, z, w]) in sites.iter().enumerate() {
@@ -60,12 +61,12 @@ impl Backend for Naive {
                 cell::EMPTY => CellStatus::Empty,
                 other => return Err(Error::new(ErrorKind::Device, format!("cell {i} ended with status {other}"))),
             };
-            let mut facets = FacetRecords::default();
+            finished.cells.push(CellRecord { site, status, sums });
             if request.needs_facets() {
-                facets.collect(&store, flags, prepared.sites.order());
+                let before = finished.facets.records.len();
+                finished.facets.collect(&store, flags, prepared.sites.order());
+                finished.facet_counts.push((finished.facets.records.len() - before) as u32);
             }
-            let count = facets.records.len() as u32;
-            assembler.add(&[CellRecord { site, status, sums }], facets, &[count]);
             if let Some(geometry) = geometry.as_mut().filter(|_| status != CellStatus::Empty) {
                 let mut shapes = Shapes::default();
                 let (order, frame) = (prepared.sites.order(), &prepared.container.frame);
@@ -80,6 +81,7 @@ impl Backend for Naive {
             }
             watched.advance(1)?;
         }
+        assembler.add(vec![finished]);
         assembler.finish(
             prepared.sites.order(),
             Report::default(),

@@ -1,11 +1,11 @@
 //! Facets: what is known of each when its cell is finished, and all of them in order.
 
 use super::units::Units;
-use super::{CellRecord, facet_second_unit};
+use super::{Turn, facet_second_unit, share, share_of, within};
+use crate::FacetArrays;
 use crate::cell::{CellStore, FACET_AREAS, FACET_SECOND_MOMENTS, FacetSecond, TAG_BOX, facet_is_above_bound, v3};
 use crate::parallel;
 use crate::summation::CHUNK;
-use crate::{CellStatus, FacetArrays};
 use std::ops::Range;
 
 /// One facet of a finished cell, in the frame of its site. Devices write the same. (16 bytes: with its moment, which the Laplacian has no use for, it took
@@ -109,20 +109,21 @@ pub(super) struct AddedFacets {
 }
 
 impl AddedFacets {
-    /// Adds those of cells of some of so many sites, one cell after the other: `counts[k]` of cell k.
-    pub(super) fn add(&mut self, sites: usize, cells: &[CellRecord], facets: FacetRecords, counts: &[u32]) {
+    /// Adds those of some tasks' cells, of some of so many sites.
+    pub(super) fn add(&mut self, sites: usize, parts: impl Iterator<Item = FacetRecords>, turns: &[Vec<Turn>]) {
         if self.places.is_empty() {
             self.places = parallel::map(sites, CHUNK, |_| Place::default());
         }
-        let (part, mut begin) = (self.parts.len() as u32, 0);
-        for (cell, &count) in cells.iter().zip(counts) {
-            let place = self.places.get_mut(cell.site as usize);
-            if let Some(place) = place.filter(|_| cell.status != CellStatus::Empty) {
-                *place = Place { part, begin, count };
+        let before = self.parts.len();
+        parallel::each(self.places.chunks_mut(share_of(sites)), |k, places| {
+            let sites = share(sites, k);
+            for (part, turns) in (before as u32..).zip(turns) {
+                for &Turn { site, begin, count, .. } in within(turns, &sites) {
+                    places[site as usize - sites.start] = Place { part, begin, count };
+                }
             }
-            begin += count;
-        }
-        self.parts.push(facets);
+        });
+        self.parts.extend(parts);
     }
 
     /// Those of site `i`.

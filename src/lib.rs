@@ -75,7 +75,8 @@ pub enum Selection {
 /// Opens a backend.
 ///
 /// # Errors
-/// `Unavailable` where the backend was not built or has no device.
+/// `Unavailable` where the backend was not built or has no device; `Input` for a number of threads that cannot be; `Device` where threads or a device
+/// cannot be started.
 pub fn open(selection: Selection) -> Result<Box<dyn Backend>> {
     match selection {
         Selection::Auto => auto::open(),

@@ -49,7 +49,8 @@ pub(crate) fn run(args: &IntegrateArgs) -> Result<Outcome> {
     let request = if has_solids { request.with_solids() } else { request };
     let request = args.epsilon.into_iter().fold(request, Request::with_epsilon);
     let start = Instant::now();
-    // What is wrong with valid input only now is a site out of the container's range.
+    request.check(&diagram)?;
+    // What is wrong with valid input only now: a site out of the container's range, or too many for the memory.
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let output = evaluate(backend.as_ref(), &diagram, &request).map_err(of_sites)?;
     seconds.compute = start.elapsed().as_secs_f64();

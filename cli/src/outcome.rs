@@ -51,8 +51,12 @@ pub(crate) fn exit_code(result: Result<Outcome>) -> ExitCode {
 fn options_for(error: &Error) -> String {
     // What a file is called is no advice.
     let message = if error.place().file.is_none() { error.to_string() } else { String::new() };
-    let options =
-        [("compute in f32", "--precision f32"), ("integrals in f64", "--precision f64"), ("the CPU", "--backend cpu")];
+    let options = [
+        ("compute in f32", "--precision f32"),
+        ("integrals in f64", "--precision f64"),
+        ("the CPU", "--backend cpu"),
+        ("have them normalized", "--normalize"),
+    ];
     let given: Vec<&str> = options.iter().filter(|(advice, _)| message.contains(advice)).map(|o| o.1).collect();
     if given.is_empty() { String::new() } else { format!(" ({})", given.join(", ")) }
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::args::{Corners, Distribution, SampleArgs, Spread};
 use crate::container::Container;
 use crate::evaluate::open_for_samples;
-use crate::files::share_standard_output;
+use crate::files::{refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, note, print_json};
 use crate::solver::WithBar;
 use crate::uneven::{Cloud, Uneven};
@@ -61,6 +61,7 @@ impl Report {
 
 pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
     io::check_output(&args.output, SITES_ENDINGS)?;
+    refuse_inputs(&args.output, &[args.container.file()])?;
     share_standard_output([&args.output], args.json)?;
     let distribution = match args.distribution {
         Spread::Filling(distribution) => distribution,
@@ -155,7 +156,10 @@ impl<'a> Sampler<'a> {
     /// About `count` sites.
     pub(crate) fn sample(&mut self, distribution: Distribution, count: u32) -> Result<Vec<[f64; 3]>> {
         if f64::from(count) / self.share_inside() > MOST_TRIES {
-            return Err(Error::input("the domain fills too little of its box to find so many sites inside it"));
+            return Err(Error::input(format!(
+                "--inside: the domain fills {:.0e} of its box, too little to find {count} sites in it: ask for fewer, or leave --inside out",
+                self.share_inside()
+            )));
         }
         match distribution {
             Distribution::White => self.white(count),
@@ -226,7 +230,9 @@ impl<'a> Sampler<'a> {
         let width: [f64; 3] =
             std::array::from_fn(|k| ((self.corners.hi[k] / quantum - origin[k]) / f64::from(TILES)).floor());
         if width.iter().any(|&w| w < 2.0) {
-            return Err(Error::input("the box is too flat to mirror a tile in: sites could not be told apart"));
+            return Err(Error::input(
+                "the box is too flat to mirror a tile in, sites could not be told apart: give a box that is less flat, or another distribution",
+            ));
         }
         let tile = Corners { lo: [0.0; 3], hi: width.map(|w| w * quantum) };
         let seed = self.random.next_u64();

@@ -87,6 +87,9 @@ fn share(sites: usize, k: usize) -> Range<usize> {
     k * length..((k + 1) * length).min(sites)
 }
 
+/// Takes a cell: its site, how it ended, and its sums.
+type SetCell<'s> = &'s mut dyn FnMut(usize, CellStatus, &CellSums);
+
 /// Collects finished cells into an [`Output`].
 #[derive(Debug)]
 pub struct Assembler<'a> {
@@ -198,7 +201,7 @@ impl<'a> Assembler<'a> {
     }
 
     /// Sets what `finished` tells of some sites: which of them have cells, how those ended, and their sums.
-    fn set_all(&mut self, finished: &(dyn Fn(Range<usize>, &mut dyn FnMut(usize, CellStatus, &CellSums)) + Sync)) {
+    fn set_all(&mut self, finished: &(dyn Fn(Range<usize>, SetCell<'_>) + Sync)) {
         let Self { positions, units, output, boundary, .. } = self;
         let (positions, units, length) = (*positions, *units, share_of(self.positions.len()));
         let each = |k: usize, set: &mut dyn FnMut(usize, usize, CellStatus, &CellSums)| {

@@ -13,7 +13,7 @@ pub const MOST_THREADS: usize = 4096;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Capabilities {
-    /// Facets, second moments of cells and facets, and integrals of polynomials.
+    /// Facets, Laplacians, second moments of cells and facets, and integrals of polynomials.
     pub further: bool,
     /// Integrals of functions of the caller's.
     pub functions: bool,
@@ -167,7 +167,7 @@ pub enum Precision {
     /// 64 bits.
     #[default]
     F64,
-    /// 32 bits: volumes and barycenters alone, each volume within 2⁻¹⁰ of itself by its own bound. No cell is lost: what that leaves
+    /// 32 bits: volumes, barycenters and geometry alone, or, where lanes share a cell, a first try of those cells; each volume within 2⁻¹⁰ of itself by its own bound. No cell is lost: what that leaves
     /// open, the host computes with 64.
     F32,
 }
@@ -214,7 +214,7 @@ impl DeviceInfo {
 /// *What the caller has already checked.* A [`PowerDiagram`] and its domain exist only validated: sites are finite, the
 /// domain closed and oriented. The implementation takes the sites from
 /// [`PowerDiagram::prepare`](crate::diagram::PowerDiagram::prepare), which sorts them, sets coincident ones aside and
-/// moves everything into the internal frame.
+/// moves everything into the internal frame, or does that itself.
 ///
 /// *What the implementation owes.* Every cell of the output is `Complete` or `Empty`, each by proof; `Uncertified` occurs only
 /// where the request's `epsilon` ended the search. Per-cell trouble (a capacity that was too small, a sign that floating
@@ -222,8 +222,8 @@ impl DeviceInfo {
 /// storage, scheduling and transfer, and never restates it. The output does not depend on the number of threads,
 /// nor on what was evaluated before.
 ///
-/// *Which errors can reach the caller.* `Input`, only from `prepare` (sites out of range of the domain), for what is not among the backend's
-/// [`Capabilities`], and for an integral that is not finite; `Device` for device, driver and memory; `Interrupted` where the observer ends the
+/// *Which errors can reach the caller.* `Input`, only for sites out of range of the domain, for what cannot be asked for together
+/// ([`Request::check`]) or is not among the backend's [`Capabilities`], and for an integral that is not finite; `Device` for device, driver and memory; `Interrupted` where the observer ends the
 /// evaluation. Never a partial result passed as whole.
 ///
 /// *To watch a solver*, give it a backend that wraps another one and adds an observer to each evaluation. Where that ends one, the solver ends

@@ -161,7 +161,7 @@ impl Domain {
         &self.inner.frame
     }
 
-    /// Volume of the grid for so many sites (length³): all that cells have in it is integrated.
+    /// Volume of the grid for so many sites (length³): all that cells have in it is integrated. (Its first call for such a number builds the grid, as an evaluation does, which is kept.)
     pub fn grid_volume(&self, sites: usize) -> f64 {
         let grid = self.grid(sites);
         grid.dims().iter().map(|&n| f64::from(n) * grid.voxel_width() * self.inner.frame.unit()).product()

@@ -118,7 +118,8 @@ impl DomainGrid {
     }
 
     /// The triangles whose bounding box meets the voxel, in ascending order.
-    pub fn triangles_in(&self, voxel: [u32; 3]) -> &[u32] {
+    #[cfg(test)]
+    fn triangles_in(&self, voxel: [u32; 3]) -> &[u32] {
         let i = self.voxel_index(voxel);
         &self.entries[self.offsets[i] as usize..self.offsets[i + 1] as usize]
     }

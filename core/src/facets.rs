@@ -12,9 +12,9 @@ pub struct Boundary {
     pub area: f64,
     /// Barycenter; zero where the area is zero.
     pub barycenter: [f64; 3],
-    /// ∫ n dA, `n` the outward unit normal of the domain.
+    /// ∫ n dA (length²), `n` the outward unit normal of the domain.
     pub vector_area: [f64; 3],
-    /// ∫ n·(x − p) dA, `p` the cell's site: three times the part of the volume that the boundary closes.
+    /// ∫ n·(x − p) dA (length³), `p` the cell's site: three times the part of the volume that the boundary closes.
     pub flux: f64,
 }
 
@@ -30,7 +30,7 @@ pub struct Facet {
     pub area: f64,
     /// Barycenter of what is within the domain.
     pub barycenter: [f64; 3],
-    /// Distance between the two sites.
+    /// Distance between the two sites (length).
     pub distance: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct FacetArrays {
     pub area: Vec<f64>,
     /// Barycenter of the facet within the domain.
     pub barycenter: Vec<[f64; 3]>,
-    /// Distance between the two sites.
+    /// Distance between the two sites (length).
     pub distance: Vec<f64>,
     /// Where requested: ∫ (x − b)(x − b)ᵀ dA about each facet's own barycenter `b`, as xx, yy, zz, xy, xz, yz (length⁴).
     pub second_moment: Option<Vec<[f64; 6]>>,
@@ -171,7 +171,7 @@ impl Facets {
         &self.0.barycenter
     }
 
-    /// Distance between the two sites of each facet.
+    /// Distance between the two sites of each facet (length).
     pub fn distance(&self) -> &[f64] {
         &self.0.distance
     }

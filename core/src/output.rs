@@ -13,7 +13,7 @@ pub enum CellStatus {
     Complete,
     /// The cell is empty, by proof, or its volume is below its own rounding bound.
     Empty,
-    /// The search was ended by `Request::epsilon` before completeness was proved; the cell may be too large.
+    /// The search was ended by [`Request::with_epsilon`](crate::Request::with_epsilon) before completeness was proved; the cell may be too large.
     Uncertified,
 }
 

@@ -39,13 +39,13 @@ use warm::Moved;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
-    /// `ε`, the time scale of the springs: small is stiff.
+    /// `ε`, the time scale of the springs (time): small is stiff.
     pub epsilon: f64,
     /// Kinematic viscosity `ν` (length²/time) of fluid of the mean density; 0 for none.
     pub viscosity: f64,
     /// Gravity.
     pub gravity: Gravity,
-    /// The time step; `None` for one that follows the springs and the fastest particle.
+    /// The time step (time); `None` for one that follows the springs and the fastest particle.
     pub time_step: Option<f64>,
 }
 
@@ -64,7 +64,7 @@ pub struct Gravity {
     pub steady: [f64; 3],
     /// The one at the top of a shake; zero for none.
     pub shake: [f64; 3],
-    /// How long one swing to and fro takes.
+    /// How long one swing to and fro takes (time).
     pub period: f64,
     /// Number of swings, from time 0.
     pub swings: f64,
@@ -93,13 +93,13 @@ pub struct State {
     pub velocities: Vec<[f64; 3]>,
     /// Densities `ρ_i`.
     pub densities: Vec<f64>,
-    /// Weights of the cells of equal volume.
+    /// Weights of the cells of equal volume (length²).
     pub weights: Vec<f64>,
     /// How fast the weights changed in the last step (length²/time).
     pub weight_rates: Vec<f64>,
-    /// The Hamiltonian at the start.
+    /// The Hamiltonian at the start (mass·length²/time²).
     pub hamiltonian_at_start: f64,
-    /// Energy that gravity's change brought in, less what viscosity took out: what the Hamiltonian may differ by from its start.
+    /// Energy that gravity's change brought in, less what viscosity took out (mass·length²/time²): what the Hamiltonian may differ by from its start.
     pub brought_in: f64,
 }
 
@@ -332,7 +332,7 @@ impl Fluid {
         }
     }
 
-    /// How far the Hamiltonian is from what it was at the start, less what came in and went out.
+    /// How far the Hamiltonian is from what it was at the start, less what came in and went out (mass·length²/time²).
     pub fn drift(&self) -> f64 {
         self.energy().total() - self.state.hamiltonian_at_start - self.state.brought_in
     }

@@ -121,7 +121,7 @@ impl Options {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Iteration {
-    /// Number of the step, from 1.
+    /// 0 for the start, then the number of the step.
     pub number: usize,
     /// Largest `|mass_i / target_i − 1|` after it.
     pub residual: f64,

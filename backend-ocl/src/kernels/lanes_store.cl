@@ -77,7 +77,7 @@
 // flight 2.)
 #define SWEPT_P 40u
 // Room of a cell, of which many are to fit into local memory; WITH_ROOM that of the few that need more, in local memory (1) and in global (2).
-// What needs still more is left to the kernel that computes a cell with one work-item. (Of each directed edge the vertex is kept.)
+// What needs still more is the host's. (Of each directed edge the vertex is kept.)
 #if WITH_ROOM == 2
 #define LANES_P 512u
 #define LANES_V 1024u

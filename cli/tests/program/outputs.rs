@@ -107,6 +107,11 @@ fn what_is_read_is_not_written_over() {
         fails(folder, 2, &["integrate", "sites.npy", "--weights", "w.csv", "--facets", "w.csv"]),
         refused("w.csv")
     );
+    fs::write(folder.join("mesh.ply"), "").unwrap();
+    assert_eq!(
+        fails(folder, 2, &["sample", "white", "9", "--domain", "mesh.ply", "-o", "mesh.ply"]),
+        refused("mesh.ply")
+    );
 }
 
 /// A limit on the size of files is a disk that fills at that place.

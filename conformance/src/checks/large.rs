@@ -27,11 +27,14 @@ pub fn hiding_weights(backend: &dyn Backend) -> Verdict {
     Ok(())
 }
 
-/// 20,000 sites of which one has w = 0.09 L², 0.04 L² or 0.4 L²: where its cell ends is far from it, but in the second case few voxels of a site grid,
+/// Sites of which one is heavy: enough that its cell, where w = 0.09 L², has more than the 512 half-spaces that a device has room for.
+const AROUND_A_HEAVY_ONE: u32 = 12_000;
+
+/// Sites of which one has w = 0.09 L², 0.04 L² or 0.4 L²: where its cell ends is far from it, but in the second case few voxels of a site grid,
 /// and in the third half across. The oracle's answer in every 67th cell, in its own, and in its neighbours'.
 pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
     for share in [1.0, 4.0 / 9.0, 40.0 / 9.0] {
-        let mut scene = white(20_000, Weights::OneHeavy, Shape::Box);
+        let mut scene = white(AROUND_A_HEAVY_ONE, Weights::OneHeavy, Shape::Box);
         scene.weights.iter_mut().for_each(|w| *w *= share);
         let output = scene.with_facets(backend)?;
         let heavy = (0..scene.len()).find(|&i| scene.weight(i) > 0.0).unwrap_or_default();
@@ -45,7 +48,7 @@ pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
 
 /// The Laplacian where a cell has so many facets that a device leaves it to the host.
 pub fn heavy_laplacian(backend: &dyn Backend) -> Verdict {
-    let scene = white(20_000, Weights::OneHeavy, Shape::Box);
+    let scene = white(AROUND_A_HEAVY_ONE, Weights::OneHeavy, Shape::Box);
     let facets = scene.with_facets(backend)?.facets().cloned().unwrap_or_default();
     let most = (0..scene.len()).map(|i| facets.row(i).len()).max();
     ensure!(most > Some(512), "the largest cell has {most:?} facets");

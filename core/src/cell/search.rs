@@ -59,7 +59,7 @@ const MOST_SWEPT_SITES: u32 = 200;
 const SAFE: Real = 1.0 + (16.0 * UNIT_ROUNDOFF);
 
 /// The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
-const MOST_CURVATURE: Real = 0.96;
+pub(crate) const MOST_CURVATURE: Real = 0.96;
 
 /// From where a cell is searched: as weights lead to it, or as an octree over the container tells.
 #[repr(C)]

@@ -76,7 +76,7 @@ pub trait TableStore: SearchStore {
     fn place_in_voxel(&self) -> VoxelPlace;
     /// Voxels along a length of 1, rounded up.
     fn voxels_per_length(&self) -> Rough;
-    /// What sites in and within a ring about a block of leaves weigh at most, less the slope at its middle: see `largest_around`.
+    /// What sites in and within a ring about a block of leaves weigh at most, less the slope at its middle: see `around.rs`.
     fn largest_in_ring(&self, block: u32, ring: u32) -> Real;
     /// What they weigh so more than the cell's site, in squared voxels, rounded up, and 0 at least.
     fn excess_around(&self, ring: u32) -> Rough;

@@ -1,4 +1,4 @@
-//! Sites and weights: text (`.xyz`, `.txt`, `.csv`), NumPy's `.npy`, and the vertices of a `.ply`.
+//! Sites and weights: text (`.xyz`, `.txt`, `.csv`), NumPy's `.npy`, the vertices of a `.ply`, LAMMPS's dumps and VTK's points.
 
 use std::io::{self, BufRead, Write};
 use std::path::Path;

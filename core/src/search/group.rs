@@ -1,6 +1,7 @@
 //! The near phase: what the eight sites of a leaf have around them, nearest leaves first, looked up once for all of them.
 
 use super::{Reaches, larger, smaller};
+use crate::cell::search::MOST_CURVATURE;
 use crate::cell::{Real, V3};
 use crate::site_tree::{Boxes, SiteTree, WIDTH, WeightBounds};
 use pulp::{Arch, NullaryFnOnce};
@@ -21,9 +22,6 @@ const HIDING: Real = 0.5;
 
 /// The first candidates of the first chunk are about as near as this many nearest sites of the group's middle one.
 const NEAREST: usize = 24;
-
-/// The largest curvature of the weights that is reckoned with: of more, near neighbours hide a cell.
-const MOST_CURVATURE: Real = 0.96;
 
 /// `λ` (see `search`) where weights do not curve the way the distance does.
 const LAMBDA: Real = 0.5;

@@ -37,6 +37,11 @@ pub fn open(name: &str, threads: Option<usize>) -> Option<Result<Box<dyn Backend
     }
 }
 
+/// Whether the work-items that share a cell are a loop on a CPU, not optimised, where a site takes a millisecond: large inputs have fewer.
+pub(crate) fn are_lanes_emulated(backend: &dyn Backend) -> bool {
+    backend.info().backend == "ocl-lanes"
+}
+
 /// The backends that `LAGUERRE_REQUIRE` names, separated by commas.
 pub fn required() -> Vec<String> {
     let list = std::env::var("LAGUERRE_REQUIRE").unwrap_or_default();

@@ -7,6 +7,7 @@ use laguerre_core::oracle::Naive;
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Output, Request};
 
+use crate::backends::are_lanes_emulated;
 use crate::bounds::{Planes, SUM, of_digits};
 use crate::checks::facets::have_a_laplacian;
 use crate::compare::{same, same_cells};
@@ -27,14 +28,16 @@ pub fn hiding_weights(backend: &dyn Backend) -> Verdict {
     Ok(())
 }
 
-/// Sites of which one is heavy: enough that its cell, where w = 0.09 L², has more than the 512 half-spaces that a device has room for.
-const AROUND_A_HEAVY_ONE: u32 = 12_000;
+/// Sites of which one has w = 0.09 L²: enough that its cell has more than the 512 half-spaces that a device has room for.
+fn around_a_heavy_one(backend: &dyn Backend) -> Scene {
+    white(if are_lanes_emulated(backend) { 12_000 } else { 20_000 }, Weights::OneHeavy, Shape::Box)
+}
 
 /// Sites of which one has w = 0.09 L², 0.04 L² or 0.4 L²: where its cell ends is far from it, but in the second case few voxels of a site grid,
 /// and in the third half across. The oracle's answer in every 67th cell, in its own, and in its neighbours'.
 pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
     for share in [1.0, 4.0 / 9.0, 40.0 / 9.0] {
-        let mut scene = white(AROUND_A_HEAVY_ONE, Weights::OneHeavy, Shape::Box);
+        let mut scene = around_a_heavy_one(backend);
         scene.weights.iter_mut().for_each(|w| *w *= share);
         let output = scene.with_facets(backend)?;
         let heavy = (0..scene.len()).find(|&i| scene.weight(i) > 0.0).unwrap_or_default();
@@ -48,7 +51,7 @@ pub fn one_heavy_site(backend: &dyn Backend) -> Verdict {
 
 /// The Laplacian where a cell has so many facets that a device leaves it to the host.
 pub fn heavy_laplacian(backend: &dyn Backend) -> Verdict {
-    let scene = white(AROUND_A_HEAVY_ONE, Weights::OneHeavy, Shape::Box);
+    let scene = around_a_heavy_one(backend);
     let facets = scene.with_facets(backend)?.facets().cloned().unwrap_or_default();
     let most = (0..scene.len()).map(|i| facets.row(i).len()).max();
     ensure!(most > Some(512), "the largest cell has {most:?} facets");

@@ -4,30 +4,34 @@ use glam::{DMat3, DVec3};
 use laguerre_core::summation::Sum;
 use laguerre_core::{Backend, CellStatus, Request};
 
+use crate::backends::are_lanes_emulated;
 use crate::bounds::SUM;
 use crate::domains::Room;
 use crate::{Scene, Verdict};
 
-/// Sites along an edge of the large lattices. (Of 40 an edge, CI takes three minutes more.)
-const SIDE: usize = 30;
+/// Sites along an edge of the large lattices.
+fn side(backend: &dyn Backend) -> usize {
+    if are_lanes_emulated(backend) { 30 } else { 40 }
+}
 
-/// How much a lattice's volumes may differ, relative to a cell: a coordinate in the unit box is off by u, a cell 1/30 wide by
-/// 30 times that in each direction, in two faces: some 180 u, rounded up.
+/// How much a lattice's volumes may differ, relative to a cell: a coordinate in the unit box is off by u, a cell 1/40 wide by
+/// 40 times that in each direction, in two faces: some 240 u, rounded up.
 const EQUAL: f64 = 1e-13;
 
 /// A lattice in its box: all volumes are equal.
 pub fn equal_volumes(backend: &dyn Backend) -> Verdict {
-    let scene = Scene { positions: lattice([SIDE; 3]), weights: Vec::new(), room: unit_box() };
+    let side = side(backend);
+    let scene = Scene { positions: lattice([side; 3]), weights: Vec::new(), room: unit_box() };
     let output = scene.with_facets(backend)?;
     all_equal(output.volume())?;
     let facets = output.facets().map_or(0, |f| f.area().len());
-    ensure!(facets == 6 * SIDE * SIDE * (SIDE - 1), "{facets} facets, each cell has six but for those on the faces");
+    ensure!(facets == 6 * side * side * (side - 1), "{facets} facets, each cell has six but for those on the faces");
     Ok(())
 }
 
 /// The same, every site twice: the second ones are empty, the rest unchanged.
 pub fn duplicated(backend: &dyn Backend) -> Verdict {
-    let once = Scene { positions: lattice([SIDE; 3]), weights: Vec::new(), room: unit_box() };
+    let once = Scene { positions: lattice([side(backend); 3]), weights: Vec::new(), room: unit_box() };
     let mut twice = once.clone();
     twice.positions.extend_from_slice(&once.positions);
     let (single, double) =
@@ -48,7 +52,7 @@ pub fn turned(backend: &dyn Backend) -> Verdict {
     let turn = DMat3::from_axis_angle(DVec3::new(0.3, -1.0, 0.7).normalize(), 0.8);
     let middle = DVec3::splat(0.5);
     let go = |p: [f64; 3]| <[f64; 3]>::from(middle + turn * (DVec3::from(p) - middle));
-    let positions: Vec<[f64; 3]> = lattice([SIDE; 3]).into_iter().map(go).collect();
+    let positions: Vec<[f64; 3]> = lattice([side(backend); 3]).into_iter().map(go).collect();
     let resting = Scene { positions: positions.clone(), weights: Vec::new(), room: unit_box() };
     let turning = unit_box().mesh().transformed(turn, middle - turn * middle);
     let together = Scene { positions, weights: Vec::new(), room: Room::of(turning) };

@@ -274,15 +274,7 @@ fn run_cell(
         }
     }
     result.exact_cells += usize::from(store.exact);
-    result.finished.cells.push(CellRecord { site: order[site as usize], status, sums });
-    if request.needs_facets() {
-        let FinishedCells { facets, facet_counts, .. } = &mut result.finished;
-        let before = facets.records.len();
-        if status != CellStatus::Empty {
-            facets.collect(store, flags, order);
-        }
-        facet_counts.push((facets.records.len() - before) as u32);
-    }
+    result.finished.push(CellRecord { site: order[site as usize], status, sums }, store, flags, order);
     Ok(())
 }
 

@@ -5,7 +5,7 @@ mod units;
 
 use crate::PowerDiagram;
 use crate::algebra::Kept;
-use crate::cell::CellSums;
+use crate::cell::{CellStore, CellSums, FACETS};
 use crate::diagram::FramedContainer;
 use crate::frame::Frame;
 use crate::geometry::Geometry;
@@ -52,6 +52,18 @@ struct Turn {
 }
 
 impl FinishedCells {
+    /// Takes one more, and where `flags` ask for them its facets from where it lives; see [`FacetRecords::collect`].
+    pub fn push<S: CellStore>(&mut self, cell: CellRecord, store: &S, flags: u32, order: &[u32]) {
+        self.cells.push(cell);
+        if flags & FACETS != 0 {
+            let before = self.facets.records.len();
+            if cell.status != CellStatus::Empty {
+                self.facets.collect(store, flags, order);
+            }
+            self.facet_counts.push((self.facets.records.len() - before) as u32);
+        }
+    }
+
     /// Those that are not empty, by site.
     fn turns(&self) -> Vec<Turn> {
         let (mut turns, mut begin) = (Vec::with_capacity(self.cells.len()), 0);

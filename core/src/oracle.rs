@@ -61,12 +61,7 @@ impl Backend for Naive {
                 cell::EMPTY => CellStatus::Empty,
                 other => return Err(Error::new(ErrorKind::Device, format!("cell {i} ended with status {other}"))),
             };
-            finished.cells.push(CellRecord { site, status, sums });
-            if request.needs_facets() {
-                let before = finished.facets.records.len();
-                finished.facets.collect(&store, flags, prepared.sites.order());
-                finished.facet_counts.push((finished.facets.records.len() - before) as u32);
-            }
+            finished.push(CellRecord { site, status, sums }, &store, flags, prepared.sites.order());
             if let Some(geometry) = geometry.as_mut().filter(|_| status != CellStatus::Empty) {
                 let mut shapes = Shapes::default();
                 let (order, frame) = (prepared.sites.order(), &prepared.container.frame);

@@ -305,6 +305,7 @@ enum Flag {
     CellsOfGroup(u32),
     Teams(u32),
     Short(bool),
+    RollsAll(bool),
     /// What is asked for (`integrate_cell`), by parts.
     Facets(bool),
     FacetSecond(bool),
@@ -335,6 +336,7 @@ impl Flag {
             Self::CellsOfGroup(count) => ("CELLS", count.to_string()),
             Self::Teams(count) => ("TEAMS", format!("{count}u")),
             Self::Short(is_set) => set("SHORT", is_set),
+            Self::RollsAll(is_set) => set("ROLLS_ALL", is_set),
             Self::Facets(is_set) => set("WITH_FACETS", is_set),
             Self::FacetSecond(is_set) => set("WITH_FACET_SECOND", is_set),
             Self::Integral(is_set) => set("WITH_INTEGRAL", is_set),
@@ -384,11 +386,13 @@ impl Build {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
                         let Shape { cells, close, far, sweep, exact, surface, takes, room, teams, .. } = stage.shape();
+                        let short = stage.is_short(*asked) && *asked & !FACETS == 0;
                         // (What of facets is asked for may leave signs open: a cell is to end in the same stage whatever that is, and have the same bits.)
                         let exact = exact || (stage == Stage::Surface && *asked & FACETS != 0);
                         vec![
                             Flag::Single(stage == Stage::Single),
-                            Flag::Short(stage.is_short(*asked) && *asked & !FACETS == 0),
+                            Flag::Short(short),
+                            Flag::RollsAll(surface && *domain && !short),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Teams(lanes.teams(teams)),

@@ -20,16 +20,18 @@ typedef double4 real4;
 #define REAL(literal) literal
 #endif
 
-// A loop that is not to be unrolled where many work-items wait for the same instructions.
-#if LANES > 1
-#define ROLLED _Pragma("unroll 1")
-#else
-#define ROLLED
-#endif
-// One over numbers that have to stay in registers.
+// A loop that is not to be unrolled where many work-items wait for the same instructions; and one over numbers that have to stay in registers. In builds that ask for ROLLS_ALL no loop is unrolled: those whose
+// text has all there is, and is what a first call ever waits for (figures in README.md).
 #if LANES == 1
+#define ROLLED
 #define UNROLLED
+#elif ROLLS_ALL
+#define ROLLED
+#define UNROLLED
+#define for _Pragma("unroll 1") for
+#define while _Pragma("unroll 1") while
 #else
+#define ROLLED _Pragma("unroll 1")
 #define UNROLLED _Pragma("unroll")
 #endif
 

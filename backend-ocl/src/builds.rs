@@ -386,13 +386,12 @@ impl Build {
                     Way::Alone(room) => room_of(&room),
                     Way::Together(lanes, stage) => {
                         let Shape { cells, close, far, sweep, exact, surface, takes, room, teams, .. } = stage.shape();
-                        let short = stage.is_short(*asked) && *asked & !FACETS == 0;
                         // (What of facets is asked for may leave signs open: a cell is to end in the same stage whatever that is, and have the same bits.)
                         let exact = exact || (stage == Stage::Surface && *asked & FACETS != 0);
                         vec![
                             Flag::Single(stage == Stage::Single),
-                            Flag::Short(short),
-                            Flag::RollsAll(surface && *domain && !short),
+                            Flag::Short(stage.is_short(*asked) && *asked & !FACETS == 0),
+                            Flag::RollsAll(exact && *domain),
                             Flag::Lanes(lanes.count() as u32),
                             Flag::CellsOfGroup(cells),
                             Flag::Teams(lanes.teams(teams)),

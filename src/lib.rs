@@ -120,10 +120,7 @@ pub fn open_sharing_in_sub_groups() -> Result<Box<dyn Backend>> {
 
 #[cfg(not(feature = "ocl"))]
 fn open_ocl(_devices: DeviceChoice, _precision: Precision) -> Result<Box<dyn Backend>> {
-    Err(Error::new(
-        ErrorKind::Unavailable,
-        "backend ocl is not part of this build: build with the feature `ocl`, or use the CPU",
-    ))
+    Err(Error::new(ErrorKind::Unavailable, NOT_BUILT))
 }
 
 /// The OpenCL devices of this machine, usable or not.

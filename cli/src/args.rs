@@ -516,6 +516,11 @@ pub(crate) struct Corners {
     pub(crate) hi: [f64; 3],
 }
 
+impl Corners {
+    /// What sites fill unless something else is given.
+    pub(crate) const UNIT_CUBE: Self = Self { lo: [0.0; 3], hi: [1.0; 3] };
+}
+
 #[derive(ClapArgs, Debug)]
 pub(crate) struct BackendArgs {
     /// What computes

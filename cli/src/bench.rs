@@ -15,7 +15,6 @@ use crate::timing::{Timing, measure};
 
 /// The name of no domain.
 const BOX: &str = "box";
-const UNIT_CUBE: Corners = Corners { lo: [0.0; 3], hi: [1.0; 3] };
 const SEED: u64 = 1;
 
 /// The object of `--json`.
@@ -163,7 +162,7 @@ fn backends(args: &BenchArgs) -> Result<Vec<Box<dyn Backend>>> {
 
 /// Sites that fill the domain's box, or the unit cube.
 fn input(distribution: Distribution, count: u32, domain: Option<&Domain>) -> Result<PowerDiagram> {
-    let corners = domain.map_or(UNIT_CUBE, |domain| {
+    let corners = domain.map_or(Corners::UNIT_CUBE, |domain| {
         let (lo, hi) = domain.bounding_box();
         Corners { lo, hi }
     });

@@ -18,7 +18,7 @@ use crate::args::{BackendArgs, Corners, parse_count};
 use crate::domains;
 use crate::files::{check_page, refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, end_well_when_interrupted, is_interrupted, note, print, print_json, say};
-use crate::sample::Sampler;
+use crate::sample::{BLUE_SPREAD, MOST_STEPS, Sampler};
 use crate::solver::{LARGEST, open_for_solver, parse_from_zero, parse_number};
 use checkpoint::Checkpoint;
 use frames::{FrameKind, Frames};
@@ -135,9 +135,6 @@ enum SceneName {
 
 /// Rounds in which particles in a mesh settle in cells of equal volume before they move.
 const SETTLING: usize = 3;
-/// How even the volumes are before that, as in `sample blue`.
-const SPREAD: f64 = 0.1;
-const MOST_LLOYD_STEPS: usize = 40;
 
 pub(crate) fn run(args: &FluidArgs) -> Result<Outcome> {
     check(args)?;
@@ -272,7 +269,7 @@ fn begin(args: &FluidArgs, backend: &dyn Backend) -> Result<(Scene, Container, F
         Some(domain) => {
             let (lo, hi) = domain.bounding_box();
             let mut sampler = Sampler::new(Corners { lo, hi }, Some(&domain), args.seed).relaxed_by(backend);
-            let (blue, _) = sampler.blue(args.particles, SPREAD, MOST_LLOYD_STEPS)?;
+            let (blue, _) = sampler.blue(args.particles, BLUE_SPREAD, MOST_STEPS)?;
             let container = Container::Domain(domain.clone());
             let centers = settle(backend, &container, &blue, SETTLING)?;
             (container, centers)

@@ -20,8 +20,6 @@ use crate::plot;
 use crate::report::{grouped, machine};
 use crate::sample::Sampler;
 
-/// The cube that all sites fill, and all domains are fitted into.
-const CUBE: Corners = Corners { lo: [0.0; 3], hi: [1.0; 3] };
 const SEED: u64 = 1;
 const FILES: &[&str] = &[".md"];
 
@@ -83,7 +81,7 @@ impl Lab {
         if let Some(sites) = self.sites.get(&(distribution, count)) {
             return Ok(sites.clone());
         }
-        let mut sampler = Sampler::new(CUBE, None, SEED).relaxed_by(self.backend.as_ref());
+        let mut sampler = Sampler::new(Corners::UNIT_CUBE, None, SEED).relaxed_by(self.backend.as_ref());
         let sites = Rc::new(sampler.sample(distribution, count)?);
         self.sites.insert((distribution, count), sites.clone());
         Ok(sites)
@@ -106,7 +104,7 @@ fn diagram(sites: &[[f64; 3]], weights: &[f64], domain: Option<&Domain>) -> Resu
     let diagram = PowerDiagram::new(sites, weights)?;
     match domain {
         Some(domain) => Ok(diagram.restricted_to(domain)),
-        None => diagram.in_box(CUBE.lo, CUBE.hi),
+        None => diagram.in_box(Corners::UNIT_CUBE.lo, Corners::UNIT_CUBE.hi),
     }
 }
 

@@ -18,12 +18,10 @@ use crate::outcome::{Outcome, note, print_json};
 use crate::solver::WithBar;
 use crate::uneven::{Cloud, Uneven};
 
-/// What sites fill unless something else is given.
-const UNIT_CUBE: Corners = Corners { lo: [0.0; 3], hi: [1.0; 3] };
 /// Blue noise: the volumes vary by less than this.
-const BLUE_SPREAD: f64 = 0.1;
+pub(crate) const BLUE_SPREAD: f64 = 0.1;
 /// Lloyd steps after which blue noise is taken as it is; some 15 are usual.
-const MOST_STEPS: usize = 40;
+pub(crate) const MOST_STEPS: usize = 40;
 /// Tiles of a mirrored distribution along each axis.
 const TILES: u32 = 5;
 /// Points that are tried at most in search of those inside: more would seem to hang.
@@ -74,7 +72,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Outcome> {
             Corners { lo, hi }
         }
         Container::Box(corners) => *corners,
-        Container::Default => UNIT_CUBE,
+        Container::Default => Corners::UNIT_CUBE,
     };
     let domain = container.domain().filter(|_| args.inside);
     let mut sampler = Sampler::new(corners, domain, args.seed);
@@ -107,7 +105,7 @@ fn uneven(args: &SampleArgs, input: &Uneven) -> Result<Outcome> {
     }
     io::write_sites(&args.output, &cloud.positions, &cloud.weights)?;
     if args.json {
-        let corners = args.container.r#box.unwrap_or(UNIT_CUBE);
+        let corners = args.container.r#box.unwrap_or(Corners::UNIT_CUBE);
         print_json(&Report::of(args, &corners, cloud.positions.len(), !cloud.weights.is_empty()))?;
     }
     Ok(Outcome::Done)

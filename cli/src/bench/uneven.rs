@@ -5,7 +5,8 @@ use laguerre::{Backend, CellStatus, Output, PowerDiagram, Request, Result};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{SEED, Table, UNIT_CUBE, backends};
+use super::{SEED, Table, backends};
+use crate::args::Corners;
 use crate::args::{BenchArgs, Distribution};
 use crate::outcome::{Outcome, note, print, print_json, say};
 use crate::report::{grouped, machine};
@@ -111,9 +112,11 @@ fn rows(
             let cloud = input.sites(count, SEED)?;
             PowerDiagram::new(&cloud.positions, &cloud.weights)?
         }
-        None => PowerDiagram::new(&Sampler::new(UNIT_CUBE, None, SEED).sample(Distribution::White, count)?, &[])?,
+        None => {
+            PowerDiagram::new(&Sampler::new(Corners::UNIT_CUBE, None, SEED).sample(Distribution::White, count)?, &[])?
+        }
     };
-    let diagram = diagram.in_box(UNIT_CUBE.lo, UNIT_CUBE.hi)?;
+    let diagram = diagram.in_box(Corners::UNIT_CUBE.lo, Corners::UNIT_CUBE.hi)?;
     let oracle = if args.check { Some(Oracle::ask(&diagram)?) } else { None };
     let known = rows.len();
     for (k, backend) in backends.iter().enumerate() {

@@ -37,13 +37,14 @@ pub(super) fn inside(backend: &dyn Backend, sites: &[[f64; 3]], domain: &Domain)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::Corners;
     use crate::evaluate::open_default;
-    use crate::paper::{CUBE, SEED, domain};
+    use crate::paper::{SEED, domain};
     use crate::sample::Sampler;
 
     #[test]
     fn volumes_become_equal() {
-        let white = Sampler::new(CUBE, None, SEED).white(1000).unwrap();
+        let white = Sampler::new(Corners::UNIT_CUBE, None, SEED).white(1000).unwrap();
         let found = inside(open_default().unwrap().as_ref(), &white, &domain("torus").unwrap()).unwrap();
         assert_eq!(found.sites.len(), found.weights.len());
         assert!((100..900).contains(&found.sites.len()), "{}", found.sites.len());

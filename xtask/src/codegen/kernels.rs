@@ -100,7 +100,9 @@ impl Entry {
                 self.name, self.name
             );
         }
-        let _ = writeln!(text, "#define {name}_ARGUMENTS \\\n    {}", declared.join(", \\\n    "));
+        if self.kernel.is_some() {
+            let _ = writeln!(text, "#define {name}_ARGUMENTS \\\n    {}", declared.join(", \\\n    "));
+        }
         Ok(text)
     }
 

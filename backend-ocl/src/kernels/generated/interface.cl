@@ -298,26 +298,6 @@ typedef struct {
     .surface_table = surface_table, \
     .integrand = integrand \
 })
-#define WORLD_ARGUMENTS \
-    __global const Params *params, \
-    __global const double4 *sites, \
-    __global const uint2 *voxels, \
-    __global const Boxes *boxes, \
-    __global const Slabs *slabs, \
-    __global const WeightBounds *weight_bounds, \
-    __global const double *around, \
-    __global const uint2 *octree_nodes, \
-    __global const uint *octree_leaves, \
-    __global const uint *octree_homes, \
-    __global const double4 *octree_middles, \
-    __global const double *domain_vertices, \
-    __global const uint4 *triangles, \
-    __global const uint *lowest_voxels, \
-    __global const uint *list_offsets, \
-    __global const uint *list_entries, \
-    __global const int *windings, \
-    __global const uint *surface_table, \
-    __global const double *integrand
 
 #define CELLS_ARGUMENTS \
     __global const Params *params, \
@@ -482,13 +462,6 @@ typedef struct {
     .margin = margin, \
     .kept = kept \
 })
-#define SPLITTING_ARGUMENTS \
-    __global const Params *params, \
-    __global const double4 *sites, \
-    __global const OctreeBox *boxes, \
-    __global const uint *leaves, \
-    double margin, \
-    __global uchar *kept
 
 #define SPLIT_BOXES_ARGUMENTS \
     __global const Params *params, \

@@ -22,17 +22,22 @@ typedef double4 real4;
 
 // A loop that is not to be unrolled where many work-items wait for the same instructions; and one over numbers that have to stay in registers. In builds that ask for ROLLS_ALL no loop is unrolled: those whose
 // text has all there is, and is what a first call ever waits for (figures in README.md).
-#if LANES == 1
-#define ROLLED
-#define UNROLLED
-#elif ROLLS_ALL
+#if ROLLS_ALL
 #define ROLLED
 #define UNROLLED
 #define for _Pragma("unroll 1") for
 #define while _Pragma("unroll 1") while
 #else
+#if LANES > 1
 #define ROLLED _Pragma("unroll 1")
+#else
+#define ROLLED
+#endif
+#if LANES == 1
+#define UNROLLED
+#else
 #define UNROLLED _Pragma("unroll")
+#endif
 #endif
 
 // What is inlined, and what had better be one piece of code: it is called from several places, and large (`outline` in the Rust text). In between is what

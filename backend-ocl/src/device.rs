@@ -1,5 +1,6 @@
 //! One device: its queue, its programs, its memory.
 
+mod cells;
 mod leaders;
 mod room;
 mod sample;

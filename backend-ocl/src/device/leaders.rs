@@ -1,7 +1,7 @@
 //! Cells that end with one look at all that can still cut them, of which some begin with what bounds others far off (`kernels/README.md`).
 
+use super::cells::Todo;
 use super::room::LONGEST_SWEPT;
-use super::schedule::Todo;
 use super::{Device, IN_TESTS};
 use crate::builds::{Lanes, Stage, Way};
 use crate::grid::GROUP;

@@ -1,6 +1,7 @@
 //! What is tried with a sample of the cells before all are computed: how much room they need, and by which way they are found.
 
-use super::schedule::{FIRST, Todo};
+use super::cells::Todo;
+use super::schedule::FIRST;
 use super::{Device, IN_TESTS};
 use crate::builds::{Lanes, Stage, Way};
 use crate::interface::data::Counters;

@@ -2,7 +2,8 @@
 
 use super::Device;
 #[cfg(feature = "test-util")]
-use super::schedule::{FIRST, Todo};
+use super::cells::Todo;
+use super::schedule::FIRST;
 #[cfg(feature = "test-util")]
 use crate::builds::{Lanes, Stage, Way};
 use crate::evaluate::Ocl;

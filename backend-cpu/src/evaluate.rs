@@ -10,8 +10,8 @@ use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::{Capacities, FEW_CELLS, PassOutcome, run_passes};
 use laguerre_core::search::Search;
 use laguerre_core::{
-    Backend, BackendInfo, Capabilities, CellStatus, Error, ErrorKind, Integrand, Observer, Output, PassReport,
-    PowerDiagram, Report, Request, Result, Watched,
+    Backend, BackendInfo, Capabilities, CellStatus, Error, Integrand, Observer, Output, PassReport, PowerDiagram,
+    Report, Request, Result, Watched, parallel,
 };
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -85,7 +85,7 @@ impl<'a> Worker<'a> {
 }
 
 impl Cpu {
-    /// A backend with the given number of threads, or one for each core.
+    /// A backend with the given number of threads, or one for each core, as far as they can be started.
     ///
     /// # Errors
     /// `Device` where the threads cannot be started, `Input` for 0 threads, or more than [`MOST_THREADS`].
@@ -93,16 +93,7 @@ impl Cpu {
         if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
             return Err(Error::input(format!("{threads} threads: from 1 to {MOST_THREADS} are needed")));
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|e| {
-            Error::new(
-                ErrorKind::Device,
-                format!(
-                    "cannot start {} threads: {e}",
-                    threads.map_or("as many as there are cores".into(), |n| n.to_string())
-                ),
-            )
-        })?;
-        Ok(Self { pool })
+        Ok(Self { pool: parallel::pool(threads)? })
     }
 }
 

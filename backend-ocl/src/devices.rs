@@ -1,8 +1,8 @@
 //! The devices of a backend, of which one caller at a time has all.
 
-use laguerre_core::{Error, ErrorKind, Result};
+use laguerre_core::{Error, ErrorKind, Result, parallel};
+use rayon::ThreadPool;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::resume_unwind;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, Builder};
@@ -15,8 +15,7 @@ pub(crate) struct Devices<D> {
 
 impl<D: Send> Devices<D> {
     pub(crate) fn new(all: Vec<D>) -> Result<Self> {
-        let pool = ThreadPoolBuilder::new().build().map_err(|error| no_threads(&error))?;
-        Ok(Self { all: Mutex::new(all), pool })
+        Ok(Self { all: Mutex::new(all), pool: parallel::pool(None)? })
     }
 
     pub(crate) fn get_mut(&mut self) -> &mut Vec<D> {

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use laguerre::algebra::Algebra;
+use laguerre::engine::parallel;
 use laguerre::limits::LARGEST_COORDINATE;
-use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Resident, Result};
+use laguerre::{Backend, BackendInfo, Error, Observer, Output, PowerDiagram, Request, Resident, Result};
 
 use crate::args::{BackendArgs, Precision};
 use crate::evaluate::{Interruptible, evaluate, open};
@@ -18,9 +19,7 @@ pub(crate) fn open_for_solver(args: &BackendArgs) -> Result<(Box<dyn Backend>, r
             "--precision f32: facets and second moments are needed here, which are there in f64 alone; give --precision f64",
         ));
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|e| Error::new(ErrorKind::Unavailable, format!("cannot start threads: {e}")))?;
-    Ok((backend, pool))
+    Ok((backend, parallel::pool(args.threads)?))
 }
 
 /// A backend that draws its progress, where there is a terminal, and that a Ctrl-C stops, if the command ends by itself.

@@ -1,9 +1,75 @@
 //! Loops on all threads. All of them are one instance of rayon's iterators, over numbered tasks, or one for each type of what is collected: an instance
 //! of its own for each loop, of which there were 178, was 60 % of what the compiler made of `laguerre-solvers` and a fifth of this crate.
 
+use crate::backend::MOST_THREADS;
+use crate::error::{Error, ErrorKind, Result};
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::num::NonZero;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+use std::{env, fs};
+
+/// Times that fewer threads are tried: as often as 4096 of them can be halved.
+const MOST_TRIES: u32 = MOST_THREADS.ilog2() + 1;
+
+/// Threads of a pool of its own: so many, or, where no number is asked for, one for each core, and fewer where a limit has no room for all of them
+/// or they cannot be started.
+///
+/// # Errors
+/// `Device` where what is asked for, or not even one, can be started.
+pub fn pool(threads: Option<usize>) -> Result<ThreadPool> {
+    let mut asked = threads.unwrap_or_else(|| cores().min(most_in_limit()).max(1));
+    let mut tries = MOST_TRIES;
+    loop {
+        let mut started: Vec<JoinHandle<()>> = Vec::new();
+        let built = ThreadPoolBuilder::new().num_threads(asked).spawn_handler(|thread| {
+            started.push(thread::Builder::new().spawn(|| thread.run())?);
+            Ok(())
+        });
+        let error = match built.build() {
+            Ok(pool) => {
+                // What a thread takes of the address space as it starts, for a moment twice what it keeps, is not to be in the way of what follows.
+                pool.broadcast(|_| ());
+                return Ok(pool);
+            }
+            Err(error) => error,
+        };
+        let n = started.len();
+        // What they had is free only when they ended.
+        started.into_iter().for_each(|thread| drop(thread.join()));
+        tries -= 1;
+        if threads.is_some() || tries == 0 {
+            let what = if asked == 1 { "a thread".to_owned() } else { format!("{asked} threads") };
+            return Err(Error::new(ErrorKind::Device, format!("cannot start {what}: {error}")));
+        }
+        asked = n.div_ceil(2).max(1);
+        // (Another thread that starts just now has for a moment what is missing.)
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// One for each core, or what rayon's variable says.
+fn cores() -> usize {
+    let said = env::var("RAYON_NUM_THREADS")
+        .ok()
+        .and_then(|said| said.parse().ok())
+        .filter(|said| (1..=MOST_THREADS).contains(said));
+    said.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get))
+}
+
+/// As many as take half of a limit of the address space, as Linux's table of limits has it: of runs with 64 threads within 40 to 340 MB, one in seven was
+/// ended by Rust or the C library, which had no 41 bytes left. (To ask for memory and give it back would tell what is left, but where that fails glibc
+/// takes 64 MB for itself.)
+fn most_in_limit() -> usize {
+    // For its stack, and what glibc sets aside for what it allocates and keeps when the thread ends.
+    const OF_A_THREAD: usize = 66 << 20;
+    let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
+    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space")?.split_whitespace().next());
+    limit.and_then(|limit| limit.parse().ok()).map_or(usize::MAX, |bytes: usize| bytes / 2 / OF_A_THREAD)
+}
 
 /// Calls `task` with each number below `n`, in any order.
 pub fn tasks(n: usize, task: &(dyn Fn(usize) + Sync)) {

@@ -9,6 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use laguerre::algebra::Algebra;
+use laguerre::engine::parallel;
 use laguerre::{Backend, BackendInfo, Error, ErrorKind, Observer, Output, PowerDiagram, Request, Resident, Result};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -122,9 +123,5 @@ pub(crate) fn detached_in_pool<T: Send>(
     threads: usize,
     work: impl FnOnce(&Stop) -> Result<T> + Send,
 ) -> PyResult<T> {
-    detached(py, |stop| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|e| Error::new(ErrorKind::Device, format!("cannot start {threads} threads: {e}")))?;
-        pool.install(|| work(stop))
-    })
+    detached(py, |stop| parallel::pool(Some(threads))?.install(|| work(stop)))
 }

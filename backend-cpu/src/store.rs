@@ -1,8 +1,10 @@
 //! Where a cell lives on the CPU: its vertices by four, so that one plane meets four at a time.
 
+mod together;
 mod walk;
 
 use crate::minors::KeptMinors;
+use laguerre_core::cell::TOGETHER;
 use laguerre_core::cell::{
     CellSums, ClipStore, Corners, DomainStore, FACETS, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT,
     MARK_KEEP, MARK_UNCERTAIN, Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore,
@@ -11,6 +13,7 @@ use laguerre_core::cell::{
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;
 use laguerre_core::passes::Capacities;
+use pulp::Arch;
 use std::cell::Cell;
 use walk::{Edges, MANY};
 use wide::f64x4;
@@ -83,6 +86,8 @@ pub(crate) struct CpuStore<'a> {
     minors: KeptMinors,
     edges: Edges,
     corners: Corners,
+    /// The instructions that the CPU has.
+    arch: Arch,
     domain: Option<&'a DomainGrid>,
     integrand: Option<&'a FramedIntegrand>,
     site: V3,
@@ -113,6 +118,7 @@ impl<'a> CpuStore<'a> {
             minors: KeptMinors::with_room(p, v),
             edges: Edges::default(),
             corners: Corners::default(),
+            arch: Arch::new(),
             domain,
             integrand: None,
             site: v3(0.0, 0.0, 0.0),
@@ -376,6 +382,11 @@ impl ClipStore for CpuStore<'_> {
     fn mark_conflicts(&mut self, k: u32) -> u32 {
         let plane = self.planes[k as usize];
         if self.vertices.count >= MANY { self.mark_of_many(k, plane) } else { self.mark_all(plane) }
+    }
+
+    #[inline(always)]
+    fn may_be_cut_by(&self, planes: &[[Real; TOGETHER]; 4]) -> u8 {
+        self.together(planes)
     }
 
     #[inline(always)]

@@ -19,7 +19,7 @@ mod store;
 use crate::cell::bound::reach_of_bisector;
 use crate::cell::far::search_far;
 use crate::cell::search_store::SearchStore as _;
-use crate::cell::{self, CellStore, EMPTY, Real, TAG_BOX, UNIT_ROUNDOFF, V3, v3};
+use crate::cell::{self, CellStore, EMPTY, Real, TAG_BOX, TOGETHER, UNIT_ROUNDOFF, V3, v3};
 use crate::diagram::Prepared;
 use crate::site_tree::{Leaf, SiteTree, WIDTH};
 use group::Group;
@@ -47,8 +47,12 @@ const FAR: Real = 64.0;
 const SHARING: usize = WIDTH * WIDTH;
 const MOST_KEPT: usize = 64;
 
-/// Candidates between two looks at whether the cell already lies outside the domain.
-const BETWEEN_LOOKS: usize = 8;
+/// Candidates between two looks at the whole: what the next have before them, and whether the cell already lies outside the domain.
+const BETWEEN_LOOKS: usize = TOGETHER;
+
+/// Those of them that left the cell as it is, from which on the next are first looked at together. (Of a white cell's 24 that do 15 are found so: 4.6 % fewer
+/// instructions, inside the bunny 5.5, of a Lévy flight 11, of blue noise 0.6 % more; by time 3 % less with 3, 2 or 4, blue noise the same.)
+const MANY_UNTOUCHED: u32 = 3;
 
 /// Relative room for the roundings of a test of reach: at most ten operations each.
 const SAFE: Real = 1.0 + 16.0 * UNIT_ROUNDOFF;
@@ -351,6 +355,7 @@ fn visit_all<S: CellStore, const ALL: bool>(
     looks_outside: bool,
 ) -> bool {
     let (mut cuts, mut since) = (cell.outcome.cuts, cell.outcome.visited);
+    let mut untouched = 0;
     while !candidates.is_empty() {
         // Of many most are never visited, and need not be sorted.
         let mut count = candidates.len();
@@ -360,7 +365,7 @@ fn visit_all<S: CellStore, const ALL: bool>(
         }
         let (nearest, beyond) = candidates.split_at_mut(count);
         nearest.sort_unstable();
-        for some in nearest.chunks(BETWEEN_LOOKS) {
+        for some in nearest.chunks_mut(BETWEEN_LOOKS) {
             if cell.outcome.cuts != cuts {
                 (cuts, since) = (cell.outcome.cuts, cell.outcome.visited);
             }
@@ -371,7 +376,11 @@ fn visit_all<S: CellStore, const ALL: bool>(
                 cell.is_idle = is_idle;
                 return true;
             }
-            for &candidate in some {
+            let before = cell.outcome;
+            if untouched >= MANY_UNTOUCHED {
+                cell.drop_what_cannot_cut(tree, some);
+            }
+            for &candidate in &*some {
                 if (candidate >> 32) as u32 > cell.last_in_order {
                     // So are those that come after it.
                     return true;
@@ -381,6 +390,7 @@ fn visit_all<S: CellStore, const ALL: bool>(
                     return false;
                 }
             }
+            untouched = (cell.outcome.visited - before.visited) - (cell.outcome.cuts - before.cuts);
             // Cells outside the domain need not be complete to be known empty.
             if looks_outside && cell::lies_outside(cell.store) {
                 cell.outcome.status = EMPTY;

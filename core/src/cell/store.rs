@@ -16,6 +16,9 @@ use crate::domain_grid::DomainGrid;
 use crate::exact;
 use crate::integrand::FramedIntegrand;
 
+/// Half-spaces that a store looks at together.
+pub const TOGETHER: usize = 8;
+
 /// A triangle of the domain: the indices of its vertices, outward oriented, and how often it stands.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -132,6 +135,12 @@ pub trait ClipStore: Polytope {
     /// Says that the next half-space likely cuts off vertex `v`, to a host's store that finds those that are cut off from one of them on.
     #[inline(always)]
     fn begin_at(&mut self, _v: u32) {}
+    /// Which of eight half-spaces may cut the cell, a bit each: of the others it is known that `clip` leaves it untouched, now and when others have cut it.
+    /// For searches on the host; all, where a store does not look. Their normals' coordinates and offsets, see [`Plane`].
+    #[inline(always)]
+    fn may_be_cut_by(&self, _planes: &[[Real; TOGETHER]; 4]) -> u8 {
+        u8::MAX
+    }
     /// Mark of vertex `v`, one of the `MARK_` constants.
     fn mark(&self, v: u32) -> u32;
     /// Sets the mark of vertex `v`.

@@ -1,7 +1,8 @@
 //! A cell on its way: what the search knows of it, and how it is cut.
 
-use super::{Outcome, SAFE, in_order, norm, square};
-use crate::cell::{self, CellStore, Real, UNIT_ROUNDOFF, V3, bisector, v3};
+use super::{Candidate, Outcome, SAFE, in_order, norm, square};
+use crate::cell::{self, CellStore, Plane, Real, TOGETHER, UNIT_ROUNDOFF, V3, bisector, v3};
+use crate::site_tree::SiteTree;
 
 /// Distances to the twentieth nearest site beyond which what of a cell is outside the domain is cut off.
 const CAP_FROM: Real = 1.4;
@@ -110,6 +111,27 @@ impl<'a, S: CellStore> Cell<'a, S> {
             _ => self.outcome.status = status,
         }
         status
+    }
+
+    /// Makes those of up to eight candidates that are known to leave the cell as it is its own site, which is not visited; they count as visited.
+    #[inline(never)]
+    pub(super) fn drop_what_cannot_cut(&mut self, tree: &SiteTree, some: &mut [Candidate]) {
+        if self.enlarged.is_some() {
+            return;
+        }
+        let mut planes = [[0.0; TOGETHER]; 4];
+        for (k, &candidate) in some.iter().enumerate() {
+            let (d, more) = self.difference(tree.site(candidate as u32));
+            let Plane { n, d } = bisector(d, -more);
+            (planes[0][k], planes[1][k], planes[2][k], planes[3][k]) = (n.x, n.y, n.z, d);
+        }
+        let may_cut = self.store.may_be_cut_by(&planes);
+        for (k, candidate) in some.iter_mut().enumerate() {
+            if may_cut >> k & 1 == 0 && (*candidate >> 32) as u32 <= self.last_in_order {
+                *candidate = *candidate >> 32 << 32 | Candidate::from(self.site);
+                self.outcome.visited += 1;
+            }
+        }
     }
 
     /// Whether the bisector with a site is among its half-spaces.

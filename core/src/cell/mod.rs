@@ -80,13 +80,14 @@ pub use quadrature::Node;
 pub use restrict::integrate_cell;
 pub use settle::lies_outside;
 pub use status::*;
-pub use store::{
-    CellStore, ClipStore, CutStore, DomainStore, IntegralStore, Polytope, SignStore, TOGETHER, Triangle, Voxel,
-};
+pub use store::{CellStore, ClipStore, CutStore, DomainStore, IntegralStore, Polytope, SignStore, Triangle, Voxel};
 pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
 pub(crate) use vector::{add, cross, dot, norm_1, norm_max, scale, sub};
 pub use vertex::{NEARLY_DEPENDENT, Triplet, find_vertex_closely, find_vertex_once, find_vertex_refined};
 pub use wide::Minors;
+
+/// Half-spaces that a host's store looks at together, see [`ClipStore::may_be_cut_by`].
+pub const TOGETHER: usize = 8;
 
 /// The flags of [`integrate_cell`] that answer a request.
 pub fn flags_of(request: &crate::Request) -> u32 {

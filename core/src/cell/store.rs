@@ -2,6 +2,7 @@
 //!
 //! This file is the boundary of the dialect: every backend writes its own storage behind these names.
 
+use super::TOGETHER;
 use super::clip::clip;
 use super::facet::{FacetSecond, FacetSum};
 use super::integrate::CellSums;
@@ -15,9 +16,6 @@ use super::wide::Minors;
 use crate::domain_grid::DomainGrid;
 use crate::exact;
 use crate::integrand::FramedIntegrand;
-
-/// Half-spaces that a store looks at together.
-pub const TOGETHER: usize = 8;
 
 /// A triangle of the domain: the indices of its vertices, outward oriented, and how often it stands.
 #[repr(C)]

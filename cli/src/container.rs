@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use laguerre::engine::parallel;
 use laguerre::{CellStatus, Domain, Error, MergedSites, Output, PowerDiagram, Result};
 
 use crate::args::{ContainerArgs, Corners};
@@ -19,6 +20,9 @@ pub(crate) enum Container {
 impl Container {
     /// Reads the domain if there is one, passing its notes on.
     pub(crate) fn read(args: &ContainerArgs) -> Result<Self> {
+        if args.domain.is_some() || args.image.is_some() {
+            parallel::start()?;
+        }
         let place = args.r#box.map(|corners| (corners.lo, corners.hi));
         let read = match (&args.domain, &args.image) {
             (Some(path), _) => {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
+use laguerre::engine::memory;
 use laguerre::io::{self, CELLS_ENDINGS, WEIGHTS_ENDINGS};
 use laguerre::solvers::transport::{self, Cause, End, Iteration, Options, Solution};
 use laguerre::{Backend, BackendInfo, Error, ErrorKind, Result};
@@ -121,11 +122,15 @@ struct Row {
     solver_seconds: f64,
 }
 
+/// Bytes for each site: diagrams, and the multigrid of the steps (100,000 sites inside the bunny take 170 MB more than a few).
+const SITE: u64 = 1_700;
+
 pub(crate) fn run(args: &TransportArgs) -> Result<Outcome> {
     check(args)?;
     let (backend, pool) = open_for_solver(&args.backend)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     let mut diagram = Container::read(&args.container)?.restrict(sites::read(&args.sites)?)?;
+    memory::probe(diagram.positions().len() as u64, SITE, "sites of a transport").map_err(of_sites)?;
     page::check_cells(args.html.as_ref(), &diagram)?;
     let masses = args.masses.as_ref().map(io::read_weights).transpose()?.unwrap_or_default();
     let given = args.density.read(backend.as_ref(), &diagram.container().map_err(of_sites)?)?;

@@ -10,6 +10,7 @@ mod wrong;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
+use laguerre::engine::parallel;
 use laguerre::io::{self, CellRow};
 use laguerre::oracle::Naive;
 use laguerre::summation::Sum;
@@ -69,6 +70,7 @@ struct Law {
 
 pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
     let start = Instant::now();
+    parallel::start()?;
     let diagram = sites::read(&args.sites)?;
     let diagram = Container::read(&args.container)?.restrict(diagram)?;
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };

@@ -16,13 +16,27 @@ pub fn with_room<T>(count: usize, what: impl fmt::Display) -> Result<Vec<T>> {
     }
 }
 
-/// What has to be left for all that asks without being able to go without it: words of messages, threads that begin.
+/// What has to be left for all that asks without being able to go without it: words of messages, buffers of files, threads that begin.
 const SPARE: usize = 4 << 20;
 
 /// Whether there is memory left beside a vector, if that is large.
 fn leaves_some<T>(elements: &Vec<T>) -> bool {
     let is_large = elements.capacity().saturating_mul(size_of::<T>()) >= SPARE;
-    !is_large || std::hint::black_box(Vec::<u8>::new()).try_reserve_exact(SPARE).is_ok()
+    !is_large || is_there(SPARE)
+}
+
+/// Whether so many bytes could be had at this moment. (Behind a black box: an allocation that nobody uses is left out otherwise, and found to succeed.)
+fn is_there(bytes: usize) -> bool {
+    std::hint::black_box(Vec::<u8>::new()).try_reserve_exact(bytes).is_ok()
+}
+
+/// Whether there is memory for what cannot go without it, before work that `what` names.
+///
+/// # Errors
+/// `Input` where not.
+pub fn spare(what: impl fmt::Display) -> Result<()> {
+    let none = || Error::input(format!("not enough memory for {what}; give more"));
+    is_there(SPARE).then_some(()).ok_or_else(none)
 }
 
 /// `count` times `value`.
@@ -53,10 +67,7 @@ pub fn push<T>(elements: &mut Vec<T>, element: T, what: impl fmt::Display) -> Re
 /// `Input` where not.
 pub fn probe(count: u64, bytes: u64, what: impl fmt::Display) -> Result<()> {
     let all = count.checked_mul(bytes).and_then(|all| usize::try_from(all).ok());
-    match all.map(|all| Vec::<u8>::new().try_reserve_exact(all)) {
-        Some(Ok(())) => Ok(()),
-        _ => Err(none_for(count, bytes, &what)),
-    }
+    if all.is_some_and(is_there) { Ok(()) } else { Err(none_for(count, bytes, &what)) }
 }
 
 fn none_for(count: u64, bytes: u64, what: &dyn fmt::Display) -> Error {

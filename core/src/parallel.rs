@@ -4,10 +4,11 @@
 use crate::backend::MOST_THREADS;
 use crate::error::{Error, ErrorKind, Result};
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use std::error::Error as _;
 use std::num::NonZero;
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use std::{env, fs};
@@ -21,7 +22,7 @@ const MOST_TRIES: u32 = MOST_THREADS.ilog2() + 1;
 /// # Errors
 /// `Device` where what is asked for, or not even one, can be started.
 pub fn pool(threads: Option<usize>) -> Result<ThreadPool> {
-    let mut asked = threads.unwrap_or_else(|| cores().min(most_in_limit()).max(1));
+    let mut asked = threads.unwrap_or_else(most);
     let mut tries = MOST_TRIES;
     loop {
         let mut started: Vec<JoinHandle<()>> = Vec::new();
@@ -42,13 +43,37 @@ pub fn pool(threads: Option<usize>) -> Result<ThreadPool> {
         started.into_iter().for_each(|thread| drop(thread.join()));
         tries -= 1;
         if threads.is_some() || tries == 0 {
-            let what = if asked == 1 { "a thread".to_owned() } else { format!("{asked} threads") };
-            return Err(Error::new(ErrorKind::Device, format!("cannot start {what}: {error}")));
+            return Err(cannot_start(asked, &error));
         }
         asked = n.div_ceil(2).max(1);
         // (Another thread that starts just now has for a moment what is missing.)
         thread::sleep(Duration::from_millis(1));
     }
+}
+
+/// Starts the threads of loops that are in no pool, rayon's own, if nobody did: else rayon does at the first such loop, as many as there are cores, and panics
+/// where it cannot.
+///
+/// # Errors
+/// `Device` where they cannot be started; no such loop can be run then.
+pub fn start() -> Result<()> {
+    static STARTED: OnceLock<Result<()>> = OnceLock::new();
+    let start = || match ThreadPoolBuilder::new().num_threads(most()).build_global() {
+        // (They were started by others where nothing else led to the error.)
+        Err(error) if error.source().is_some() => Err(cannot_start(most(), &error)),
+        _ => Ok(()),
+    };
+    STARTED.get_or_init(start).clone()
+}
+
+fn cannot_start(threads: usize, error: &ThreadPoolBuildError) -> Error {
+    let what = if threads == 1 { "a thread".to_owned() } else { format!("{threads} threads") };
+    Error::new(ErrorKind::Device, format!("cannot start {what}: {error}"))
+}
+
+/// One for each core, or as many as a limit has room for.
+fn most() -> usize {
+    cores().min(most_in_limit()).max(1)
 }
 
 /// One for each core, or what rayon's variable says.
@@ -60,7 +85,7 @@ fn cores() -> usize {
     said.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get))
 }
 
-/// As many as take half of a limit of the address space, as Linux's table of limits has it: of runs with 64 threads within 40 to 340 MB, one in seven was
+/// As many as take a quarter of a limit of the address space (a program has two pools: a backend's, and rayon's own), as Linux's table of limits has it: of runs with 64 threads within 40 to 340 MB, one in seven was
 /// ended by Rust or the C library, which had no 41 bytes left. (To ask for memory and give it back would tell what is left, but where that fails glibc
 /// takes 64 MB for itself.)
 fn most_in_limit() -> usize {
@@ -68,7 +93,7 @@ fn most_in_limit() -> usize {
     const OF_A_THREAD: usize = 66 << 20;
     let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
     let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space")?.split_whitespace().next());
-    limit.and_then(|limit| limit.parse().ok()).map_or(usize::MAX, |bytes: usize| bytes / 2 / OF_A_THREAD)
+    limit.and_then(|limit| limit.parse().ok()).map_or(usize::MAX, |bytes: usize| bytes / 4 / OF_A_THREAD)
 }
 
 /// Calls `task` with each number below `n`, in any order.

@@ -38,7 +38,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use crate::{Error, ErrorKind, Result};
+use crate::{Error, ErrorKind, Result, memory};
 
 pub use atomic::{abandon_writing, destination, write_whole, write_whole_watched};
 pub use columns::Columns;
@@ -149,6 +149,7 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
     if found.is_dir() {
         return Err(Error::new(ErrorKind::Io, "it is a folder; name a file").in_file(path));
     }
+    memory::spare("what it takes to read a file").map_err(|none| none.in_file(path))?;
     Ok((BufReader::with_capacity(1 << 18, file), found.len()))
 }
 

@@ -383,7 +383,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N|all", value_parser = parse_devices)]
     pub(crate) device: Option<DeviceChoice>,
 
-    /// Threads of the CPU; one for each core unless given
+    /// Threads of the CPU; unless given one for each core, or fewer where a limit of memory has no room for them
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<usize>,
 
@@ -535,7 +535,7 @@ pub(crate) struct BackendArgs {
     #[arg(long, value_name = "TYPE", default_value = "f64")]
     pub(crate) precision: Precision,
 
-    /// Threads of the CPU; one for each core unless given
+    /// Threads of the CPU; unless given one for each core, or fewer where a limit of memory has no room for them
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<usize>,
 }

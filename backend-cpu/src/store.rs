@@ -4,11 +4,10 @@ mod together;
 mod walk;
 
 use crate::minors::KeptMinors;
-use laguerre_core::cell::TOGETHER;
 use laguerre_core::cell::{
     CellSums, ClipStore, Corners, DomainStore, FACETS, FacetSecond, FacetSum, IntegralStore, Lanes, MARK_CONFLICT,
     MARK_KEEP, MARK_UNCERTAIN, Minors, Plane, Polytope, Real, SEEN_CONFLICT, SEEN_KEEP, SEEN_UNCERTAIN, SignStore,
-    Triplet, UNIT_ROUNDOFF, V3, v3,
+    TOGETHER, Triplet, UNIT_ROUNDOFF, V3, v3,
 };
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::integrand::FramedIntegrand;

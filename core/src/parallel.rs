@@ -85,9 +85,9 @@ fn cores() -> usize {
     said.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get))
 }
 
-/// As many as take a quarter of a limit of the address space (a program has two pools: a backend's, and rayon's own), as Linux's table of limits has it: of runs with 64 threads within 40 to 340 MB, one in seven was
-/// ended by Rust or the C library, which had no 41 bytes left. (To ask for memory and give it back would tell what is left, but where that fails glibc
-/// takes 64 MB for itself.)
+/// As many as take a quarter of a limit of the address space, as Linux's table of limits has it: a program has a backend's pool, rayon's own, and at times a
+/// solver's. (Where only those that could not be started were fewer, 44 of 618 runs with 64 threads within 38 to 345 MB were ended by Rust or the C library, which
+/// at times had no 41 bytes left. To ask for memory and give it back would tell what is left, but where that fails glibc takes 64 MB for itself.)
 fn most_in_limit() -> usize {
     // For its stack, and what glibc sets aside for what it allocates and keeps when the thread ends.
     const OF_A_THREAD: usize = 66 << 20;

@@ -2,7 +2,7 @@
 //! each other for the curve, by the host.
 
 use crate::buffer::Room;
-use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, Params, RINGS_GROUP, Range, SCAN_EACH, SORT_EACH};
+use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, NODES_GROUP, Params, RINGS_GROUP, Range, SCAN_EACH, SORT_EACH};
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, LookAtRings, MarkVoxels, PlaceDigits,
     RankSites, ScanBlocks, SettleRuns, TightenSlabs,
@@ -305,10 +305,11 @@ impl Sites {
         shared.send(context, queue)?;
         for level in order_of_levels(begins.len() - 1) {
             let blocks = begins[level + 1] - begins[level];
+            let group = NODES_GROUP as usize;
             kernels.bound_nodes.run(
                 queue,
-                blocks * WIDTH,
-                GROUP,
+                blocks * WIDTH * if level == 0 { 1 } else { group },
+                group,
                 BoundNodes {
                     params: &shared.room,
                     sites: &self.sites,

@@ -85,19 +85,20 @@ impl Device {
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
     /// not completed with exact signs, either. (Where weights differ both are `Close`'s or `Far`'s.)
     ///
-    /// The stage in which cells begin that go through the table.
-    pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<Stage> {
+    /// The stage in which cells begin that go through the table; and where it is given up, whether the others, which are more than half, may yet begin so, if those that it leaves are
+    /// found by the same stage and the tree.
+    pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<(Stage, bool)> {
         let has_weights = self.shared.params.equal_weights == 0;
         if self.shared.params.has_table == 0 || (self.domain.is_some() && !has_weights) || share.len() < WORTH_A_SAMPLE
         {
-            return Ok(Stage::First);
+            return Ok((Stage::First, false));
         }
         let all = Todo::Sorted(share);
         let first = self.sample_of(Way::Together(lanes, Stage::First), &all, SAMPLE_TOGETHER)?;
         if has_weights && first.later - first.beyond > MOST_OF_SAMPLE {
             let close = self.sample_of(Way::Together(lanes, Stage::Close), &all, SAMPLE_TOGETHER)?;
             self.shared.params.has_table = u32::from(close.left + close.later <= WORTH_A_TREE);
-            return Ok(Stage::Close);
+            return Ok((Stage::Close, false));
         }
         let mut beyond = first.left + if has_weights { first.later } else { first.beyond };
         if !has_weights && beyond <= WORTH_A_TREE && first.later > WORTH_A_TREE {
@@ -106,7 +107,7 @@ impl Device {
             beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.left;
         }
         self.shared.params.has_table = u32::from(beyond <= WORTH_A_TREE);
-        Ok(Stage::First)
+        Ok((Stage::First, has_weights && (WORTH_A_TREE + 1..=MOST_OF_SAMPLE).contains(&beyond)))
     }
 
     /// Gives up the table of offsets for all that is still to come, so many cells, where weights are equal and there is no domain; says whether there was one.

@@ -57,12 +57,15 @@ impl Device {
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
         let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
         let of_table = together.map(|lanes| self.choose_table(lanes, share.clone())).transpose()?;
+        let (of_table, is_first_table) = of_table.unzip();
         let (most_fail, many_reach_far) = match together {
             Some(lanes) if self.shared.params.has_table == 0 => self.failures(lanes, share.clone())?,
             _ => (false, false),
         };
         if many_reach_far {
             self.make_octree(request)?;
+        } else if is_first_table == Some(true) && !most_fail {
+            self.shared.params.has_table = 1;
         }
         self.shared.params.leaves_if_far = self.leaves_if_far(share.len(), most_fail || many_reach_far);
         let begin = match together {
@@ -241,6 +244,11 @@ impl Device {
                 (counters.later, counters.beyond) = (0, 0);
                 if matches!(stage, Stage::Single | Stage::First) && is_worth_leaving {
                     self.leave_table(now.count())?;
+                }
+                let was_table = self.shared.params.has_table != 0 && self.shared.params.equal_weights == 0;
+                if stage == Stage::First && was_table && is_worth_leaving {
+                    self.shared.params.has_table = 0;
+                    continue;
                 }
                 let next = match stage {
                     Stage::Single | Stage::First if self.is_tree() => self.stage_of_far(now.count()),

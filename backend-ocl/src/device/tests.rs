@@ -372,7 +372,7 @@ fn open_signs_of_a_moved_lattice_are_settled_at_once() {
         let count = device.sort(&|| Ok(false)).unwrap().unwrap();
         device.clear(&request, count, count).unwrap();
         device.look_about(count, 0..0).unwrap();
-        assert_eq!(device.choose_table(Lanes::One, 0..count).unwrap(), right);
+        assert_eq!(device.choose_table(Lanes::One, 0..count).unwrap(), (right, false));
         assert_eq!(device.shared.params.has_table, 1, "{right:?}");
     }
 }

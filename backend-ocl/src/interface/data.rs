@@ -36,6 +36,8 @@ pub(crate) const MOST_TREE_LEVELS: usize = 12;
 /// Work-items of a group where sites are sorted, and the elements that each of them scans.
 pub(crate) const GRID_GROUP: u32 = 256;
 pub(crate) const SCAN_EACH: u32 = 8;
+/// Work-items of a group that bounds nodes of the tree: as many as sites of a sample.
+pub(crate) const NODES_GROUP: u32 = 64;
 /// Work-items of a group that looks around a block of leaves.
 pub(crate) const RINGS_GROUP: u32 = 64;
 

@@ -382,8 +382,14 @@ pub(crate) fn least_at<S: SearchStore>(s: &mut S, asked: u32, ties: &mut u32, st
                 open = still_asked(s, left, open);
             }
         } else if open.blocks > 0 {
-            let question: Question =
-                Question { square: 1.0, slope: v3(0.0, 0.0, 0.0), limit: 0.0, vertices: left, sweeps: false };
+            let question: Question = Question {
+                square: 1.0,
+                slope: v3(0.0, 0.0, 0.0),
+                limit: 0.0,
+                vertices: left,
+                sweeps: false,
+                opens_own: true,
+            };
             open = open_blocks(s, question, open);
         } else {
             *stay = left;

@@ -57,7 +57,7 @@ pub mod search_store;
 mod settle;
 mod status;
 mod store;
-mod sweep;
+pub(crate) mod sweep;
 pub mod table;
 pub(crate) mod tree;
 mod vector;

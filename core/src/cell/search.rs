@@ -14,6 +14,7 @@
 //! least value over a box. With equal weights `λ = ½` makes it the `D ≥ 2r` of the paper.
 
 use super::candidates::{Held, key_limit, nearest_held, reach_of_site, take_held, visit_candidates};
+use super::far::settle_near;
 use super::ring::{block_of_site, level_of_block};
 use super::search_store::{
     HOME_KNOWN, HOME_UNKNOWN, KEPT_AT_ONCE, LEAVES_AT_ONCE, MOST_CANDIDATES, NO_SITE, NodeBox, NodeWeights,
@@ -43,6 +44,11 @@ const LEAST_TO_SHARE: Real = 1e-30;
 const FAR_SQUARE: Real = 500.0;
 const MOST_NEAR_LEAVES: u32 = 400;
 const MOST_NEAR_SITES: u32 = 400;
+
+/// A cell that then reaches this many times as far, as a square, is cut by what may cut it at a vertex, where the store says so (`SearchStore::is_swept`), and else by all that it reaches: that is less
+/// for each node, but of a long cell it reaches much that cannot cut it. (8,253 cells of transport in a domain, 300 leaves looked at for each and 11 vertices asked for, then: 4.9 ms, swept 3.8; of a million
+/// sites with weights 0.5 |x|² 10,554: 5.1 and 2.0. With 1, 16 and 64: 3.9, 4.9 and 5.5 of the first, 1.9, 2.2 and 3.0 of the second; and with 1 those with -2 |x|² 3.1 instead of 2.8. One NVIDIA H200.)
+const SWEPT_SQUARE: Real = 4.0;
 
 /// What is searched: all near a cell, and then what it reaches; sites that are known to bound what is beside it far off, or come from all over; and all that can still cut it at a vertex (`sweep.rs`).
 pub const NEAR: u32 = 0;
@@ -165,6 +171,7 @@ pub fn search_near<S: SearchStore>(
     }
     let mut reach: Rough = s.square_of_reach(vantage.center);
     let mut is_rest: bool = false;
+    let mut sweeps: bool = false;
     let mut looked: u32 = 0;
     let mut gathered: u32 = 0;
     let checks: bool = (what != NEAR) || s.checks_near();
@@ -195,7 +202,8 @@ pub fn search_near<S: SearchStore>(
                 slope: vantage.slope,
                 limit: ((0.25 * within) / vantage.lambda) * SAFE,
                 vertices: 0,
-                sweeps: what == SWEEP,
+                sweeps: (what == SWEEP) || sweeps,
+                opens_own: what == SWEEP,
             };
             open = open_blocks(s, question, open);
         } else if count > 0 {
@@ -235,6 +243,10 @@ pub fn search_near<S: SearchStore>(
                 }
             }
             is_rest = true;
+            sweeps = s.is_swept() && (reach > (SWEPT_SQUARE * near));
+            if sweeps {
+                settle_near(s, vantage.center, *proven);
+            }
             wanted.above = wanted.below;
             wanted.below = NO_SITE;
             open = open_path(s);

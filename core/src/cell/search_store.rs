@@ -311,6 +311,10 @@ pub trait SearchStore: Lanes {
 
     /// How many leaves are looked at, near ones again among them, for a cell that still reaches far when those near were, before it is completed by its vertices.
     fn leaves_if_far(&self) -> u32;
+    /// Whether a cell that reaches far when those near have cut it is cut by what may cut it at a vertex (`sweep.rs`), before it is completed by its vertices; by all that it reaches if not.
+    fn is_swept(&self) -> bool {
+        return false;
+    }
     /// Whether the cell is restricted to a domain.
     fn has_domain(&self) -> bool;
     /// The square of the cell's reach about a place, rounded up: of twice the distance of its farthest vertex. No site as heavy that is beyond can

@@ -6,10 +6,11 @@
 //!
 //! The vertices of a cell ask for much the same nodes. What that gains, and when, is in `README.md`.
 
+use super::bound::{Seer, least_weighted};
 use super::candidates::reach_of_site;
 use super::search::Vantage;
-use super::search_store::{NodeBox, NodeSlab, RoughVertex, SearchStore};
-use super::vector::{Real, Rough, V3, dot, sub};
+use super::search_store::{NodeBox, NodeSlab, NodeWeights, RoughVertex, SearchStore};
+use super::vector::{Real, Rough, UNIT_ROUNDOFF, V3, dot, larger, scale, sub};
 
 /// What single precision rounds off, of what is multiplied: 46 roundings at most (see `may_cut_at`), 2.75e-6.
 const SWEEP_ROUNDINGS: Rough = 3e-6;
@@ -19,6 +20,8 @@ const SWEEP_LEAST_SQUARE: Rough = 1e-30;
 const SWEEP_NOTHING: Rough = 0.0;
 /// 2, and what `may_cut_at` rounds off of it.
 const SWEEP_TWICE: Rough = 2.00001;
+/// 2, with room for roundings.
+const SWEPT_TWICE: Real = 2.0 + (16.0 * UNIT_ROUNDOFF);
 const SWEEP_MINUS_TWICE: Rough = -2.0;
 
 /// A place in single precision, from the cell's site.
@@ -66,12 +69,21 @@ pub(super) fn gather_kept<S: SearchStore>(s: &mut S, vantage: Vantage, first: u3
     return there;
 }
 
-/// Whether a site of a node may have less power than the cell's own at a vertex that is not settled; of weights that are all the same.
+/// Whether a site of a node may have less power than the cell's own at a vertex that is not settled.
 #[inline(always)]
-pub(super) fn may_cut<S: SearchStore>(s: &S, level: u32, node: u32) -> bool {
+pub(super) fn may_cut<S: SearchStore>(s: &S, seer: Seer, level: u32, node: u32) -> bool {
     let mut may: bool = false;
     // (A node that is not there has a box that single precision does not reach.)
-    if node <= ((s.sites() - 1) >> (3 * (level + 1))) {
+    let is_there: bool = node <= ((s.sites() - 1) >> (3 * (level + 1)));
+    if is_there && s.has_weights() {
+        let bounds: NodeBox = s.node_box(level, node);
+        let weights: NodeWeights = s.node_weights(level, node);
+        for v in 0..s.vertices() {
+            if !s.settled(v) && may_cut_weighted(seer, s.position(v), s.radius(v), bounds, weights) {
+                may = true;
+            }
+        }
+    } else if is_there {
         let its: RoughNode = seen_roughly(s.site(), s.node_box(level, node), s.node_slab(level, node));
         for v in 0..s.vertices() {
             if !s.settled(v) && may_cut_at(its, s.rough_vertex(v)) {
@@ -80,6 +92,17 @@ pub(super) fn may_cut<S: SearchStore>(s: &S, level: u32, node: u32) -> bool {
         }
     }
     return may;
+}
+
+/// Whether a site of a node, whose weights differ, may have less power than the cell's own at a place that is off by up to `radius` along each axis.
+///
+/// With d the way to such a site, w what it weighs more and v the place |d|² − 2v·d − w ≤ 0, and what v is off by makes of that at most 2 `radius` times the sum of d's components.
+#[inline(always)]
+pub(crate) fn may_cut_weighted(seer: Seer, place: V3, radius: Real, bounds: NodeBox, weights: NodeWeights) -> bool {
+    let lo: V3 = sub(bounds.lo, seer.site);
+    let hi: V3 = sub(bounds.hi, seer.site);
+    let size: Real = (larger(lo.x.abs(), hi.x.abs()) + larger(lo.y.abs(), hi.y.abs())) + larger(lo.z.abs(), hi.z.abs());
+    return !(least_weighted(seer, 1.0, scale(-2.0, place), bounds, weights) > (SWEPT_TWICE * (radius * size)));
 }
 
 #[inline(always)]

@@ -27,6 +27,8 @@ pub(super) struct Question {
     pub(super) vertices: u32,
     /// Whether it is instead whether a site may cut the cell at a vertex that is not settled.
     pub(super) sweeps: bool,
+    /// Whether nodes that hold the site's own leaf's block are opened, too.
+    pub(super) opens_own: bool,
 }
 
 /// The open blocks and the leaves at hand.
@@ -244,7 +246,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
     let first: u32 = (block & BLOCK_MASK) * WIDTH;
     // Of the nodes of the level, that which holds the own leaf's block.
     let mut own: u32 = 0xFFFF_FFFF;
-    if (question.vertices == 0) && !question.sweeps {
+    if !question.opens_own {
         own = (s.own_site() / WIDTH) >> (3 * level);
     }
     let mut best: u32 = NO_SITE;
@@ -260,7 +262,7 @@ pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: 
                 asks = s.asks_of_node(level, node, of_block, &mut key);
                 is_wanted = asks != 0;
             } else if question.sweeps {
-                is_wanted = may_cut(s, level, node);
+                is_wanted = may_cut(s, seer_of(s), level, node);
             } else {
                 let least: Real = least_of_node(
                     seer_of(s),

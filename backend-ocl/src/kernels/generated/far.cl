@@ -306,7 +306,7 @@ HOT uint least_at(Store *s, uint asked, uint *ties, uint *stay) {
                 open = still_asked(s, left, open);
             }
         } else if (open.blocks > 0) {
-            const Question question = (Question){ .square = REAL(1.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .limit = REAL(0.0), .vertices = left, .sweeps = 0 };
+            const Question question = (Question){ .square = REAL(1.0), .slope = v3(REAL(0.0), REAL(0.0), REAL(0.0)), .limit = REAL(0.0), .vertices = left, .sweeps = 0, .opens_own = 1 };
             open = open_blocks(s, question, open);
         } else {
             *stay = left;

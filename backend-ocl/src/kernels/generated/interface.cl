@@ -114,6 +114,9 @@ typedef struct {
 
 #define SCAN_EACH ((uint)(8))
 
+// Work-items of a group that bounds nodes of the tree: as many as sites of a sample.
+#define NODES_GROUP ((uint)(64))
+
 // Work-items of a group that looks around a block of leaves.
 #define RINGS_GROUP ((uint)(64))
 

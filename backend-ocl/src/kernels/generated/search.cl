@@ -66,6 +66,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
     }
     float reach = store_square_of_reach(s, vantage.center);
     bool is_rest = 0;
+    bool sweeps = 0;
     uint looked = 0;
     uint gathered = 0;
     const bool checks = (what != NEAR) || store_checks_near(s);
@@ -91,7 +92,7 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
             if (!is_rest) {
                 within = smaller(reach, near);
             }
-            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = ((REAL(0.25) * within) / vantage.lambda) * SAFE, .vertices = 0, .sweeps = what == SWEEP };
+            const Question question = (Question){ .square = REAL(1.0) - vantage.lambda, .slope = vantage.slope, .limit = ((REAL(0.25) * within) / vantage.lambda) * SAFE, .vertices = 0, .sweeps = (what == SWEEP) || sweeps, .opens_own = what == SWEEP };
             open = open_blocks(s, question, open);
         } else if (count > 0) {
             const uint status = visit_candidates(s, vantage.center, count, wanted.below, checks, &reach, visited);
@@ -130,6 +131,10 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
                 }
             }
             is_rest = 1;
+            sweeps = store_is_swept(s) && (reach > (SWEPT_SQUARE * near));
+            if (sweeps) {
+                settle_near(s, vantage.center, *proven);
+            }
             wanted.above = wanted.below;
             wanted.below = NO_SITE;
             open = open_path(s);

@@ -22,11 +22,20 @@ INLINE uint gather_kept(Store *s, Vantage vantage, uint first, uint count, uint 
     return there;
 }
 
-// Whether a site of a node may have less power than the cell's own at a vertex that is not settled; of weights that are all the same.
-INLINE bool may_cut(Store *s, uint level, uint node) {
+// Whether a site of a node may have less power than the cell's own at a vertex that is not settled.
+INLINE bool may_cut(Store *s, Seer seer, uint level, uint node) {
     bool may = 0;
     // (A node that is not there has a box that single precision does not reach.)
-    if (node <= ((store_sites(s) - 1) >> (3 * (level + 1)))) {
+    const bool is_there = node <= ((store_sites(s) - 1) >> (3 * (level + 1)));
+    if (is_there && store_has_weights(s)) {
+        const NodeBox bounds = store_node_box(s, level, node);
+        const NodeWeights weights = store_node_weights(s, level, node);
+        for (uint v = 0; v < store_vertices(s); v++) {
+            if (!store_settled(s, v) && may_cut_weighted(seer, store_position(s, v), store_radius(s, v), bounds, weights)) {
+                may = 1;
+            }
+        }
+    } else if (is_there) {
         const RoughNode its = seen_roughly(store_site(s), store_node_box(s, level, node), store_node_slab(s, level, node));
         for (uint v = 0; v < store_vertices(s); v++) {
             if (!store_settled(s, v) && may_cut_at(its, store_rough_vertex(s, v))) {
@@ -35,6 +44,16 @@ INLINE bool may_cut(Store *s, uint level, uint node) {
         }
     }
     return may;
+}
+
+// Whether a site of a node, whose weights differ, may have less power than the cell's own at a place that is off by up to `radius` along each axis.
+//
+// With d the way to such a site, w what it weighs more and v the place |d|² − 2v·d − w ≤ 0, and what v is off by makes of that at most 2 `radius` times the sum of d's components.
+INLINE bool may_cut_weighted(Seer seer, V3 place, real radius, NodeBox bounds, NodeWeights weights) {
+    const V3 lo = sub(bounds.lo, seer.site);
+    const V3 hi = sub(bounds.hi, seer.site);
+    const real size = (larger(fabs(lo.x), fabs(hi.x)) + larger(fabs(lo.y), fabs(hi.y))) + larger(fabs(lo.z), fabs(hi.z));
+    return !(least_weighted(seer, REAL(1.0), scale(-REAL(2.0), place), bounds, weights) > (SWEPT_TWICE * (radius * size)));
 }
 
 INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab) {

@@ -119,6 +119,9 @@ HOT uint search_table(Store *s, Vantage vantage, float *reach, uint *visited) {
         }
         // A voxel for each lane, and where its sites stand among those of all.
         const float voxels = limit_in_voxels(s, *reach, &ring);
+        if (store_has_weights(s) && ((next >= TRIED_OFFSETS) && (voxels > WORTH_GOING_ON))) {
+            return UNTOUCHED;
+        }
         const uint found = gather_voxels(s, place, voxels, &next);
         SiteRange range = (SiteRange){ .begin = 0, .end = 0 };
         if (store_lane(s) < found) {

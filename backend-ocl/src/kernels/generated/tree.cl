@@ -177,7 +177,7 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
     const uint first = (block & BLOCK_MASK) * WIDTH;
     // Of the nodes of the level, that which holds the own leaf's block.
     uint own = 0xFFFFFFFF;
-    if ((question.vertices == 0) && !question.sweeps) {
+    if (!question.opens_own) {
         own = (store_own_site(s) / WIDTH) >> (3 * level);
     }
     uint best = NO_SITE;
@@ -193,7 +193,7 @@ HOT Open open_blocks(Store *s, Question question, Open given) {
                 asks = store_asks_of_node(s, level, node, of_block, &key);
                 is_wanted = asks != 0;
             } else if (question.sweeps) {
-                is_wanted = may_cut(s, level, node);
+                is_wanted = may_cut(s, seer_of(s), level, node);
             } else {
                 const real least = least_of_node(seer_of(s), question.square, question.slope, store_node_box(s, level, node), store_node_weights(s, level, node));
                 is_wanted = least < question.limit;

@@ -35,7 +35,8 @@ HOT uint search_near(Store *s, Vantage vantage, uint what, uint *visited, real *
 HOT uint near_key(Store *s, Vantage vantage, real *near);
 HOT uint gather(Store *s, Vantage vantage, uint first, uint leaves, Wanted wanted, uint count);
 INLINE uint gather_kept(Store *s, Vantage vantage, uint first, uint count, uint below);
-INLINE bool may_cut(Store *s, uint level, uint node);
+INLINE bool may_cut(Store *s, Seer seer, uint level, uint node);
+INLINE bool may_cut_weighted(Seer seer, V3 place, real radius, NodeBox bounds, NodeWeights weights);
 INLINE RoughNode seen_roughly(V3 site, NodeBox bounds, NodeSlab slab);
 INLINE float lower(real x);
 INLINE float upper(real x);

@@ -6,6 +6,7 @@ use crate::cell::bound::{Seer, least_power_of_node};
 use crate::cell::far::{asked_at, search_far, settle_near};
 use crate::cell::search::{KEPT, NEAR, SWEEP, search_near, vantage_of};
 use crate::cell::search_store::SearchStore;
+use crate::cell::sweep::may_cut_weighted;
 use crate::cell::tree::asks_by_powers;
 use crate::cell::{
     COMPLETE, CUT, CellSums, PlainStore, UNCERTAIN, UNTOUCHED, VOLUME_ONLY, begin, bisector, clip, integrate_cell,
@@ -132,8 +133,8 @@ fn swept(tree: &SiteTree, site: u32) -> Option<Option<f64>> {
 #[test]
 fn a_sweep_finds_all_sites_that_cut() {
     let mut given_up = 0;
-    for (name, positions, _) in inputs().into_iter().filter(|(_, _, weights)| weights.is_empty()) {
-        let tree = SiteTree::new(&positions, &[]);
+    for (name, positions, weights) in inputs() {
+        let tree = SiteTree::new(&positions, &weights);
         for site in (0..tree.len() as u32).step_by(3) {
             match swept(&tree, site) {
                 Some(found) => {
@@ -145,6 +146,46 @@ fn a_sweep_finds_all_sites_that_cut() {
         }
     }
     assert!(given_up < 30, "{given_up}");
+}
+
+/// Of a node that is said to cut off no place no site has less power than the cell's own wherever that place may be, off by its radius; and of one that is said to, some often has.
+#[test]
+fn what_cannot_cut_a_place_has_no_less_power_there() {
+    for (name, positions, weights) in inputs().into_iter().filter(|(_, _, weights)| !weights.is_empty()) {
+        let tree = SiteTree::new(&positions, &weights);
+        let (mut cannot, mut may, mut does) = (0, 0, 0);
+        for site in (0..tree.len() as u32).step_by(41) {
+            let mut store = begun(&tree, site);
+            let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
+            let mut room = Room::default();
+            let search = Searched::new(&mut cell, &tree, None, &mut room, 0.0);
+            let seer = Seer { site: search.site(), excess: search.own_excess(), has_weights: true };
+            let leaves = (tree.len() as u32).div_ceil(WIDTH);
+            for (leaf, &[x, y, z]) in (0..leaves).cycle().zip(positions.iter().take(200)) {
+                let (bounds, node_weights) = (search.node_box(0, leaf), search.node_weights(0, leaf));
+                for radius in [0.0, 1e-6, 0.05] {
+                    let place = v3(0.5 * x, 0.5 * y, 0.5 * z);
+                    let said = may_cut_weighted(seer, place, radius, bounds, node_weights);
+                    let signs = (0..8_u32).map(|i| [0, 1, 2].map(|k| if (i >> k) & 1 == 0 { radius } else { -radius }));
+                    let less = signs.flat_map(|[a, b, c]| {
+                        let p = v3(place.x + a, place.y + b, place.z + c);
+                        let sites = leaf * WIDTH..((leaf + 1) * WIDTH).min(tree.len() as u32);
+                        let (tree, others) = (&tree, sites.filter(move |&j| j != site));
+                        others.map(move |j| {
+                            let (d, more) = difference(tree, site, j);
+                            square(d) - 2.0 * (p.x * d.x + p.y * d.y + p.z * d.z) - more
+                        })
+                    });
+                    let least = less.fold(f64::INFINITY, f64::min);
+                    assert!(said || least > -1e-15, "{name}: {site}, {leaf}, {radius}: {least}");
+                    cannot += u32::from(!said);
+                    may += u32::from(said);
+                    does += u32::from(said && least <= 0.0);
+                }
+            }
+        }
+        assert!(positions.len() < 100 || (cannot > 100 && 3 * does > may), "{name}: {cannot}, {does} of {may}");
+    }
 }
 
 #[test]

@@ -2,7 +2,9 @@
 //! each other for the curve, by the host.
 
 use crate::buffer::Room;
-use crate::interface::data::{DIGIT_BITS, DIGITS, GRID_GROUP, NODES_GROUP, Params, RINGS_GROUP, Range, SCAN_EACH, SORT_EACH};
+use crate::interface::data::{
+    DIGIT_BITS, DIGITS, GRID_GROUP, NODES_GROUP, Params, RINGS_GROUP, Range, SCAN_EACH, SORT_EACH,
+};
 use crate::interface::kernels::{
     AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, LookAtRings, MarkVoxels, PlaceDigits,
     RankSites, ScanBlocks, SettleRuns, TightenSlabs,

@@ -383,6 +383,17 @@ impl ClipStore for CpuStore<'_> {
         if self.vertices.count >= MANY { self.mark_of_many(k, plane) } else { self.mark_all(plane) }
     }
 
+    /// (By the first four.)
+    #[inline(always)]
+    fn keeps_some(&self, plane: Plane) -> bool {
+        let (four, valid) = (&self.vertices.places[0], u64::MAX >> (64 - self.vertices.count.clamp(1, LANES)));
+        let [x, y, z] = four.positions();
+        let size = (plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs();
+        let value = (((x * plane.n.x) + (y * plane.n.y)) + (z * plane.n.z)) + plane.d;
+        let bound = (f64x4::from(four.radius) * size) + (4.0 * UNIT_ROUNDOFF) * plane.d.abs();
+        u64::from(value.simd_gt(bound).to_bitmask()) & valid != 0
+    }
+
     #[inline(always)]
     fn may_be_cut_by(&self, planes: &[[Real; TOGETHER]; 4]) -> u8 {
         self.together(planes)

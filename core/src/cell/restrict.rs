@@ -315,6 +315,10 @@ pub(crate) fn add_surface<S: ClipStore + DomainStore + SignStore>(
 /// Whether every vertex is certainly in conflict with `plane`; uses the slot of plane `k`.
 #[inline(always)]
 pub(super) fn all_in_conflict<S: ClipStore>(s: &mut S, k: u32, plane: Plane) -> bool {
+    #[cfg(not(opencl))]
+    if s.keeps_some(plane) {
+        return false;
+    }
     s.set_plane(k, plane);
     return s.mark_conflicts(k) == SEEN_CONFLICT;
 }

@@ -139,6 +139,11 @@ pub trait ClipStore: Polytope {
     fn may_be_cut_by(&self, _planes: &[[Real; TOGETHER]; 4]) -> u8 {
         u8::MAX
     }
+    /// Whether one of some vertices, as a host looks at once, is certainly not in conflict with a half-space; `false` where a store does not look.
+    #[inline(always)]
+    fn keeps_some(&self, _plane: Plane) -> bool {
+        false
+    }
     /// Mark of vertex `v`, one of the `MARK_` constants.
     fn mark(&self, v: u32) -> u32;
     /// Sets the mark of vertex `v`.

@@ -23,6 +23,7 @@ pub(crate) fn table() -> Vec<[u8; 4]> {
 #[cfg(test)]
 mod tests {
     use crate::interface::data::{INNER_SHELLS, SHELL_RADIUS, SHELLS};
+    use laguerre_core::cell::table::TRIED_OFFSETS;
 
     #[test]
     fn the_first_rings_are_where_the_search_looks() {
@@ -30,7 +31,7 @@ mod tests {
         assert_eq!(table.len(), SHELLS as usize);
         assert_eq!(table[0], [center, center, center, 0]);
         // After the own voxel: 6 faces, 12 edges, 8 corners, all at distance 0.
-        assert_eq!(INNER_SHELLS, 27);
+        assert_eq!([INNER_SHELLS, TRIED_OFFSETS], [27; 2]);
         assert!(table[..27].iter().all(|e| e[3] == 0) && table[27][3] == 1);
         assert!(table.is_sorted_by_key(|e| e[3]));
         // Between the nearest voxel that is not in the table and the first there are as many others as the radius.

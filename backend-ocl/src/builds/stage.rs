@@ -8,7 +8,7 @@ pub(crate) enum Stage {
     /// All of them, with numbers in single precision; those are given up whose signs it leaves open, or whose volumes it does not tell well, or which may
     /// meet the surface.
     Single,
-    /// All of them; those are given up that need exact signs, or may meet the surface.
+    /// All of them; those are given up that need exact signs, or may meet the surface. By the table of offsets or by the tree; or where weights differ by the table, and what that leaves, if it is much, by the tree.
     First,
     /// The same, with signs that double precision or double-double settles: where the table of offsets is gone through and weights differ, of sites most of which
     /// have one open, as particles that were a lattice.

@@ -25,7 +25,7 @@ const SAMPLE_TOGETHER: usize = 4096;
 /// The share of a device's memory that what an octree is made with may keep, and records of cells that were begun.
 pub(super) const SHARE_OF_SCRATCH: u64 = 32;
 
-/// How many of the sample have to reach beyond what the first stage searches, or to need more room, for the tree alone to be searched; and to fail,
+/// How many of the sample have to reach beyond what the first stage searches, or to need more room, for the tree alone to be searched, or where weights differ, and no more than half do, for a sample of the tree; and to fail,
 /// where it is, for all cells to begin in the stage of those that reach far; or to have open signs, where weights differ, for those that settle them by the table.
 const WORTH_A_TREE: u32 = SAMPLE_TOGETHER as u32 / 8;
 const MOST_OF_SAMPLE: u32 = SAMPLE_TOGETHER as u32 / 2;
@@ -85,8 +85,8 @@ impl Device {
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
     /// not completed with exact signs, either. (Where weights differ both are `Close`'s or `Far`'s.)
     ///
-    /// The stage in which cells begin that go through the table; and where it is given up, whether the others, which are more than half, may yet begin so, if those that it leaves are
-    /// found by the same stage and the tree.
+    /// The stage in which cells begin that go through the table; and, where it is given up though it completes at least half of the sample, `true`: the caller may take it after all, where what it leaves is not
+    /// far for the tree.
     pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<(Stage, bool)> {
         let has_weights = self.shared.params.equal_weights == 0;
         if self.shared.params.has_table == 0 || (self.domain.is_some() && !has_weights) || share.len() < WORTH_A_SAMPLE

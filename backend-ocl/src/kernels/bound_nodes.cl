@@ -11,6 +11,8 @@ INLINE void set_vector(__global real (*of)[WIDTH], uint k, V3 v) {
 // Sites of a leaf stand so far apart in local memory, so that the work-items of a group, each with a leaf of its own, read from other banks.
 #define STRIDE (WIDTH + 1u)
 
+typedef char group_has_all_sampled[(NODES_GROUP >= MOST_SAMPLED) ? 1 : -1];
+
 // A leaf by each work-item; a node of a higher level by each group, which brings what the node is made of into local memory, for one of them. (Read from global memory by that one, each number was waited
 // for: the five levels of 215,222 sites with weights took 1.16 ms, of which those above the leaves 1.12; one NVIDIA H200.)
 __kernel __attribute__((reqd_work_group_size(NODES_GROUP, 1, 1))) void bound_nodes(BOUND_NODES_ARGUMENTS) {

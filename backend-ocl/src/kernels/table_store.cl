@@ -10,6 +10,12 @@ INLINE void find_voxel(Store *s) {
     s->voxel[2] = voxel_along(s->world.params, 2, s->site.z);
 }
 
+// (Not of `Close`, whose cells have no such stage.)
+#if LANES && (WITH_WEIGHTS && !WITH_CLOSE)
+INLINE bool store_leaves_early(Store *s) { return true; }
+#else
+INLINE bool store_leaves_early(Store *s) { return false; }
+#endif
 INLINE uint store_offsets(Store *s) { return SHELLS; }
 INLINE Offset store_offset(Store *s, uint i) {
     const uchar4 shell = s->shells[min(i, SHELLS - 1u)];

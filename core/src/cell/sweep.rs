@@ -1,4 +1,4 @@
-//! The end of the far search (`far.rs`): all sites that can still cut the cell at any of its vertices, in one descent of the tree.
+//! All sites that can still cut the cell at any of its vertices, in one descent of the tree: instead of the far search (`far.rs`), or where weights differ of what the near one (`search.rs`) has left.
 //!
 //! The difference of two powers is linear in the place. So a site that has less power than the cell's own anywhere in the cell has less at one of its
 //! vertices; and what a site cannot cut of a cell, it cannot of what others leave of it. A node is opened if a site of it may have less power at

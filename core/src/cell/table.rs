@@ -1,5 +1,5 @@
 //! The near search of sites that fill space evenly, on devices: the voxels around the cell's own, in the order of a table of offsets, nearest first. What it does
-//! not prove complete is completed by its vertices (`far.rs`).
+//! not prove complete is completed by its vertices (`far.rs`), or where weights differ and such cells are many found by the tree (`search.rs`).
 //!
 //! Where weights differ, sites that are at least `D` away cannot cut what is within `r` of where the slope has the cell if none of them weighs more than `Ω` less
 //! that slope, and `D² − Ω ≥ 2rD` (`search.rs`). Of sites around the cell's block of leaves it is known, ring by ring, what they weigh at most (`around.rs`).
@@ -16,10 +16,10 @@ use super::vector::{Real, Rough, V3, add, scale, sub, v3};
 const SLACK_IN_VOXELS: Rough = 1e-5;
 const SAFE_IN_VOXELS: Rough = 1.00001;
 
-/// Where weights differ a cell whose sites may, as squared voxels, be farther than this when the voxels about its own, so many offsets, have been gone through, is given up: it would go through what is
-/// left of the table, most often in vain. (Of 215,222 cells of transport in a domain the table proves 77 %, in 7.5 ms, given up so in 3.8 to 4.2, with 3 to 6 voxels; lognormal radii are found sooner by the tree
-/// where they need more than 4. After 125 offsets 4.3. One NVIDIA H200.)
-const TRIED_OFFSETS: u32 = 27;
+/// Where weights differ a cell which sites may cut that are, as squared voxels, farther than this when the voxels about its own, so many offsets, have been gone through, is given up: it would go through what is
+/// left of the table, most often in vain. (Of 215,222 cells of transport in a domain the table proves 77 %, in 7.5 ms; given up so, with 6 voxels, 77 % in 4.2, with 4 voxels 73 % in 3.8; lognormal radii are
+/// found sooner by the tree where they need more than 4. After 125 offsets, with 6 voxels, 4.3. One NVIDIA H200.)
+pub const TRIED_OFFSETS: u32 = 27;
 const WORTH_GOING_ON: Rough = 16.0;
 
 /// (Named, since a literal would be a `Real`, in double precision on devices.)
@@ -88,6 +88,8 @@ pub trait TableStore: SearchStore {
     fn excess_around(&self, ring: u32) -> Rough;
     /// Sets it, as what it is in the frame.
     fn set_excess_around(&mut self, ring: u32, excess: Real);
+    /// Whether weights differ and what is left early is found by the same stage and the tree.
+    fn leaves_early(&self) -> bool;
     /// How many sites become candidates at one time.
     fn window(&self) -> u32;
     /// Number `i` of so many that all lanes see: not alike.
@@ -205,7 +207,7 @@ fn gather_voxels<S: TableStore>(s: &mut S, place: VoxelPlace, limit: Rough, next
     return found;
 }
 
-/// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended. `reach` is the square of
+/// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that, or likely will not; or how it ended. `reach` is the square of
 /// its reach about the vantage's center, afterwards.
 #[inline]
 #[cfg_attr(opencl, hot)]
@@ -228,7 +230,7 @@ pub fn search_table<S: TableStore>(s: &mut S, vantage: Vantage, reach: &mut Roug
         }
         // A voxel for each lane, and where its sites stand among those of all.
         let voxels: Rough = limit_in_voxels(s, *reach, &mut ring);
-        if s.has_weights() && ((next >= TRIED_OFFSETS) && (voxels > WORTH_GOING_ON)) {
+        if s.leaves_early() && ((next >= TRIED_OFFSETS) && (voxels > WORTH_GOING_ON)) {
             return UNTOUCHED;
         }
         let found: u32 = gather_voxels(s, place, voxels, &mut next);

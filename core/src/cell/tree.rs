@@ -217,8 +217,8 @@ pub(crate) fn asks_by_powers<S: SearchStore>(s: &S, level: u32, node: u32, of_bl
 }
 
 /// Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
-/// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where no vertex is asked for; else the least
-/// of the blocks is the last.
+/// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, unless the question opens them, too. Where a
+/// vertex is asked for the least of the blocks is the last.
 #[inline]
 #[cfg_attr(opencl, hot)]
 pub(super) fn open_blocks<S: SearchStore>(s: &mut S, question: Question, given: Open) -> Open {

@@ -98,7 +98,7 @@ INLINE uint gather_voxels(Store *s, VoxelPlace place, float limit, uint *next) {
     return found;
 }
 
-// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that; or how it ended. `reach` is the square of
+// Cuts the cell by all sites that can cut it: `COMPLETE`; `UNTOUCHED` where the table does not prove that, or likely will not; or how it ended. `reach` is the square of
 // its reach about the vantage's center, afterwards.
 HOT uint search_table(Store *s, Vantage vantage, float *reach, uint *visited) {
     V3 center = v3(REAL(0.0), REAL(0.0), REAL(0.0));
@@ -119,7 +119,7 @@ HOT uint search_table(Store *s, Vantage vantage, float *reach, uint *visited) {
         }
         // A voxel for each lane, and where its sites stand among those of all.
         const float voxels = limit_in_voxels(s, *reach, &ring);
-        if (store_has_weights(s) && ((next >= TRIED_OFFSETS) && (voxels > WORTH_GOING_ON))) {
+        if (store_leaves_early(s) && ((next >= TRIED_OFFSETS) && (voxels > WORTH_GOING_ON))) {
             return UNTOUCHED;
         }
         const uint found = gather_voxels(s, place, voxels, &next);

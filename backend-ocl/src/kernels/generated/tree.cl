@@ -150,8 +150,8 @@ INLINE uint asks_by_powers(Store *s, uint level, uint node, uint of_block, uint 
 }
 
 // Puts the children of the last open blocks, as many as there are lanes for, in the place of these, where a question can come to less than its
-// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, where no vertex is asked for; else the least
-// of the blocks is the last.
+// limit there; leaves to those at hand. Without the nodes that hold the site's own leaf's block, unless the question opens them, too. Where a
+// vertex is asked for the least of the blocks is the last.
 HOT Open open_blocks(Store *s, Question question, Open given) {
     Open open = given;
     const uint lanes = store_lanes(s);

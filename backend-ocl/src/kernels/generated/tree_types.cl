@@ -239,8 +239,8 @@ typedef struct {
 
 #define MOST_NEAR_SITES ((uint)(400))
 
-// A cell that then reaches this many times as far, as a square, is cut by what may cut it at a vertex, where the store says so (`SearchStore::is_swept`), and else by all that it reaches: that is less
-// for each node, but of a long cell it reaches much that cannot cut it. (8,253 cells of transport in a domain, 300 leaves looked at for each and 11 vertices asked for, then: 4.9 ms, swept 3.8; of a million
+// A cell that then reaches this many times as far, as a square, is cut by what may cut it at a vertex, where the store says so (`SearchStore::is_swept`), and else by all that it reaches: how far a
+// node is takes less to find, but a long cell reaches much that cannot cut it. (8,253 cells of transport in a domain, 300 leaves looked at for each and 11 vertices asked for, then: 4.9 ms, swept 3.8; of a million
 // sites with weights 0.5 |x|² 10,554: 5.1 and 2.0. With 1, 16 and 64: 3.9, 4.9 and 5.5 of the first, 1.9, 2.2 and 3.0 of the second; and with 1 those with -2 |x|² 3.1 instead of 2.8. One NVIDIA H200.)
 #define SWEPT_SQUARE ((real)(REAL(4.0)))
 
@@ -393,9 +393,9 @@ typedef struct {
 
 #define SAFE_IN_VOXELS ((float)(REAL(1.00001)))
 
-// Where weights differ a cell whose sites may, as squared voxels, be farther than this when the voxels about its own, so many offsets, have been gone through, is given up: it would go through what is
-// left of the table, most often in vain. (Of 215,222 cells of transport in a domain the table proves 77 %, in 7.5 ms, given up so in 3.8 to 4.2, with 3 to 6 voxels; lognormal radii are found sooner by the tree
-// where they need more than 4. After 125 offsets 4.3. One NVIDIA H200.)
+// Where weights differ a cell which sites may cut that are, as squared voxels, farther than this when the voxels about its own, so many offsets, have been gone through, is given up: it would go through what is
+// left of the table, most often in vain. (Of 215,222 cells of transport in a domain the table proves 77 %, in 7.5 ms; given up so, with 6 voxels, 77 % in 4.2, with 4 voxels 73 % in 3.8; lognormal radii are
+// found sooner by the tree where they need more than 4. After 125 offsets, with 6 voxels, 4.3. One NVIDIA H200.)
 #define TRIED_OFFSETS ((uint)(27))
 
 #define WORTH_GOING_ON ((float)(REAL(16.0)))

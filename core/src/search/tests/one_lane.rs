@@ -90,21 +90,33 @@ fn cut_by_all(tree: &SiteTree, site: u32) -> Option<f64> {
     Some(volume(&mut store))
 }
 
-/// Near, and then far where it is not complete; or far at once, which asks for one vertex at first, or for many.
-fn searched(tree: &SiteTree, site: u32, far: Option<u32>) -> Option<f64> {
+/// What is searched, and from what on.
+#[derive(Clone, Copy, Debug)]
+enum From {
+    /// Near, and then far where it is not complete.
+    Near,
+    /// The same, with what is left when those near have cut it swept before.
+    NearAndSwept,
+    /// Far at once, which asks for so many vertices at first.
+    Far(u32),
+}
+
+fn searched(tree: &SiteTree, site: u32, from: From) -> Option<f64> {
     let mut store = begun(tree, site);
     let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
     let mut room = Room::default();
     let mut search = Searched::new(&mut cell, tree, None, &mut room, 0.0);
+    search.is_swept = matches!(from, From::NearAndSwept);
     let vantage = vantage_of(&search);
     let (mut visited, mut proven) = (0, 0.0);
-    let mut status = UNTOUCHED;
-    if far.is_none() {
-        status = search_near(&mut search, vantage, NEAR, &mut visited, &mut proven);
+    let (mut status, mut first_asked) = (UNTOUCHED, 1);
+    match from {
+        From::Far(asked) => first_asked = asked,
+        _ => status = search_near(&mut search, vantage, NEAR, &mut visited, &mut proven),
     }
     if status == UNTOUCHED {
         settle_near(&mut search, vantage.center, proven);
-        status = search_far(&mut search, vantage.center, far.unwrap_or(1), &mut visited);
+        status = search_far(&mut search, vantage.center, first_asked, &mut visited);
     }
     assert_ne!(status, UNCERTAIN);
     (status == COMPLETE).then(|| volume(&mut store))
@@ -194,11 +206,11 @@ fn the_search_finds_all_sites_that_cut() {
         let tree = SiteTree::new(&positions, &weights);
         for site in (0..tree.len() as u32).step_by(3) {
             let all = cut_by_all(&tree, site);
-            for far in [None, Some(1), Some(MOST_ASKED as u32)] {
-                let (found, all) = (searched(&tree, site, far).unwrap_or(0.0), all.unwrap_or(0.0));
+            for from in [From::Near, From::NearAndSwept, From::Far(1), From::Far(MOST_ASKED as u32)] {
+                let (found, all) = (searched(&tree, site, from).unwrap_or(0.0), all.unwrap_or(0.0));
                 assert!(
                     (found - all).abs() <= 1e-14 * all + 1e-17,
-                    "{name}, {site}, {far:?}: {found} instead of {all}"
+                    "{name}, {site}, {from:?}: {found} instead of {all}"
                 );
             }
         }

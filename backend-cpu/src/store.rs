@@ -39,6 +39,33 @@ impl Four {
     fn positions(&self) -> [f64x4; 3] {
         [self.x, self.y, self.z].map(f64x4::from)
     }
+
+    /// How far its vertices are within a half-space, and what of that may be rounding.
+    #[inline(always)]
+    fn within(&self, side: &Side) -> (f64x4, f64x4) {
+        let ([nx, ny, nz], [x, y, z]) = (side.normal, self.positions());
+        ((((nx * x) + (ny * y)) + (nz * z)) + side.offset, (side.size * f64x4::from(self.radius)) + side.slack)
+    }
+}
+
+/// A half-space, for four vertices at a time.
+struct Side {
+    normal: [f64x4; 3],
+    offset: f64x4,
+    size: f64x4,
+    slack: f64x4,
+}
+
+impl Side {
+    #[inline(always)]
+    fn of(plane: Plane) -> Self {
+        Self {
+            normal: [plane.n.x, plane.n.y, plane.n.z].map(f64x4::splat),
+            offset: f64x4::splat(plane.d),
+            size: f64x4::splat((plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs()),
+            slack: f64x4::splat((4.0 * UNIT_ROUNDOFF) * plane.d.abs()),
+        }
+    }
 }
 
 /// Vertices, padded to whole fours.
@@ -260,10 +287,7 @@ impl CpuStore<'_> {
     /// `mark_conflicts`, vertex by vertex.
     #[inline(always)]
     fn mark_all(&mut self, plane: Plane) -> u32 {
-        let (nx, ny, nz, d) =
-            (f64x4::splat(plane.n.x), f64x4::splat(plane.n.y), f64x4::splat(plane.n.z), f64x4::splat(plane.d));
-        let size = f64x4::splat((plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs());
-        let slack = f64x4::splat((4.0 * UNIT_ROUNDOFF) * plane.d.abs());
+        let side = Side::of(plane);
         let count = self.vertices.count;
         let (mut any_conflict, mut any_uncertain, mut any_keep) = (0, 0, 0);
         let words = self.conflict.iter_mut().zip(self.uncertain.iter_mut());
@@ -273,9 +297,7 @@ impl CpuStore<'_> {
             let here = (count - w * 64).min(64);
             let (mut conflict, mut kept) = (0_u64, 0_u64);
             for (c, four) in fours.iter().enumerate() {
-                let [x, y, z] = four.positions();
-                let value = (((nx * x) + (ny * y)) + (nz * z)) + d;
-                let bound = (size * f64x4::from(four.radius)) + slack;
+                let (value, bound) = four.within(&side);
                 conflict |= u64::from(value.simd_lt(-bound).to_bitmask()) << (c * LANES);
                 kept |= u64::from(value.simd_gt(bound).to_bitmask()) << (c * LANES);
             }
@@ -386,11 +408,8 @@ impl ClipStore for CpuStore<'_> {
     /// (By the first four.)
     #[inline(always)]
     fn keeps_some(&self, plane: Plane) -> bool {
-        let (four, valid) = (&self.vertices.places[0], u64::MAX >> (64 - self.vertices.count.clamp(1, LANES)));
-        let [x, y, z] = four.positions();
-        let size = (plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs();
-        let value = (((x * plane.n.x) + (y * plane.n.y)) + (z * plane.n.z)) + plane.d;
-        let bound = (f64x4::from(four.radius) * size) + (4.0 * UNIT_ROUNDOFF) * plane.d.abs();
+        let valid = u64::MAX >> (64 - self.vertices.count.clamp(1, LANES));
+        let (value, bound) = self.vertices.places[0].within(&Side::of(plane));
         u64::from(value.simd_gt(bound).to_bitmask()) & valid != 0
     }
 

@@ -85,8 +85,8 @@ impl Device {
     /// Signs that are open in single precision alone do not tell: all cells of a lattice have them, as have those of sites on a line. These are
     /// not completed with exact signs, either. (Where weights differ both are `Close`'s or `Far`'s.)
     ///
-    /// The stage in which cells begin that go through the table; and, where it is given up though it completes at least half of the sample, `true`: the caller may take it after all, where what it leaves is not
-    /// far for the tree.
+    /// The stage in which cells begin that go through the table; and whether weights differ and it completes at least half of the sample: so that the caller may take it though it is given up here, where the
+    /// tree finds most of what it leaves.
     pub(super) fn choose_table(&mut self, lanes: Lanes, share: Range<usize>) -> Result<(Stage, bool)> {
         let has_weights = self.shared.params.equal_weights == 0;
         if self.shared.params.has_table == 0 || (self.domain.is_some() && !has_weights) || share.len() < WORTH_A_SAMPLE
@@ -107,7 +107,7 @@ impl Device {
             beyond += self.sample_of(Way::Together(lanes, Stage::Exact), &open, SAMPLE_TOGETHER)?.left;
         }
         self.shared.params.has_table = u32::from(beyond <= WORTH_A_TREE);
-        Ok((Stage::First, has_weights && (WORTH_A_TREE + 1..=MOST_OF_SAMPLE).contains(&beyond)))
+        Ok((Stage::First, has_weights && beyond <= MOST_OF_SAMPLE))
     }
 
     /// Gives up the table of offsets for all that is still to come, so many cells, where weights are equal and there is no domain; says whether there was one.

@@ -32,7 +32,8 @@ const WORTH_BUILDING_LARGE: usize = 1 << 19;
 const WORTH_GIVING: usize = if IN_TESTS { 1 << 5 } else { 1 << 13 };
 
 /// Of all cells the share that the table of offsets leaves where weights differ, from which on these are `First`'s by the tree, before those of them that reach far are `Far`'s: of 215,222 cells of transport in
-/// a domain 58,000, of which 8,283 are then; 4,473 of a million with affine weights take as long in `Far` at once, of which 3,592 reach far, and no other build is needed. (One NVIDIA H200.)
+/// a domain 58,000, of which 8,283 are then; of a million with affine weights it leaves 4,473, of which
+/// 3,592 are still `Far`'s after 0.8 ms in `First`, while `Far` has some 4,210 at once in 0.8, and no other build is needed. (One NVIDIA H200.)
 const SHARE_BY_TREE: usize = 16;
 
 /// Cells with open signs, at most, that `Wide` computes with those that need more room, where these are its own anyway, and not `Exact` before: a stage less to build and to wait for (of

@@ -92,7 +92,7 @@ fn cut_by_all(tree: &SiteTree, site: u32) -> Option<f64> {
 
 /// What is searched, and from what on.
 #[derive(Clone, Copy, Debug)]
-enum From {
+enum Way {
     /// Near, and then far where it is not complete.
     Near,
     /// The same, with what is left when those near have cut it swept before.
@@ -101,17 +101,17 @@ enum From {
     Far(u32),
 }
 
-fn searched(tree: &SiteTree, site: u32, from: From) -> Option<f64> {
+fn searched(tree: &SiteTree, site: u32, way: Way) -> Option<f64> {
     let mut store = begun(tree, site);
     let mut cell = Cell::new(&mut store, site, tree.site(site), None, None);
     let mut room = Room::default();
     let mut search = Searched::new(&mut cell, tree, None, &mut room, 0.0);
-    search.is_swept = matches!(from, From::NearAndSwept);
+    search.is_swept = matches!(way, Way::NearAndSwept);
     let vantage = vantage_of(&search);
     let (mut visited, mut proven) = (0, 0.0);
     let (mut status, mut first_asked) = (UNTOUCHED, 1);
-    match from {
-        From::Far(asked) => first_asked = asked,
+    match way {
+        Way::Far(asked) => first_asked = asked,
         _ => status = search_near(&mut search, vantage, NEAR, &mut visited, &mut proven),
     }
     if status == UNTOUCHED {
@@ -206,11 +206,11 @@ fn the_search_finds_all_sites_that_cut() {
         let tree = SiteTree::new(&positions, &weights);
         for site in (0..tree.len() as u32).step_by(3) {
             let all = cut_by_all(&tree, site);
-            for from in [From::Near, From::NearAndSwept, From::Far(1), From::Far(MOST_ASKED as u32)] {
-                let (found, all) = (searched(&tree, site, from).unwrap_or(0.0), all.unwrap_or(0.0));
+            for way in [Way::Near, Way::NearAndSwept, Way::Far(1), Way::Far(MOST_ASKED as u32)] {
+                let (found, all) = (searched(&tree, site, way).unwrap_or(0.0), all.unwrap_or(0.0));
                 assert!(
                     (found - all).abs() <= 1e-14 * all + 1e-17,
-                    "{name}, {site}, {from:?}: {found} instead of {all}"
+                    "{name}, {site}, {way:?}: {found} instead of {all}"
                 );
             }
         }

@@ -1,6 +1,7 @@
 //! One device: its queue, its programs, its memory.
 
 mod cells;
+mod finish;
 mod leaders;
 mod room;
 mod sample;
@@ -121,6 +122,7 @@ rooms! {
         full: u32 = "a list of cells",
         left: u32 = "a list of cells",
         cut: u32 = "a list of cells",
+        unfinished: u32 = "a list of cells",
         /// Records of finished cells (`lanes_near.cl`).
         near: [u32; 4] = "finished cells",
         begun: [u32; 4] = "cells that have been begun",

@@ -68,6 +68,7 @@ impl Device {
 
     /// Sweeps cells, so many at a time that there is room for the record of each, and then has their integrals.
     fn run_swept(&mut self, lanes: Lanes, cells: &Todo, turns: Range<usize>, turn_of: u32) -> Result<()> {
+        debug_assert!(self.counters.surface == 0, "swept cells have the room of records for themselves");
         let mut begin = turns.start;
         while begin < turns.end {
             let count = self.swept_at_once.min(turns.end - begin);

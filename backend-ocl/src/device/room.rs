@@ -26,7 +26,7 @@ const MOST_VAST: u64 = 1024;
 /// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes; on average for those of all cells, of which white
 /// sites take 42; and for any: 64 vertices and half-spaces, 16 of them caps (`lanes_near.cl`). A cell that has no room is tried again with an empty one.
 const NEAR_LENGTH: usize = 40;
-const RECORD_LENGTH: usize = 56;
+pub(super) const RECORD_LENGTH: usize = 56;
 const LONGEST_RECORD: usize = 1 + 64 + (64 + 64) / 4 + 2 * 16;
 /// For any that was swept: 64 vertices and 40 half-spaces (`LANES_P`, `lanes_store.cl`).
 pub(super) const LONGEST_SWEPT: usize = 1 + 64 + (64 + 40) / 4;
@@ -43,8 +43,9 @@ impl Device {
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * shared.params.sums_width as usize)?;
         memory.rows.grow(context, if request.needs_facets() { sites } else { 1 })?;
-        let leaves_cut = domain.is_some() && together.is_some() && request.needs_facets();
-        memory.cut.grow(context, if leaves_cut { share } else { 1 })?;
+        let gives_all = together.is_some() && request.needs_facets();
+        memory.unfinished.grow(context, if gives_all { share } else { 1 })?;
+        memory.cut.grow(context, if gives_all && domain.is_some() { share } else { 1 })?;
         for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
             list.grow(context, share)?;
         }
@@ -148,7 +149,7 @@ impl Device {
             .min(most)
             .max(FEWEST_CELLS)
             .min(count.max(self.most_cells));
-        if self.facets_are_kept && self.counters.facets > 0 {
+        if self.counters.surface > 0 || (self.facets_are_kept && self.counters.facets > 0) {
             // What stays must not go with the memory that it is in; what has no room in that is told by `full`.
             let fit = (self.shared.params.near_room as usize).checked_div(length).unwrap_or(batch);
             return Ok(batch.min(fit.max(1)));

@@ -3,12 +3,12 @@
 use super::cells::Todo;
 use super::room::{FEWEST_CELLS, MOST_CELLS};
 use super::sample::{MAY_FAIL, SHARE_OF_SCRATCH, WORTH_LEAVING};
-use super::{Computed, Device, IN_TESTS};
+use super::{Computed, Device};
 use crate::buffer::failed;
 use crate::builds::{Lanes, Stage, Way};
 use crate::facets::FacetMemory;
 use crate::grid::GROUP;
-use crate::interface::data::{Counters, VAST_WORDS};
+use crate::interface::data::VAST_WORDS;
 use crate::interface::kernels::LookAbout;
 use crate::platform::DeviceId;
 use crate::program::MOST_PLANES;
@@ -25,11 +25,6 @@ pub(super) const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
 /// Cells of which some need each stage that may come: from here on these are built before (`ahead.rs`). Those that need more room are fewer: 5 of a million white ones.
 const WORTH_BUILDING_AHEAD: usize = 1 << 18;
 const WORTH_BUILDING_LARGE: usize = 1 << 19;
-
-/// Cells that reach far outside the domain, as most of those that the table of offsets has not completed do, from which on they are `Far`'s, whose text is shorter than `Exact`'s, and what
-/// is finished another stage's: of a million white sites inside the bunny 24,000, 10 instead of 18 ms, of blue ones 46,000, 9 instead of 19; of 100,000 blue ones 9,900, no gain, but with facets 12.1
-/// instead of 16.8 ms for the diagram. Of fewer it gains less than the 0.03 s that a process loses, which has another build to load. (One NVIDIA H200.)
-const WORTH_GIVING: usize = if IN_TESTS { 1 << 5 } else { 1 << 13 };
 
 /// Of all cells the share that the table of offsets leaves where weights differ, from which on these are `First`'s by the tree, before those of them that reach far are `Far`'s: of 215,222 cells of transport in
 /// a domain 58,000, of which 8,283 are then; of a million with affine weights it leaves 4,473, of which
@@ -152,7 +147,7 @@ impl Device {
     }
 
     /// Whether what the first stage does not complete is found by the tree.
-    fn is_tree(&self) -> bool {
+    pub(super) fn is_tree(&self) -> bool {
         self.shared.params.has_table == 0 || self.shared.params.equal_weights == 0
     }
 
@@ -214,6 +209,9 @@ impl Device {
         while now.count() > 0 {
             let before = self.seconds;
             self.sweep(request, way, &now, interior_only, &mut second)?;
+            if !self.goes_on_giving(way) {
+                self.finish(request, way, &mut second)?;
+            }
             self.forget_begun_in_part();
             if is_second {
                 second.seconds += self.seconds - before;
@@ -241,12 +239,12 @@ impl Device {
             {
                 // (What most cells need is more than a few more digits.)
                 let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
-                let most_reach_far = 2 * counters.beyond > counters.later;
-                let is_worth_leaving = counters.later >= WORTH_LEAVING && most_reach_far;
+                let is_worth_leaving = counters.later >= WORTH_LEAVING && 2 * counters.beyond > counters.later;
                 now = Todo::Listed(counters.later as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.later);
-                let is_worth_giving = most_reach_far && self.domain.is_some() && now.count() >= WORTH_GIVING;
-                (counters.later, counters.beyond) = (0, 0);
+                let beyond = std::mem::take(&mut counters.beyond) as usize;
+                counters.later = 0;
+                let is_worth_giving = self.is_worth_giving(now.count(), beyond);
                 if matches!(stage, Stage::Single | Stage::First) && is_worth_leaving {
                     self.leave_table(now.count())?;
                 }
@@ -311,7 +309,7 @@ impl Device {
         Ok(())
     }
 
-    /// Runs over the given cells, batch by batch.
+    /// Runs over the given cells, batch by batch; those of the last batch that have been given are to be finished.
     fn sweep(
         &mut self,
         request: &Watched<'_>,
@@ -333,16 +331,10 @@ impl Device {
         while begin < count {
             let end = (begin + batch).min(count);
             self.shared.params.facet_base = self.results.facet_count as u64;
-            self.counters.near = 0;
-            // (What one work-item leaves is the host's, which tells of it.)
-            let unended = |c: &Counters| c.surface + c.later + c.full + c.left;
-            let before = unended(&self.counters);
-            let finishing = match way {
-                Way::Together(lanes, stage) if stage.gives() => Some(lanes),
-                _ => None,
-            };
+            let before = self.unended();
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
+                self.finish(request, way, second)?;
                 if self.give_begun_up() {
                     continue;
                 }
@@ -358,53 +350,14 @@ impl Device {
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;
             }
-            if let (Some(lanes), given @ 1..) = (finishing, self.counters.surface as usize) {
-                let (cut, seconds) = match request.needs_facets() {
-                    true => self.sum_facets(lanes, given)?,
-                    false => (given, self.at_once(lanes, Stage::Surface, given)?),
-                };
-                second.cells += cut;
-                second.seconds += seconds;
-            }
-            request.advance((end - begin).saturating_sub((unended(&self.counters) - before) as usize))?;
-            let fit = self.counters.facets <= self.shared.params.facet_room;
-            if request.needs_facets() && !(self.facets_are_kept && fit) {
-                self.read_facets(request)?;
-            }
+            request.advance((end - begin).saturating_sub(self.unended() - before))?;
+            self.make_room_for_facets(request)?;
             begin = end;
+            if begin < count {
+                self.finish(request, way, second)?;
+            }
         }
         Ok(())
-    }
-
-    /// Sums up the cells of a batch whose records stand in the list `surface`, and their facets (`Stage::Integrals`); those that the surface cuts in the stage for them, while
-    /// their records are there. How many these are, and the seconds that they took.
-    fn sum_facets(&mut self, lanes: Lanes, given: usize) -> Result<(usize, f64)> {
-        if self.domain.is_none() {
-            return self.at_once(lanes, Stage::Integrals, given).map(|_| (0, 0.0));
-        }
-        // (What is left there are records, and no sites.)
-        let kept = std::mem::take(&mut self.counters.left);
-        std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
-        let summed = self.at_once(lanes, Stage::Integrals, given);
-        std::mem::swap(&mut self.memory.left, &mut self.memory.cut);
-        let cut = std::mem::replace(&mut self.counters.left, kept) as usize;
-        summed?;
-        if cut == 0 {
-            return Ok((0, 0.0));
-        }
-        std::mem::swap(&mut self.memory.cut, &mut self.memory.surface);
-        Ok((cut, self.at_once(lanes, Stage::Surface, cut)?))
-    }
-
-    /// Runs a stage over the cells of a batch, or their records, that stand in the list `surface`; returns the seconds it took.
-    pub(super) fn at_once(&mut self, lanes: Lanes, stage: Stage, count: usize) -> Result<f64> {
-        let begin = self.seconds;
-        // (The list of all cells is for later batches.)
-        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
-        self.counters.surface = 0;
-        let ran = self.run(Way::Together(lanes, stage), &Todo::Listed(count), 1, 0..count, false);
-        std::mem::swap(&mut self.memory.todo, &mut self.memory.surface);
-        ran?.map_or(Ok(self.seconds - begin), Err)
     }
 
     /// The caller's indices of cells.

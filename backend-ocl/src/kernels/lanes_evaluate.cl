@@ -271,7 +271,12 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
 #endif
     if (status == BATCH_FULL) {
+#if TAKES_CELLS
+        // (Its record: it is for want of room for facets alone.)
+        full[atomic_inc(&counters->full)] = list[turn];
+#else
         full[atomic_inc(&counters->full)] = site;
+#endif
         return;
     }
     if (status == BEYOND) {

@@ -54,6 +54,8 @@ pub struct Ocl {
     /// No other in the process has it.
     pub(crate) number: u64,
     pub(crate) precision: Precision,
+    /// Whether the first device is a processor that the host computes with as well.
+    pub(crate) is_host: bool,
     pub(crate) devices: Devices<Device>,
 }
 
@@ -70,7 +72,8 @@ impl Ocl {
         let open = |found| Device::open(found, precision).map_err(|error| on_device(error, &found.info.name));
         let devices = Devices::new(chosen.iter().map(open).collect::<Result<Vec<_>>>()?)?;
         let number = BACKENDS.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { backend: "ocl", name, number, precision, devices })
+        let is_host = chosen.first().is_some_and(|device| !device.info.is_gpu);
+        Ok(Self { backend: "ocl", name, number, precision, is_host, devices })
     }
 
     /// Opens devices that compute cells by the kernel for work-items that share a cell, each alone: for tests of that kernel where no

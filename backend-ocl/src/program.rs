@@ -5,8 +5,8 @@ use crate::builds::{Asked, Build, Way};
 use crate::handle::Handle;
 use crate::interface::algebra::{
     BalanceRows, ChooseRoots, Combine, CountColumns, DotParts, FindBeyond, FindRisen, InvertDiagonal, JoinRest,
-    JoinRoots, ListColumns, Multiply, MultiplyRows, PartCells, Prolong, RankFree, SortColumns, SpreadRanks, Stiffen,
-    SubtractNumber, SumParts,
+    JoinRoots, ListColumns, Multiply, MultiplyRows, PartCells, Prolong, RankFree, Smooth, SortColumns, SpreadRanks,
+    Stiffen, SubtractNumber, SumParts,
 };
 use crate::interface::data::Params;
 use crate::interface::kernels::{
@@ -123,6 +123,7 @@ built! {
         gather_cells: GatherCells,
         multiply: Multiply,
         combine: Combine,
+        smooth: Smooth,
         dot_parts: DotParts,
         sum_parts: SumParts,
         subtract_number: SubtractNumber,

@@ -91,6 +91,25 @@ pub struct Coarser {
     pub matrix: Held,
 }
 
+/// A step of a smoother of `A x = b` (Chebyshev's semi-iteration).
+#[derive(Clone, Copy, Debug)]
+pub struct Smoothing<'a> {
+    /// `A`.
+    pub matrix: &'a Held,
+    /// `D⁻¹`, of `A`'s diagonal.
+    pub inverse_diagonal: &'a Held,
+    /// The step before, `s`, which the residual does not know yet.
+    pub last: &'a Held,
+    /// α: of `D⁻¹ r` in the step.
+    pub alpha: f64,
+    /// β: of `s` in it.
+    pub beta: f64,
+    /// Whether x has `s`.
+    pub has_last: bool,
+    /// Whether x is nothing, but for `s`.
+    pub begins: bool,
+}
+
 /// Numbers of a row's cell that [`Algebra::rises_too_far`], [`Algebra::stiffened`] and [`Algebra::parted`] read: its site, weight, barycenter, and the cube
 /// root of its volume. Where the origin is does not matter.
 pub const CELL: usize = 8;
@@ -101,6 +120,11 @@ pub const CELL: usize = 8;
 /// # Errors
 /// Those of the device, `Device` for what another algebra holds, and `Input` for lengths that do not fit each other.
 pub trait Algebra: Send + Sync {
+    /// Rows from which on a matrix is better here than in the host's memory, in which solvers compute as well.
+    fn worth_from(&self) -> usize {
+        0
+    }
+
     /// A vector of these numbers.
     fn vector(&self, values: &[f64]) -> Result<Held>;
 
@@ -154,11 +178,14 @@ pub trait Algebra: Send + Sync {
     /// `y_i ← α d_i x_i + β y_i`.
     fn combine_scaled(&self, alpha: f64, d: &Held, x: &Held, beta: f64, y: &mut Held) -> Result<()>;
 
+    /// `r ← r − A s`, `t ← α D⁻¹ r + β s`, `x ← x + t`, where x has no s yet `(x + s) + t`, and `s + t` where a smoothing begins.
+    fn smooth(&self, how: Smoothing<'_>, r: &mut Held, t: &mut Held, x: &mut Held) -> Result<()>;
+
     /// `x · y`.
     fn dot(&self, x: &Held, y: &Held) -> Result<f64>;
 
-    /// Subtracts the mean, unless that is but rounding: what is centered stays as it is.
-    fn center(&self, x: &mut Held) -> Result<()>;
+    /// Subtracts the mean, unless that is but rounding: what is centered stays as it is. Returns `x · x` of the result.
+    fn center(&self, x: &mut Held) -> Result<f64>;
 
     /// The inverse of a matrix's diagonal, 0 where that is not positive.
     fn inverse_diagonal(&self, a: &Held) -> Result<Held>;

@@ -58,16 +58,16 @@ pub struct Options {
     pub laplacian: bool,
     /// Whether it is left where it is kept ([`Output::kept`]) where that is not with the host.
     pub(crate) keeps_laplacian: bool,
-    /// Sites from which on linear systems stay in the memory of a backend that has one of its own.
+    /// Sites from which on linear systems stay in the memory of a backend that has one of its own, if not as many as it says.
     #[doc(hidden)]
-    pub kept_from: usize,
+    pub kept_from: Option<usize>,
     /// Whether masses whose sum is not the domain's are scaled to it, not refused.
     pub normalize: bool,
 }
 
-/// Fewer sites the host solves sooner than some 70 kernels an iteration are begun. (Estimated: of 10 µs each, against half a million entries gone through five
-/// times.)
-const KEPT_FROM: usize = 30_000;
+/// Fewer sites have their second moments with each diagram, where these are asked for: to load the builds that a diagram without them takes costs more, 0.02 s (one
+/// NVIDIA H200), and a first call ever compiles fewer.
+const MOMENTS_APART: usize = 1 << 16;
 
 impl Default for Options {
     fn default() -> Self {
@@ -79,7 +79,7 @@ impl Default for Options {
             facets: false,
             laplacian: false,
             keeps_laplacian: false,
-            kept_from: KEPT_FROM,
+            kept_from: None,
             normalize: false,
         }
     }
@@ -293,13 +293,27 @@ fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
         Density::Linear { .. } => asked.with_facets(),
         Density::Function(_) => asked.with_facet_second_moments(),
     };
-    if options.second_moments && !request.keeps_laplacian() { request.with_second_moments() } else { request }
+    let are_apart = request.keeps_laplacian() && sites >= MOMENTS_APART;
+    if options.second_moments && !are_apart { request.with_second_moments() } else { request }
 }
 
 /// The same request with the Laplacian, which a backend keeps that is to do the linear algebra of so many sites.
-pub(crate) fn with_laplacian(request: Request, backend: &dyn Backend, sites: usize, kept_from: usize) -> Request {
-    let is_kept = sites >= kept_from && backend.algebra().is_some();
-    if is_kept { request.with_laplacian_kept() } else { request.with_laplacian() }
+pub(crate) fn with_laplacian(
+    request: Request,
+    backend: &dyn Backend,
+    sites: usize,
+    kept_from: Option<usize>,
+) -> Request {
+    if worthy_algebra(backend, sites, kept_from).is_some() {
+        request.with_laplacian_kept()
+    } else {
+        request.with_laplacian()
+    }
+}
+
+/// The algebra of a backend that is to do that of so many sites: from `kept_from` on, if that is given.
+pub(crate) fn worthy_algebra(backend: &dyn Backend, sites: usize, kept_from: Option<usize>) -> Option<&dyn Algebra> {
+    backend.algebra().filter(|algebra| sites >= kept_from.unwrap_or_else(|| algebra.worth_from()))
 }
 
 /// A Laplacian, times `scale`, with its diagonal, in the host's memory.

@@ -27,6 +27,23 @@ kernels! {
         output y: f64,
     }
 
+    kernel Smooth = smooth {
+        value count: u32,
+        value per_row: u32,
+        input offsets: u32,
+        input columns: u32,
+        input values: f64,
+        input inverse: f64,
+        value alpha: f64,
+        value beta: f64,
+        value has_last: u32,
+        value begins: u32,
+        input last: f64,
+        output residual: f64,
+        output step: f64,
+        output solution: f64,
+    }
+
     kernel DotParts = dot_parts {
         value count: u32,
         input x: f64,

@@ -2,11 +2,13 @@
 
 #import "generated/interface.cl"
 
-// y = A x, or y − A x, where they have `width` numbers for each row, of which this is number `which`. `per_row` work-items, side by side and a power of two, share out the entries of a row.
-__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void multiply(MULTIPLY_ARGUMENTS) {
-    __local real sum[GRID_GROUP];
+// A row times x, where that has `width` numbers for each, of which this is number `which`. `per_row` work-items, side by side and a power of two, share out the
+// entries of a row; the first of these has the sum, by way of what the group has for each.
+INLINE real row_times(
+    __local real *sum, uint row, uint count, uint per_row, __global const uint *offsets, __global const uint *columns, __global const double *values,
+    __global const double *x, uint width, uint which
+) {
     const uint own = get_local_id(0);
-    const uint row = (get_group_id(0) * (GRID_GROUP / per_row)) + (own / per_row);
     const uint first = own % per_row;
     sum[own] = REAL(0.0);
     if (row < count) {
@@ -23,9 +25,37 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void multiply(M
             sum[own] += sum[own + distance];
         }
     }
-    if ((first == 0u) && (row < count)) {
+    return sum[own];
+}
+
+// The row of a work-item.
+INLINE uint row_of(uint per_row) { return (get_group_id(0) * (GRID_GROUP / per_row)) + ((uint)get_local_id(0) / per_row); }
+
+// y = A x, or y − A x.
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void multiply(MULTIPLY_ARGUMENTS) {
+    __local real sum[GRID_GROUP];
+    const uint row = row_of(per_row);
+    const real product = row_times(sum, row, count, per_row, offsets, columns, values, x, width, which);
+    if (((get_local_id(0) % per_row) == 0u) && (row < count)) {
         const uint place = (row * width) + which;
-        y[place] = (subtracts != 0u) ? (y[place] - sum[own]) : sum[own];
+        y[place] = (subtracts != 0u) ? (y[place] - product) : product;
+    }
+}
+
+// A step of a smoother: `Algebra::smooth`.
+__kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void smooth(SMOOTH_ARGUMENTS) {
+    __local real sum[GRID_GROUP];
+    const uint row = row_of(per_row);
+    const real product = row_times(sum, row, count, per_row, offsets, columns, values, last, 1u, 0u);
+    if (((get_local_id(0) % per_row) == 0u) && (row < count)) {
+        const real r = residual[row] - product;
+        const real s = last[row];
+        const real scaled = alpha * (inverse[row] * r);
+        const real t = (beta == REAL(0.0)) ? scaled : (scaled + (beta * s));
+        const real before = (begins != 0u) ? REAL(0.0) : solution[row];
+        residual[row] = r;
+        step[row] = t;
+        solution[row] = ((has_last != 0u) ? before : (before + s)) + t;
     }
 }
 
@@ -67,26 +97,32 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void dot_parts(
     }
 }
 
-// The sums of x_i, and of their sizes.
+// The sums of x_i, of their sizes, and of their squares.
 __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void sum_parts(SUM_PARTS_ARGUMENTS) {
     __local real sum[GRID_GROUP];
     __local real size[GRID_GROUP];
+    __local real square[GRID_GROUP];
     const uint own = get_local_id(0);
     const uint begin = get_group_id(0) * (GRID_GROUP * SUM_EACH);
     sum[own] = REAL(0.0);
     size[own] = REAL(0.0);
+    square[own] = REAL(0.0);
     for (uint turn = 0; turn < SUM_EACH; turn++) {
         const uint i = (begin + (turn * GRID_GROUP)) + own;
         if (i < count) {
             sum[own] += x[i];
             size[own] += fabs(x[i]);
+            square[own] += x[i] * x[i];
         }
     }
     add_up(sum, own);
     add_up(size, own);
+    add_up(square, own);
     if (own == 0u) {
-        parts[2u * get_group_id(0)] = sum[0];
-        parts[(2u * get_group_id(0)) + 1u] = size[0];
+        __global double *part = parts + (3u * get_group_id(0));
+        part[0] = sum[0];
+        part[1] = size[0];
+        part[2] = square[0];
     }
 }
 

@@ -60,9 +60,8 @@ impl Cells {
     /// # Errors
     /// `Input` where the weights do not give cells of `volume`.
     pub(super) fn again(backend: &dyn Backend, diagram: &PowerDiagram, volume: f64) -> Result<Self> {
-        let (sites, kept_from) = (diagram.positions().len(), transport::Options::default().kept_from);
         let request = Request::moments().with_second_moments().with_weights_to_differ();
-        let request = transport::with_laplacian(request, backend, sites, kept_from);
+        let request = transport::with_laplacian(request, backend, diagram.positions().len(), None);
         let output = backend.evaluate(diagram, &request)?;
         let error = |v: &f64| (v / volume - 1.0).abs();
         if let Some(i) = output.volume().iter().position(|v| error(v) > VOLUME_TOLERANCE + OTHER_BACKEND) {

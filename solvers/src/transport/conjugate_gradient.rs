@@ -3,8 +3,7 @@
 use laguerre_core::Result;
 use laguerre_core::algebra::Held;
 
-use super::multigrid::Multigrid;
-use crate::vectors::sum;
+use super::multigrid::{Enough, Multigrid};
 
 /// Iterations after which the solution is taken as it is; some 10 to 30 are usual.
 const MOST_ITERATIONS: usize = 300;
@@ -25,32 +24,23 @@ pub(super) struct Found {
 }
 
 /// Solves `A x = b` with the finest matrix of `multigrid`, whose kernel is the constants: `b` is taken less its mean, and so is `x`.
-/// Ends when `‖b − A x‖ ≤ relative·‖b‖`, or no number of the residual is more than a factor times its bound, where `enough` gives these.
-pub(super) fn solve(
-    multigrid: &mut Multigrid<'_>,
-    b: &[f64],
-    relative: f64,
-    enough: Option<(f64, &[f64])>,
-) -> Result<Found> {
+/// Ends when `‖b − A x‖ ≤ relative·‖b‖`, or no number of the residual is more than `factor` times its bound, where the multigrid has these.
+pub(super) fn solve(multigrid: &mut Multigrid<'_>, b: &[f64], relative: f64, factor: f64) -> Result<Found> {
     let algebra = multigrid.algebra();
-    // (Each number is within its bound only where the norm is within that of all bounds, which costs no question.)
-    let enough = enough.map(|(factor, bounds)| {
-        let most = sum(bounds.len(), |i| bounds[i] * bounds[i]).sqrt() * factor * ROOM;
-        Ok((factor, algebra.vector(bounds)?, most))
-    });
-    let enough = enough.transpose()?;
     let mut residual = algebra.vector(b)?;
-    algebra.center(&mut residual)?;
+    let mut norm = algebra.center(&mut residual)?.sqrt();
     let zeros = || algebra.zeros(b.len());
-    let (mut solution, mut direction, mut image, mut better) = (zeros()?, zeros()?, zeros()?, zeros()?);
-    let mut norm = algebra.dot(&residual, &residual)?.sqrt();
+    let (mut solution, mut direction, mut image) = (zeros()?, zeros()?, zeros()?);
     let target = relative * norm;
     let mut slope = 0.0;
     let most = if multigrid.is_of_another() { MOST_WHILE_IT_SERVES } else { MOST_ITERATIONS };
     let mut iterations = 0;
     let is_solved = loop {
-        let is_enough = || match &enough {
-            Some((factor, bounds, most)) if norm <= *most => algebra.is_within(&residual, *factor, bounds),
+        // (Each number is within its bound only where the norm is within that of all bounds, which costs no question.)
+        let is_enough = || match multigrid.enough() {
+            Some(Enough { bounds, norm: all }) if norm <= all * factor * ROOM => {
+                algebra.is_within(&residual, factor, bounds)
+            }
             _ => Ok(false),
         };
         if norm <= target || is_enough()? {
@@ -59,11 +49,11 @@ pub(super) fn solve(
         if iterations == most {
             break false;
         }
-        multigrid.apply(&residual, &mut better)?;
-        let new_slope = algebra.dot(&residual, &better)?;
+        let better = multigrid.apply(&residual)?;
+        let new_slope = algebra.dot(&residual, better)?;
         let beta = if iterations == 0 { 0.0 } else { new_slope / slope };
         slope = new_slope;
-        algebra.combine(1.0, &better, beta, &mut direction)?;
+        algebra.combine(1.0, better, beta, &mut direction)?;
         algebra.multiply(multigrid.finest(), &direction, &mut image)?;
         let curvature = algebra.dot(&direction, &image)?;
         // Nothing but rounding is left where this is not positive.
@@ -74,8 +64,7 @@ pub(super) fn solve(
         algebra.combine(alpha, &direction, 1.0, &mut solution)?;
         algebra.combine(-alpha, &image, 1.0, &mut residual)?;
         // Rounding must not let the residual drift out of the range of `A`.
-        algebra.center(&mut residual)?;
-        norm = algebra.dot(&residual, &residual)?.sqrt();
+        norm = algebra.center(&mut residual)?.sqrt();
         iterations += 1;
     };
     algebra.center(&mut solution)?;

@@ -1,5 +1,7 @@
 //! The direct solver of the coarsest level.
 
+use laguerre_core::parallel;
+
 use super::sparse::Matrix;
 
 /// A Cholesky factor `L Lᵀ` of a small matrix of transport, whose rows sum to zero, or of a coarse level of one.
@@ -65,6 +67,26 @@ impl Dense {
             x[i] = if l[i * n + i] > 0.0 { rest / l[i * n + i] } else { 0.0 };
         }
     }
+
+    /// What solves as [`Self::solve`] does, as a matrix of all entries.
+    pub(super) fn inverse(&self) -> Matrix {
+        let n = self.size;
+        let columns: Vec<Vec<f64>> = parallel::map(n, 1, |k| {
+            let unit: Vec<f64> = (0..n).map(|i| if i == k { 1.0 } else { 0.0 }).collect();
+            let mut column = vec![0.0; n];
+            self.solve(&unit, &mut column);
+            column
+        });
+        // (It is symmetric: a column is a row.)
+        Matrix::from_rows(
+            n,
+            || (),
+            |i, (), numbers, values| {
+                numbers.extend(0..n as u32);
+                values.extend_from_slice(&columns[i]);
+            },
+        )
+    }
 }
 
 #[cfg(test)]
@@ -99,6 +121,10 @@ mod tests {
         dense.solve(&b, &mut x);
         for (i, b) in b.iter().enumerate() {
             assert!((matrix.row_times(i, &x) - b).abs() < 1e-14, "{x:?}");
+        }
+        let inverse = dense.inverse();
+        for (i, x) in x.iter().enumerate() {
+            assert!((inverse.row_times(i, &b) - x).abs() < 1e-14);
         }
     }
 

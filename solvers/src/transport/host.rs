@@ -1,6 +1,6 @@
 //! Linear algebra in the host's memory, on all threads.
 
-use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, check_lengths, part, rise};
+use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, Smoothing, check_lengths, part, rise};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Laplacian, Result};
 
@@ -110,13 +110,26 @@ impl Algebra for Host {
         Ok(())
     }
 
+    fn smooth(&self, how: Smoothing<'_>, r: &mut Held, t: &mut Held, x: &mut Held) -> Result<()> {
+        self.subtract(how.matrix, how.last, r)?;
+        let (d, r, s) = (numbers(how.inverse_diagonal)?, numbers(r)?, numbers(how.last)?);
+        let t = t.own_mut::<Vec<f64>>()?;
+        for_each(t, |i, t| *t = how.alpha * (d[i] * r[i]) + if how.beta == 0.0 { 0.0 } else { how.beta * s[i] });
+        for_each(x.own_mut::<Vec<f64>>()?, |i, x| {
+            let before = if how.begins { 0.0 } else { *x };
+            *x = if how.has_last { before } else { before + s[i] } + t[i];
+        });
+        Ok(())
+    }
+
     fn dot(&self, x: &Held, y: &Held) -> Result<f64> {
         Ok(sparse::dot(numbers(x)?, numbers(y)?))
     }
 
-    fn center(&self, x: &mut Held) -> Result<()> {
-        sparse::center(x.own_mut::<Vec<f64>>()?);
-        Ok(())
+    fn center(&self, x: &mut Held) -> Result<f64> {
+        let x = x.own_mut::<Vec<f64>>()?;
+        sparse::center(x);
+        Ok(sparse::dot(x, x))
     }
 
     fn inverse_diagonal(&self, a: &Held) -> Result<Held> {

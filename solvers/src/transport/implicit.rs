@@ -8,12 +8,12 @@ use laguerre_core::algebra::Algebra;
 use laguerre_core::rows::places;
 use laguerre_core::{Backend, CellStatus, Error, ErrorKind, Output, PowerDiagram, Result};
 
-use super::KEPT_FROM;
 use super::conjugate_gradient;
 use super::host::HOST;
 use super::laplacian::of_masses;
 use super::multigrid::Multigrid;
 use super::sparse::{Matrix, center, center_parts, norm};
+use super::worthy_algebra;
 use crate::density::Density;
 use crate::derivatives::{self, Derivatives};
 use crate::vectors::{for_each, map};
@@ -58,13 +58,13 @@ pub fn pull_back(
     density: &Density,
     cotangent: &Cotangent,
 ) -> Result<Gradient> {
-    pull_back_kept_from(KEPT_FROM, backend, diagram, density, cotangent)
+    pull_back_kept_from(None, backend, diagram, density, cotangent)
 }
 
-/// The same, with the number of sites from which on the linear system stays with the backend.
+/// The same, with the number of sites from which on the linear system stays with the backend, if not as many as it says.
 #[doc(hidden)]
 pub fn pull_back_kept_from(
-    kept_from: usize,
+    kept_from: Option<usize>,
     backend: &dyn Backend,
     diagram: &PowerDiagram,
     density: &Density,
@@ -90,7 +90,7 @@ pub fn pull_back_kept_from(
         }
     }
     let system = System::new(diagram, &output, density, &by_weights)?;
-    let mut masses = match backend.algebra().filter(|_| n >= kept_from) {
+    let mut masses = match worthy_algebra(backend, n, kept_from) {
         // (What it has no memory for, the host has.)
         Some(algebra) => match system.solved(algebra) {
             Err(error) if error.kind() == ErrorKind::Device => system.solved(&HOST)?,
@@ -155,7 +155,7 @@ impl System {
         // (Squares of 1e-160 are nothing, and of 1e160 infinite.)
         let unit = power_of_two_below(largest);
         for_each(&mut b, |_, b| *b /= unit);
-        let mut solution = conjugate_gradient::solve(&mut multigrid, &b, RELATIVE, None)?.solution;
+        let mut solution = conjugate_gradient::solve(&mut multigrid, &b, RELATIVE, 0.0)?.solution;
         let left = left_over(&self.matrix, &solution, &b);
         if left > TOO_MUCH * norm(&b) {
             return Err(Error::input(format!(

@@ -9,12 +9,13 @@
 //! can, else on the host.
 
 use laguerre_core::Result;
-use laguerre_core::algebra::{Algebra, Coarsening, Coarser, Held};
+use laguerre_core::algebra::{Algebra, Coarsening, Coarser, Held, Smoothing};
 use std::borrow::Cow;
+use std::mem;
 
 use super::dense::Dense;
 use super::host::HOST;
-use super::sparse::Matrix;
+use super::sparse::{Matrix, norm};
 use crate::vectors::map;
 
 /// `|a_ij| ≥ STRONG·√(a_ii a_jj)` makes j a strong neighbour of i. Cells of white noise have 15 neighbours, whose mean is 1/15.
@@ -27,7 +28,7 @@ const MORE_POWER_ITERATIONS: usize = 3;
 const POWER_MARGIN: f64 = 1.1;
 /// A smoother damps the eigenvalues from the largest down to this share of it; the coarse levels see to the rest.
 const SMOOTHED_SHARE: f64 = 0.25;
-/// Degree of the smoother's polynomial.
+/// Degree of the smoother's polynomial, at least 2.
 const DEGREE: usize = 2;
 const NONE: u32 = u32::MAX;
 
@@ -36,13 +37,20 @@ pub(super) struct Multigrid<'a> {
     algebra: &'a dyn Algebra,
     levels: Vec<Level>,
     /// Solves the last level; `None` where hardly anything is tied to anything, and smoothing is all that is needed.
-    coarsest: Option<Dense>,
+    coarsest: Option<Coarsest>,
     /// Whether all but the finest level was made for another matrix.
     is_of_another: bool,
+    enough: Option<Enough>,
+}
+
+/// What the numbers of a residual may be for the system to be solved.
+pub(super) struct Enough {
+    pub(super) bounds: Held,
+    /// The length of these.
+    pub(super) norm: f64,
 }
 
 struct Level {
-    rows: usize,
     smoother: Smoother,
     /// To the next level, and back; the last level has none.
     transfers: Option<(Held, Held)>,
@@ -64,6 +72,14 @@ struct Scratch {
     solution: Held,
     residual: Held,
     step: Held,
+    next: Held,
+}
+
+/// The direct solver of the last level.
+struct Coarsest {
+    factor: Dense,
+    /// The inverse, where another than the host computes: it need not wait for the host in each cycle.
+    inverse: Option<Held>,
 }
 
 impl<'a> Multigrid<'a> {
@@ -77,19 +93,33 @@ impl<'a> Multigrid<'a> {
             let Some(Coarser { prolongation, restriction, matrix: next }) = coarser else {
                 let is_small = rows <= 4 * COARSEST;
                 let coarsest = if is_small { Some(on_host(algebra, &smoother.matrix)?) } else { None };
-                let coarsest = coarsest.map(|matrix| Dense::factorised(&matrix));
+                let coarsest = coarsest.map(|matrix| Coarsest::new(algebra, &smoother.matrix, &matrix)).transpose()?;
                 levels.push(Level::new(algebra, smoother, None, rows)?);
-                return Ok(Self { algebra, levels, coarsest, is_of_another: false });
+                return Ok(Self { algebra, levels, coarsest, is_of_another: false, enough: None });
             };
             levels.push(Level::new(algebra, smoother, Some((restriction, prolongation)), rows)?);
             matrix = next;
         }
     }
 
+    /// The same with such bounds, if it has none yet.
+    pub(super) fn until(mut self, bounds: impl FnOnce() -> Vec<f64>) -> Result<Self> {
+        if self.enough.is_none() {
+            let bounds = bounds();
+            self.enough = Some(Enough { norm: norm(&bounds), bounds: self.algebra.vector(&bounds)? });
+        }
+        Ok(self)
+    }
+
+    /// Those bounds.
+    pub(super) fn enough(&self) -> Option<&Enough> {
+        self.enough.as_ref()
+    }
+
     /// The same for another matrix of as many rows: with these coarse levels where there are some, and no more than one part.
     pub(super) fn renewed(mut self, matrix: Held) -> Result<Self> {
         if self.levels.len() == 1 || !self.is_connected() {
-            return Self::new(self.algebra, matrix);
+            return Ok(Self { enough: self.enough, ..Self::new(self.algebra, matrix)? });
         }
         self.levels[0].smoother.renew(self.algebra, matrix)?;
         self.is_of_another = true;
@@ -99,7 +129,7 @@ impl<'a> Multigrid<'a> {
     /// The same with coarse levels of its own.
     pub(super) fn made_anew(mut self) -> Result<Self> {
         let finest = self.levels.swap_remove(0);
-        Self::new(self.algebra, finest.smoother.matrix)
+        Ok(Self { enough: self.enough, ..Self::new(self.algebra, finest.smoother.matrix)? })
     }
 
     /// Whether coarse levels are those of another matrix.
@@ -124,7 +154,7 @@ impl<'a> Multigrid<'a> {
 
     /// Whether the coarsest matrix has but the constants in its kernel.
     fn is_connected(&self) -> bool {
-        self.coarsest.as_ref().is_some_and(|dense| dense.kernel() <= 1)
+        self.coarsest.as_ref().is_some_and(|coarsest| coarsest.factor.kernel() <= 1)
     }
 
     /// The connected part that each unknown is in, and the number of parts. Looked for only where the coarsest matrix has more than the
@@ -155,11 +185,11 @@ impl<'a> Multigrid<'a> {
         Ok((count > 1).then_some((part, count as usize)))
     }
 
-    /// One symmetric V-cycle: `x ≈ A⁻¹ b`.
-    pub(super) fn apply(&mut self, b: &Held, x: &mut Held) -> Result<()> {
+    /// One symmetric V-cycle: `A⁻¹ b`, nearly.
+    pub(super) fn apply(&mut self, b: &Held) -> Result<&Held> {
         self.algebra.combine(1.0, b, 0.0, &mut self.levels[0].scratch.residual)?;
         self.cycle(0)?;
-        self.algebra.combine(1.0, &self.levels[0].scratch.solution, 0.0, x)
+        Ok(&self.levels[0].scratch.solution)
     }
 
     /// From the residual to the solution of a level.
@@ -169,28 +199,41 @@ impl<'a> Multigrid<'a> {
         let level = &mut upper[depth];
         let (Some(next), Some((restriction, _))) = (lower.first_mut(), &level.transfers) else {
             return match &self.coarsest {
-                Some(factor) => {
-                    let residual = algebra.read(&level.scratch.residual)?;
-                    let mut solution = vec![0.0; level.rows];
-                    factor.solve(&residual, &mut solution);
-                    algebra.write(&solution, &mut level.scratch.solution)
-                }
-                None => level.smoother.smooth(algebra, &mut level.scratch, true),
+                Some(coarsest) => coarsest.solve(algebra, &mut level.scratch),
+                None => level.smoother.smooth_from_zero(algebra, &mut level.scratch),
             };
         };
-        level.smoother.smooth(algebra, &mut level.scratch, true)?;
-        level.smoother.update_residual(algebra, &mut level.scratch)?;
+        level.smoother.smooth_from_zero(algebra, &mut level.scratch)?;
+        algebra.subtract(&level.smoother.matrix, &level.scratch.step, &mut level.scratch.residual)?;
         algebra.multiply(restriction, &level.scratch.residual, &mut next.scratch.residual)?;
         self.cycle(depth + 1)?;
         let (upper, lower) = self.levels.split_at_mut(depth + 1);
         let level = &mut upper[depth];
         if let Some((_, prolongation)) = &level.transfers {
-            let Scratch { solution, step, .. } = &mut level.scratch;
-            algebra.multiply(prolongation, &lower[0].scratch.solution, step)?;
-            algebra.combine(1.0, step, 1.0, solution)?;
+            algebra.multiply(prolongation, &lower[0].scratch.solution, &mut level.scratch.step)?;
         }
-        level.smoother.update_residual(algebra, &mut level.scratch)?;
-        level.smoother.smooth(algebra, &mut level.scratch, false)
+        level.smoother.smooth_on(algebra, &mut level.scratch)
+    }
+}
+
+impl Coarsest {
+    /// Of a matrix, as the host has it as well.
+    fn new(algebra: &dyn Algebra, held: &Held, matrix: &Matrix) -> Result<Self> {
+        let factor = Dense::factorised(matrix);
+        let is_host = held.get::<Matrix>().is_some();
+        let inverse = if is_host { None } else { Some(algebra.matrix(factor.inverse().into_rows())?) };
+        Ok(Self { factor, inverse })
+    }
+
+    fn solve(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
+        let Scratch { residual, solution, .. } = scratch;
+        if let Some(inverse) = &self.inverse {
+            return algebra.multiply(inverse, residual, solution);
+        }
+        let residual = algebra.read(residual)?;
+        let mut solved = vec![0.0; residual.len()];
+        self.factor.solve(&residual, &mut solved);
+        algebra.write(&solved, solution)
     }
 }
 
@@ -206,10 +249,9 @@ impl Level {
     fn new(algebra: &dyn Algebra, smoother: Smoother, transfers: Option<(Held, Held)>, rows: usize) -> Result<Self> {
         let zeros = || algebra.zeros(rows);
         Ok(Self {
-            rows,
             smoother,
             transfers,
-            scratch: Scratch { solution: zeros()?, residual: zeros()?, step: zeros()? },
+            scratch: Scratch { solution: zeros()?, residual: zeros()?, step: zeros()?, next: zeros()? },
         })
     }
 }
@@ -278,29 +320,51 @@ impl Smoother {
         }))
     }
 
-    /// Improves the solution, of zeros at first or as it is, by Chebyshev's polynomial for the smoothed eigenvalues. The residual must be that of the solution,
-    /// and lags behind by the last `step` after.
-    fn smooth(&self, algebra: &dyn Algebra, scratch: &mut Scratch, is_first: bool) -> Result<()> {
-        let (lo, hi) = self.smoothed;
-        let (middle, half) = ((hi + lo) / 2.0, (hi - lo) / 2.0);
-        let sigma = middle / half;
+    /// Sets the solution by Chebyshev's polynomial for the smoothed eigenvalues. The residual is that of zeros, and then lags behind by the last `step`.
+    fn smooth_from_zero(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
+        let Scratch { residual, step, .. } = scratch;
+        algebra.combine_scaled(self.middle().recip(), &self.inverse_diagonal, residual, 0.0, step)?;
+        self.go_on(algebra, scratch, true)
+    }
+
+    /// Improves the solution in the same way. It is without the last `step`, and so is the residual, which then lags behind as well.
+    fn smooth_on(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
+        self.smooth(algebra, scratch, (self.middle().recip(), 0.0), (false, false))?;
+        self.go_on(algebra, scratch, false)
+    }
+
+    /// The middle of the smoothed eigenvalues.
+    fn middle(&self) -> f64 {
+        (self.smoothed.1 + self.smoothed.0) / 2.0
+    }
+
+    /// All steps of a polynomial but the first. Where the solution `begins` it is nothing yet.
+    fn go_on(&self, algebra: &dyn Algebra, scratch: &mut Scratch, begins: bool) -> Result<()> {
+        let half = (self.smoothed.1 - self.smoothed.0) / 2.0;
+        let sigma = self.middle() / half;
         let mut rho = 1.0 / sigma;
-        let Scratch { solution, residual, step } = scratch;
-        algebra.combine_scaled(1.0 / middle, &self.inverse_diagonal, residual, 0.0, step)?;
-        algebra.combine(1.0, step, if is_first { 0.0 } else { 1.0 }, solution)?;
-        for _ in 1..DEGREE {
-            algebra.subtract(&self.matrix, step, residual)?;
+        for turn in 1..DEGREE {
             let next = 1.0 / (2.0 * sigma - rho);
-            algebra.combine_scaled(2.0 * next / half, &self.inverse_diagonal, residual, next * rho, step)?;
-            algebra.combine(1.0, step, 1.0, solution)?;
+            let is_first = begins && turn == 1;
+            self.smooth(algebra, scratch, (2.0 * next / half, next * rho), (!is_first, is_first))?;
             rho = next;
         }
         Ok(())
     }
 
-    /// Brings the residual up to the last `step`.
-    fn update_residual(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
-        algebra.subtract(&self.matrix, &scratch.step, &mut scratch.residual)
+    fn smooth(
+        &self,
+        algebra: &dyn Algebra,
+        scratch: &mut Scratch,
+        (alpha, beta): (f64, f64),
+        (has_last, begins): (bool, bool),
+    ) -> Result<()> {
+        let Scratch { solution, residual, step, next } = scratch;
+        let (matrix, inverse_diagonal, last) = (&self.matrix, &self.inverse_diagonal, &*step);
+        let how = Smoothing { matrix, inverse_diagonal, last, alpha, beta, has_last, begins };
+        algebra.smooth(how, residual, next, solution)?;
+        mem::swap(step, next);
+        Ok(())
     }
 }
 
@@ -308,7 +372,6 @@ impl Smoother {
 mod tests {
     use super::super::conjugate_gradient::{self, Found};
     use super::super::host::Host;
-    use super::super::sparse::norm;
     use super::*;
 
     fn held(matrix: Matrix) -> Held {
@@ -320,7 +383,7 @@ mod tests {
     }
 
     fn solve(multigrid: &mut Multigrid<'_>, b: &[f64], relative: f64) -> Found {
-        conjugate_gradient::solve(multigrid, b, relative, None).unwrap()
+        conjugate_gradient::solve(multigrid, b, relative, 0.0).unwrap()
     }
 
     /// The Laplacian of a cubic lattice of `n³` points; ties along z are `z` times as strong.
@@ -361,11 +424,7 @@ mod tests {
         assert!(multigrid.levels.len() > 1);
         let n = 17 * 17 * 17;
         let (x, y) = (noise(n, 1), noise(n, 2));
-        let mut applied = |x: &[f64]| {
-            let mut image = Host.vector(x).unwrap();
-            multigrid.apply(&Host.vector(x).unwrap(), &mut image).unwrap();
-            Host.read(&image).unwrap()
-        };
+        let mut applied = |x: &[f64]| Host.read(multigrid.apply(&Host.vector(x).unwrap()).unwrap()).unwrap();
         let (bx, by) = (applied(&x), applied(&y));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         assert!((dot(&x, &by) - dot(&bx, &y)).abs() < 1e-12 * dot(&x, &bx), "{} {}", dot(&x, &by), dot(&bx, &y));

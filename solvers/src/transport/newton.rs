@@ -14,7 +14,7 @@ use super::host::HOST;
 use super::laplacian::{of_masses, of_volumes};
 use super::limited::Limits;
 use super::multigrid::Multigrid;
-use super::sparse::{center, center_parts};
+use super::sparse::{center, center_parts, norm};
 use super::system::{Aim, System};
 use super::{End, Iteration, Options, bridge, limited, mend, request, start};
 use crate::density::{Density, is_of_density};
@@ -63,6 +63,8 @@ pub(super) struct Problem<'a> {
     /// The sites so that neighbours in space are neighbours in memory, and where each stands there: as the first diagram has it.
     pub(super) order: Vec<u32>,
     pub(super) place: Vec<u32>,
+    /// The targets in that order.
+    ordered: Vec<f64>,
     /// That of the last step, whose coarse levels may serve for the next.
     multigrid: Option<Multigrid<'a>>,
     /// The last step that was taken.
@@ -123,6 +125,7 @@ impl<'a> Problem<'a> {
             bound: 0.0,
             order: Vec::new(),
             place: Vec::new(),
+            ordered: Vec::new(),
             multigrid: None,
             step: 1.0,
             stuck: None,
@@ -283,6 +286,7 @@ impl<'a> Problem<'a> {
         };
         if order != self.order {
             self.place = places(&order, order.len());
+            self.ordered = map(order.len(), |row| self.targets[order[row] as usize]);
             self.order = order;
             self.multigrid = None;
         }
@@ -344,6 +348,7 @@ impl<'a> Problem<'a> {
             None => Multigrid::new(algebra, matrix)?,
         };
         loop {
+            multigrid = multigrid.until(|| self.ordered.clone())?;
             let aim = match self.aim(state, &multigrid)? {
                 Ok(aim) => aim,
                 Err(part) => return Ok(Direction::Apart(part)),
@@ -358,15 +363,14 @@ impl<'a> Problem<'a> {
 
     /// What a step is to come to; where the cells are in parts that do not touch, and one of them has to gain mass from others, the sites of that.
     fn aim(&self, state: &State, multigrid: &Multigrid<'_>) -> Result<std::result::Result<Aim, Vec<bool>>> {
-        let targets: Vec<f64> = map(self.order.len(), |row| self.targets[self.order[row] as usize]);
-        let (mut missing, mut slope) = self.missing(state, &targets);
+        let (mut missing, mut slope) = self.missing(state);
         if let Some((parts, count)) = multigrid.parts()? {
             let exact: Vec<f64> =
-                self.order.iter().zip(&targets).map(|(&i, target)| target - state.masses[i as usize]).collect();
+                self.order.iter().zip(&self.ordered).map(|(&i, target)| target - state.masses[i as usize]).collect();
             let (mut lacking, mut asked) = (vec![0.0; count], vec![0.0; count]);
             for (row, &part) in parts.iter().enumerate() {
                 lacking[part as usize] += exact[row];
-                asked[part as usize] += targets[row];
+                asked[part as usize] += self.ordered[row];
             }
             let share = |part: &usize| lacking[*part] / asked[*part];
             let poorest = (0..count).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
@@ -378,9 +382,8 @@ impl<'a> Problem<'a> {
             slope = 1.0;
             center_parts(&mut missing, &parts, count);
         }
-        let whole = sum(targets.len(), |i| targets[i] * targets[i]).sqrt();
-        let relative = LOOSEST.min(PART_OF_ERROR * state.error / whole);
-        Ok(Ok(Aim { missing, targets, tolerance: self.tolerance, relative, slope }))
+        let relative = LOOSEST.min(PART_OF_ERROR * state.error / norm(&self.ordered));
+        Ok(Ok(Aim { missing, tolerance: self.tolerance, relative, slope }))
     }
 
     /// What a step is to add to each mass, in `order`, and how fast that makes the error fall: by `slope·t` of itself with a small part t
@@ -391,21 +394,30 @@ impl<'a> Problem<'a> {
     /// line of weights its cube root is concave, by Brunn and Minkowski). There it is the tangent of the cube root that is followed to
     /// the target, `3 m ((t/m)^⅓ − 1)`, which is less, and the others give as much less. Both are one at the target, up to what is
     /// quadratic in the error, so that the end stays quadratic; far from it, steps are many times longer.
-    fn missing(&self, state: &State, targets: &[f64]) -> (Vec<f64>, f64) {
-        let n = targets.len();
-        let mass = |row: usize| state.masses[self.order[row] as usize];
+    fn missing(&self, state: &State) -> (Vec<f64>, f64) {
+        let n = self.ordered.len();
+        let lacking = |row: usize| self.ordered[row] - state.masses[self.order[row] as usize];
         let mut missing: Vec<f64> = map(n, |row| {
-            let (t, m) = (targets[row], mass(row));
+            let (t, m) = (self.ordered[row], state.masses[self.order[row] as usize]);
             if m < t { 3.0 * m * ((t / m).cbrt() - 1.0) } else { t - m }
         });
-        let share = sum(n, |row| missing[row].max(0.0)) / sum(n, |row| (-missing[row]).max(0.0));
+        // (All sums in one turn: a million numbers are gone through in 0.5 to 1 ms by 16 threads.)
+        let parts = chunks(n, |part| {
+            let (mut more, mut less) = ([0.0; 2], [0.0; 2]);
+            for row in part {
+                let [sum, product] = if missing[row] < 0.0 { &mut less } else { &mut more };
+                *sum += missing[row];
+                *product += lacking(row) * missing[row];
+            }
+            [more, less]
+        });
+        let total = |side: usize, which: usize| parts.iter().map(|part| part[side][which]).sum::<f64>();
+        let share = total(0, 0) / -total(1, 0);
         if !share.is_finite() {
             return (missing, 1.0);
         }
         for_each(&mut missing, |_, m| *m *= if *m < 0.0 { share } else { 1.0 });
-        let error2 = state.error * state.error;
-        let slope = sum(n, |row| (targets[row] - mass(row)) * missing[row]) / error2;
-        (missing, slope)
+        (missing, (total(0, 1) + share * total(1, 1)) / (state.error * state.error))
     }
 
     /// The next state: which part of a step leads there, and the iterations that it took. Newton's step if it is good as it is, once that

@@ -14,7 +14,6 @@ const ENOUGH: f64 = 0.1;
 pub(super) struct Aim {
     /// What the step is to add to each mass.
     pub(super) missing: Vec<f64>,
-    pub(super) targets: Vec<f64>,
     pub(super) tolerance: f64,
     /// The part of `missing` that may be left.
     pub(super) relative: f64,
@@ -33,8 +32,7 @@ pub(super) struct System<'a> {
 impl Aim {
     /// The multigrid, with coarse levels of its matrix's own where others do not serve, and what solves the system with that matrix, or comes as near as that does.
     pub(super) fn solved<'a>(&self, mut multigrid: Multigrid<'a>) -> Result<(Multigrid<'a>, Found)> {
-        let enough = Some((ENOUGH * self.tolerance, &self.targets[..]));
-        let found = conjugate_gradient::solve(&mut multigrid, &self.missing, self.relative, enough)?;
+        let found = conjugate_gradient::solve(&mut multigrid, &self.missing, self.relative, ENOUGH * self.tolerance)?;
         Ok((multigrid, found))
     }
 }

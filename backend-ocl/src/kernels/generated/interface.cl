@@ -694,6 +694,22 @@ typedef struct {
     double beta, \
     __global double *y
 
+#define SMOOTH_ARGUMENTS \
+    uint count, \
+    uint per_row, \
+    __global const uint *offsets, \
+    __global const uint *columns, \
+    __global const double *values, \
+    __global const double *inverse, \
+    double alpha, \
+    double beta, \
+    uint has_last, \
+    uint begins, \
+    __global const double *last, \
+    __global double *residual, \
+    __global double *step, \
+    __global double *solution
+
 #define DOT_PARTS_ARGUMENTS \
     uint count, \
     __global const double *x, \

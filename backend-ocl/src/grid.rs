@@ -310,7 +310,7 @@ impl Sites {
             let group = NODES_GROUP as usize;
             kernels.bound_nodes.run(
                 queue,
-                blocks * WIDTH * if level == 0 { 1 } else { group },
+                blocks * [WIDTH, group, WIDTH * group][level.min(2)],
                 group,
                 BoundNodes {
                     params: &shared.room,

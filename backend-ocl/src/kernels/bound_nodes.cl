@@ -11,16 +11,22 @@ INLINE void set_vector(__global real (*of)[WIDTH], uint k, V3 v) {
 // Sites of a leaf stand so far apart in local memory, so that the work-items of a group, each with a leaf of its own, read from other banks.
 #define STRIDE (WIDTH + 1u)
 
-typedef char group_has_all_sampled[(NODES_GROUP >= MOST_SAMPLED) ? 1 : -1];
+// The same of a node of leaves.
+#define STRIDE_OF_NODE ((WIDTH * WIDTH) + 1u)
 
-// A leaf by each work-item; a node of a higher level by each group, which brings what the node is made of into local memory, for one of them. (Read from global memory by that one, each number was waited
-// for: the five levels of 215,222 sites with weights took 1.16 ms, of which those above the leaves 1.12; one NVIDIA H200.)
+typedef char group_has_all_sampled[(NODES_GROUP >= MOST_SAMPLED) ? 1 : -1];
+typedef char group_has_a_block[((WIDTH * STRIDE_OF_NODE) <= (NODES_GROUP * STRIDE)) ? 1 : -1];
+
+// A leaf by each work-item; of the nodes above a block by each group, one of them by a work-item; a node of a higher level by each group. It brings what they are made of into local memory. (Read from global
+// memory, each number was waited for: the five levels of 215,222 sites with weights took 1.16 ms, of which those above the leaves 1.12. With one node above leaves to each group, those of a million sites with
+// weights took 1.39 ms. One NVIDIA H200.)
 __kernel __attribute__((reqd_work_group_size(NODES_GROUP, 1, 1))) void bound_nodes(BOUND_NODES_ARGUMENTS) {
     __local real4 near[NODES_GROUP * STRIDE];
     __local PartOfNode part[MOST_SAMPLED];
     const uint own = get_local_id(0);
-    const bool is_leaf = level == 0u;
-    const uint node = (is_leaf) ? (uint)get_global_id(0) : (uint)get_group_id(0);
+    const uint of_group = (level == 0u) ? NODES_GROUP : ((level == 1u) ? WIDTH : 1u);
+    const uint first = (uint)get_group_id(0) * of_group;
+    const uint node = first + min(own, of_group - 1u);
     const uint sites_of_tree = params->tree_sites;
     const uint shift = 3u * (level + 1u);
     const uint block = params->tree_begin[level] + (node / WIDTH);
@@ -34,18 +40,21 @@ __kernel __attribute__((reqd_work_group_size(NODES_GROUP, 1, 1))) void bound_nod
         .near = near, .part = part, .base = params->smallest_weight, .sampled = min(count, MOST_SAMPLED), .curvature_above = zero,
         .parts = is_large ? (((count - 1u) >> (shift - 6u)) + 1u) : 0u
     };
-    if (is_leaf) {
-        source.near = near + (STRIDE * own);
-        const uint first = (node - own) * WIDTH;
-        for (uint i = own; i < (NODES_GROUP * WIDTH); i += NODES_GROUP) {
-            near[((i / WIDTH) * STRIDE) + (i % WIDTH)] = sites[min(first + i, sites_of_tree - 1u)];
+    if (level <= 1u) {
+        const uint of_node = (level == 0u) ? WIDTH : (WIDTH * WIDTH);
+        const uint stride = (level == 0u) ? STRIDE : STRIDE_OF_NODE;
+        source.near = near + (stride * min(own, of_group - 1u));
+        for (uint i = own; i < (of_group * of_node); i += NODES_GROUP) {
+            near[((i / of_node) * stride) + (i % of_node)] = sites[min((first * of_node) + i, sites_of_tree - 1u)];
         }
+    }
+    if (level == 0u) {
         // (The blocks of leaves are bounded before, of which all sites are sampled.)
         if ((count > 0u) && ((params->tree_top > 0u) && (params->equal_weights == 0u))) {
             const uint above = node / WIDTH;
             source.curvature_above = weights_in(weight_bounds + (params->tree_begin[1] + (above / WIDTH)), above % WIDTH).curvature;
         }
-    } else {
+    } else if (level > 1u) {
         if (own < source.sampled) {
             near[own] = sites[begin + (((ulong)own * count) / source.sampled)];
         }
@@ -59,7 +68,7 @@ __kernel __attribute__((reqd_work_group_size(NODES_GROUP, 1, 1))) void bound_nod
         }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    if ((!is_leaf && (own > 0u)) || (node >= (blocks * WIDTH))) {
+    if ((own >= of_group) || (node >= (blocks * WIDTH))) {
         return;
     }
     NodeBox bounds = (NodeBox){ .lo = none, .hi = none };

@@ -137,7 +137,7 @@ impl Backend for Ocl {
             let mut leaves = false;
             for device in devices.iter_mut().filter(|_| has_failed) {
                 // (Nor is what they have believed to be as it was.)
-                device.sites.given.move_away();
+                device.sites.forget();
                 leaves |= device.leave_sub_groups();
             }
             if !leaves {

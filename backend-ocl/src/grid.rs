@@ -1,18 +1,14 @@
 //! The sites on the device, in the order of a curve, with the tree over them and the table of voxels; ordered there, or, where sites are too near
 //! each other for the curve, by the host.
 
+mod order;
+
 use crate::buffer::Room;
-use crate::interface::data::{
-    DIGIT_BITS, DIGITS, GRID_GROUP, NODES_GROUP, Params, RINGS_GROUP, Range, SCAN_EACH, SORT_EACH,
-};
-use crate::interface::kernels::{
-    AddBlocks, BoundNodes, CountDigits, EnterSites, FindVoxels, GatherSites, LookAtRings, MarkVoxels, PlaceDigits,
-    RankSites, ScanBlocks, SettleRuns, TightenSlabs,
-};
+use crate::interface::data::{DIGITS, GRID_GROUP, NODES_GROUP, Params, RINGS_GROUP, Range, SCAN_EACH, SORT_EACH};
+use crate::interface::kernels::{AddBlocks, BoundNodes, EnterSites, LookAtRings, ScanBlocks, TightenSlabs};
 use crate::params::Shared;
 use crate::program::GridKernels;
 use crate::queue::Queue;
-use crate::voxels::Voxels;
 use laguerre_core::cell::ring::RINGS;
 use laguerre_core::diagram::{FARTHEST_SITE, LARGEST_WEIGHT_SPREAD, Prepared};
 use laguerre_core::site_tree::{
@@ -20,11 +16,12 @@ use laguerre_core::site_tree::{
 };
 use laguerre_core::{PowerDiagram, Result};
 use opencl3::context::Context;
+use order::Ordered;
 use rayon::prelude::*;
 
 /// Sites per voxel: the smaller the voxels, the more nearly sites come nearest first, and the more voxels are looked at (measured: see
 /// BENCHMARKS.md).
-pub(crate) const SITES_PER_VOXEL: f64 = 2.0;
+const SITES_PER_VOXEL: f64 = 2.0;
 
 /// Work-items of a group, and the elements that one group scans.
 pub(crate) const GROUP: usize = GRID_GROUP as usize;
@@ -32,13 +29,6 @@ const SCANNED: usize = GROUP * SCAN_EACH as usize;
 
 /// Elements that a group sorts.
 const SORTED: usize = GROUP * SORT_EACH as usize;
-
-/// Levels of the curve that divide voxels, of which each has a few sites; levels at most, three bits of a rank each; and how many sites may have
-/// one rank, when only the levels are more that are gone through, and when all are.
-const FINER: u32 = 2;
-const MOST_CURVE_LEVELS: u32 = 21;
-const MOST_OF_RUN: u32 = WIDTH as u32;
-const MOST_OF_LAST_RUN: u32 = 64;
 
 /// The sites as the caller gave them: how many, where, and their weights unless all are equal.
 pub(crate) struct Given {
@@ -105,6 +95,8 @@ pub(crate) struct Sites {
     pub(crate) around: Room<f64>,
     /// Whether the tree was made by the host.
     pub(crate) is_from_host: bool,
+    /// What is in order, if other weights would leave it so.
+    ordered: Option<Ordered>,
     on_host: OnHost,
 }
 
@@ -139,8 +131,15 @@ impl Sites {
             weight_bounds: Room::new(tree),
             around: Room::new(tree),
             is_from_host: false,
+            ordered: None,
             on_host: OnHost { ranges: Vec::new(), marks: Vec::new() },
         }
+    }
+
+    /// Believes nothing of what is there.
+    pub(crate) fn forget(&mut self) {
+        self.given.move_away();
+        self.ordered = None;
     }
 
     /// Orders the sites that were brought, and makes the tree over them. Returns how many have a cell, or `None` where too many are too near each
@@ -180,59 +179,7 @@ impl Sites {
         if is_far && !is_in_range()? {
             return Ok(None);
         }
-        let coarse = Voxels::coarse(range.lo, range.hi, n);
-        shared.params.sort_into(&coarse, &range, shared.will_differ);
-        shared.send(context, queue)?;
-        self.marks.grow(context, Voxels::most_coarse(n))?;
-        self.marks.fill_with(context, queue, 0, coarse.count())?;
-        kernels.mark_voxels.run(
-            queue,
-            n,
-            GROUP,
-            MarkVoxels { params: &shared.room, placed: &self.placed, count, marks: &self.marks },
-        )?;
-        self.marks.read(queue, coarse.count(), &mut self.on_host.marks)?;
-        let filled = self.on_host.marks.iter().filter(|&&mark| mark != 0).count();
-        let voxels = coarse.over_part(range.lo, range.hi, n, filled, SITES_PER_VOXEL);
-        shared.params.sort_into(&voxels, &range, shared.will_differ);
-        shared.send(context, queue)?;
-        self.reserve(context, queue, shared, n, voxels.count())?;
-
-        let across = voxels.dims.iter().fold(1, |most, &dim| most.max(dim)).next_power_of_two().ilog2();
-        if across > MOST_CURVE_LEVELS {
-            return Ok(None);
-        }
-        let most_finer = MOST_CURVE_LEVELS - across;
-        let mut finer = FINER.min(most_finer);
-        loop {
-            let most = if finer == most_finer { MOST_OF_LAST_RUN } else { MOST_OF_RUN };
-            self.put_in_order(context, queue, kernels, shared, n, (across + finer, finer, most))?;
-            if self.flag.first(queue)? == 0 {
-                break;
-            } else if finer == most_finer {
-                return Ok(None);
-            }
-            finer = most_finer;
-        }
-        scan(context, queue, kernels, &self.kept, n + 1, &mut self.sums)?;
-        let Self { placed, slots: [slots, _], kept: places, sites, order, .. } = &*self;
-        kernels.gather_sites.run(queue, n, GROUP, GatherSites { placed, slots, places, count, sites, order })?;
-        let sites = self.kept.number(queue, n)?;
-        self.voxels.fill_with(context, queue, [0, 0], voxels.count())?;
-        self.flag.fill_with(context, queue, 0, 1)?;
-        kernels.find_voxels.run(
-            queue,
-            sites as usize,
-            GROUP,
-            FindVoxels {
-                params: &shared.room,
-                sites: &self.sites,
-                count: sites,
-                voxels: &self.voxels,
-                crowded: &self.flag,
-            },
-        )?;
-        shared.params.has_table = u32::from(self.flag.first(queue)? == 0);
+        let Some(sites) = self.put_in_order(context, queue, kernels, &range, shared)? else { return Ok(None) };
         self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
         if shared.is_shared && shared.params.has_table != 0 && shared.params.equal_weights == 0 {
             let count = blocks_of_leaves(sites as usize);
@@ -251,47 +198,6 @@ impl Sites {
         }
         self.is_from_host = false;
         Ok(Some(sites as usize))
-    }
-
-    /// Puts the slots into the order of the curve, as far as so many levels tell, of which `finer` divide voxels, and marks in `kept` those that have a
-    /// cell; `flag` becomes 1 where more than `most` have one rank.
-    fn put_in_order(
-        &mut self,
-        context: &Context,
-        queue: &Queue,
-        kernels: &GridKernels,
-        shared: &Shared,
-        n: usize,
-        (levels, finer, most): (u32, u32, u32),
-    ) -> Result<()> {
-        let count = n as u32;
-        let Self {
-            placed, turns, ranks: [ranks, new_ranks], slots: [slots, new_slots], digits, kept, flag, sums, ..
-        } = self;
-        kernels.rank_sites.run(
-            queue,
-            n,
-            GROUP,
-            RankSites { params: &shared.room, placed, count, turns, levels, finer, ranks, slots },
-        )?;
-        let groups = n.div_ceil(SORTED);
-        for shift in (0..3 * levels).step_by(DIGIT_BITS as usize) {
-            let counts = &*digits;
-            kernels.count_digits.run(queue, groups * GROUP, GROUP, CountDigits { ranks, count, shift, counts })?;
-            scan(context, queue, kernels, counts, DIGITS as usize * groups, sums)?;
-            kernels.place_digits.run(
-                queue,
-                groups * GROUP,
-                GROUP,
-                PlaceDigits { ranks, slots, count, shift, starts: counts, new_ranks, new_slots },
-            )?;
-            std::mem::swap(ranks, new_ranks);
-            std::mem::swap(slots, new_slots);
-        }
-        kept.fill_with(context, queue, 0, n + 1)?;
-        flag.fill_with(context, queue, 0, 1)?;
-        let is_long = &*flag;
-        kernels.settle_runs.run(queue, n, GROUP, SettleRuns { placed, ranks, count, most, slots, kept, is_long })
     }
 
     /// Makes the tree over the sites that are in order.
@@ -402,6 +308,7 @@ impl Sites {
         self.voxels.grow(context, 1)?;
         self.around.grow(context, 1)?;
         self.is_from_host = true;
+        self.ordered = None;
         Ok(tree.len())
     }
 }

@@ -113,9 +113,9 @@ impl Ocl {
         self.devices.with(|devices| of_first(devices, work))
     }
 
-    /// With threads of the host where the values to be written are so many that those copy them.
-    fn on_first_for<T: Send>(&self, values: &[f64], work: impl FnOnce(&mut Device) -> Result<T> + Send) -> Result<T> {
-        if size_of_val(values) < LARGE { self.on_first(work) } else { self.on_first_with_threads(work) }
+    /// With threads of the host where numbers to be copied are so many that those copy them. (A thread of a pool has to wake up first.)
+    fn on_first_for<T: Send>(&self, numbers: usize, work: impl FnOnce(&mut Device) -> Result<T> + Send) -> Result<T> {
+        if numbers * size_of::<f64>() < LARGE { self.on_first(work) } else { self.on_first_with_threads(work) }
     }
 
     fn multiplied(&self, a: &Held, x: &Held, y: &Held, subtracts: u32) -> Result<()> {
@@ -194,7 +194,7 @@ impl Algebra for Ocl {
     }
 
     fn vector(&self, values: &[f64]) -> Result<Held> {
-        self.on_first_for(values, |device| {
+        self.on_first_for(values.len(), |device| {
             let mut made = Vector::unset(device, values.len())?;
             made.numbers.fill(&device.context, &device.queue, values)?;
             Ok(self.hold(made))
@@ -211,7 +211,7 @@ impl Algebra for Ocl {
 
     fn read(&self, x: &Held) -> Result<Vec<f64>> {
         let x = self.own::<Vector>(x)?;
-        self.on_first_with_threads(|device| {
+        self.on_first_for(x.length, |device| {
             let mut values = Vec::new();
             x.numbers.read(&device.queue, x.length, &mut values)?;
             Ok(values)
@@ -221,7 +221,7 @@ impl Algebra for Ocl {
     fn write(&self, values: &[f64], x: &mut Held) -> Result<()> {
         check_lengths(values.len() == self.own::<Vector>(x)?.length)?;
         let x = &mut x.own_mut::<OnDevice<Vector>>()?.0;
-        self.on_first_for(values, |device| x.numbers.write_at(&device.queue, 0, values))
+        self.on_first_for(values.len(), |device| x.numbers.write_at(&device.queue, 0, values))
     }
 
     fn matrix(&self, (offsets, columns, values): Rows) -> Result<Held> {

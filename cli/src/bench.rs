@@ -54,9 +54,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<Outcome> {
     for &distribution in &args.distributions {
         for &count in &args.sites {
             for (name, domain) in &containers {
-                let diagram = input(distribution, count, domain.as_ref())?;
+                let mut diagram = input(distribution, count, domain.as_ref())?;
                 for (backend, &request) in backends.iter().flat_map(|b| args.requests.iter().map(move |r| (b, r))) {
-                    let row = row(backend.as_ref(), distribution, &diagram, name, request, args, cores)?;
+                    let row = row(backend.as_ref(), distribution, &mut diagram, name, request, args, cores)?;
                     if !args.json {
                         print(&line(&row.cells()))?;
                     }
@@ -85,7 +85,7 @@ pub(crate) fn word(distribution: Distribution) -> &'static str {
 fn row(
     backend: &dyn Backend,
     distribution: Distribution,
-    diagram: &PowerDiagram,
+    diagram: &mut PowerDiagram,
     domain: &str,
     request: BenchRequest,
     args: &BenchArgs,

@@ -20,17 +20,20 @@ pub(crate) struct Timing {
     pub(crate) first: f64,
 }
 
-/// Evaluates once to warm up and then `repetitions` (at least one) times; returns the output of the last.
+/// Evaluates once to warm up and then `repetitions` (at least one) times; returns the output of the last. The backend takes the sites for others each time, as they are in a loop that moves them: a device that
+/// knows them neither brings them nor puts them in order again.
 ///
 /// # Errors
 /// As [`Backend::evaluate`].
 pub(crate) fn measure(
     backend: &dyn Backend,
-    diagram: &PowerDiagram,
+    diagram: &mut PowerDiagram,
     request: &Request,
     repetitions: u32,
 ) -> Result<(Timing, Output)> {
-    let timed = || -> Result<(f64, Output)> {
+    let mut same = diagram.positions().to_vec();
+    let mut timed = || -> Result<(f64, Output)> {
+        diagram.exchange_sites(&mut same, None)?;
         let start = Instant::now();
         let output = evaluate(backend, diagram, request)?;
         Ok((start.elapsed().as_secs_f64(), output))

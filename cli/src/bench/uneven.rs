@@ -116,11 +116,11 @@ fn rows(
             PowerDiagram::new(&Sampler::new(Corners::UNIT_CUBE, None, SEED).sample(Distribution::White, count)?, &[])?
         }
     };
-    let diagram = diagram.in_box(Corners::UNIT_CUBE.lo, Corners::UNIT_CUBE.hi)?;
+    let mut diagram = diagram.in_box(Corners::UNIT_CUBE.lo, Corners::UNIT_CUBE.hi)?;
     let oracle = if args.check { Some(Oracle::ask(&diagram)?) } else { None };
     let known = rows.len();
     for (k, backend) in backends.iter().enumerate() {
-        let (seconds, output) = measure(backend.as_ref(), &diagram, &Request::moments(), args.repetitions)?;
+        let (seconds, output) = measure(backend.as_ref(), &mut diagram, &Request::moments(), args.repetitions)?;
         let info = backend.info();
         let seconds_per_site = seconds.own() / f64::from(count);
         // White rows are there for all backends before those of an input, in the same order.

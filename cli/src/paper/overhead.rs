@@ -32,8 +32,8 @@ pub(super) fn run(lab: &mut Lab, count: u32) -> Result<String> {
     ];
     let mut voronoi = None;
     for (name, sites, weights, spread) in cases {
-        let diagram = diagram(sites, weights, Some(&lab.bunny))?;
-        let (timing, output) = measure(lab.backend.as_ref(), &diagram, &Request::moments(), lab.repetitions)?;
+        let mut diagram = diagram(sites, weights, Some(&lab.bunny))?;
+        let (timing, output) = measure(lab.backend.as_ref(), &mut diagram, &Request::moments(), lab.repetitions)?;
         let own = timing.own();
         let against = spread.map(|_| *voronoi.get_or_insert(own));
         text.push_str(&row(&[

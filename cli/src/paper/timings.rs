@@ -18,8 +18,8 @@ pub(super) fn run(lab: &mut Lab, count: u32) -> Result<String> {
         let mut none = None;
         for name in std::iter::once("none").chain(domains::OF_THE_PAPER) {
             let domain = if name == "none" { None } else { Some(domain(name)?) };
-            let diagram = diagram(&sites, &[], domain.as_ref())?;
-            let (timing, output) = measure(lab.backend.as_ref(), &diagram, &Request::moments(), lab.repetitions)?;
+            let mut diagram = diagram(&sites, &[], domain.as_ref())?;
+            let (timing, output) = measure(lab.backend.as_ref(), &mut diagram, &Request::moments(), lab.repetitions)?;
             let own = timing.own();
             let against = *none.get_or_insert(own);
             text.push_str(&row(&[

@@ -14,7 +14,7 @@ use crate::interface::algebra::{
 use crate::interface::data::{CELL_NUMBERS, SUM_EACH};
 use crate::interface::kernels::{FillLaplacian, GatherCells};
 use crate::laplacian::MadeLaplacian;
-use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, Smoothing, check_lengths};
+use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, Smoothed, Smoothing, check_lengths};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Error, ErrorKind, Laplacian, Result};
 use rayon::prelude::*;
@@ -353,8 +353,8 @@ impl Algebra for Ocl {
                 inverse: &d.numbers,
                 alpha: how.alpha,
                 beta: how.beta,
-                has_last: u32::from(how.has_last),
-                begins: u32::from(how.begins),
+                has_last: u32::from(how.before == Smoothed::WithLast),
+                is_nothing: u32::from(how.before == Smoothed::Nothing),
                 last: &s.numbers,
                 residual: &r.numbers,
                 step: &t.numbers,

@@ -122,7 +122,8 @@ rooms! {
         full: u32 = "a list of cells",
         left: u32 = "a list of cells",
         cut: u32 = "a list of cells",
-        unfinished: u32 = "a list of cells",
+        /// Where `full` stands aside while records take its place.
+        aside: u32 = "a list of cells",
         /// Records of finished cells (`lanes_near.cl`).
         near: [u32; 4] = "finished cells",
         begun: [u32; 4] = "cells that have been begun",

@@ -91,6 +91,17 @@ pub struct Coarser {
     pub matrix: Held,
 }
 
+/// What `x` is before a step of a smoother.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothed {
+    /// With the last step.
+    WithLast,
+    /// Without it.
+    WithoutLast,
+    /// Nothing, whatever stands there: the last step was the first.
+    Nothing,
+}
+
 /// A step of a smoother of `A x = b` (Chebyshev's semi-iteration).
 #[derive(Clone, Copy, Debug)]
 pub struct Smoothing<'a> {
@@ -104,10 +115,8 @@ pub struct Smoothing<'a> {
     pub alpha: f64,
     /// β: of `s` in it.
     pub beta: f64,
-    /// Whether x has `s`.
-    pub has_last: bool,
-    /// Whether x is nothing, but for `s`.
-    pub begins: bool,
+    /// What x is.
+    pub before: Smoothed,
 }
 
 /// Numbers of a row's cell that [`Algebra::rises_too_far`], [`Algebra::stiffened`] and [`Algebra::parted`] read: its site, weight, barycenter, and the cube
@@ -178,7 +187,7 @@ pub trait Algebra: Send + Sync {
     /// `y_i ← α d_i x_i + β y_i`.
     fn combine_scaled(&self, alpha: f64, d: &Held, x: &Held, beta: f64, y: &mut Held) -> Result<()>;
 
-    /// `r ← r − A s`, `t ← α D⁻¹ r + β s`, `x ← x + t`, where x has no s yet `(x + s) + t`, and `s + t` where a smoothing begins.
+    /// `r ← r − A s`, `t ← α D⁻¹ r + β s`, and `x ← x + t`, `(x + s) + t` or `s + t`, by what x is.
     fn smooth(&self, how: Smoothing<'_>, r: &mut Held, t: &mut Held, x: &mut Held) -> Result<()>;
 
     /// `x · y`.

@@ -285,7 +285,7 @@ pub fn targets(backend: &dyn Backend, diagram: &PowerDiagram, masses: &[f64], op
     Ok(scaled)
 }
 
-/// What the diagram of each step is asked for. Where its Laplacian is kept, second moments come with the last ones alone (`newton.rs`).
+/// What the diagram of each step is asked for. Where its Laplacian is kept, second moments of many sites come with the last ones alone (`newton.rs`).
 fn request(options: &Options, backend: &dyn Backend, sites: usize) -> Request {
     let asked = Request::moments().with_weights_to_differ();
     let request = match options.density {

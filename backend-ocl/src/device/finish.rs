@@ -15,15 +15,14 @@ const WORTH_GIVING: usize = if IN_TESTS { 1 << 5 } else { 1 << 13 };
 
 impl Device {
     /// Whether what a stage has left is for one that gives its finished cells, too, and there is room for these: all are then finished together. (A launch over few takes as long as its
-    /// slowest cell.)
+    /// slowest cell. What `Surface` leaves open goes to `Exact` then, and not to `Far` before.)
     pub(super) fn goes_on_giving(&self, way: Way) -> bool {
         let Counters { full, later, beyond, near, .. } = self.counters;
         let is_first = matches!(way, Way::Together(_, Stage::Single | Stage::First));
-        let has_room = near as usize + later as usize * RECORD_LENGTH <= self.shared.params.near_room as usize;
-        let later = later as usize;
-        (is_first && full == 0 && later > 0)
-            && has_room
-            && (self.is_tree() || self.is_worth_giving(later, beyond as usize))
+        let (cells, beyond) = (later as usize, beyond as usize);
+        let has_room = near as usize + cells * RECORD_LENGTH <= self.shared.params.near_room as usize;
+        let is_given = self.is_tree() || self.is_worth_giving(cells, beyond);
+        is_first && full == 0 && later > 0 && has_room && is_given
     }
 
     /// Whether so many cells, of which some reach far, are `Far`'s.
@@ -63,26 +62,27 @@ impl Device {
         Ok(())
     }
 
-    /// The same where all have been given, those again whose facets have no room until others' are with the host. How many the surface cuts, and the seconds that these took.
+    /// The same where all cells have been given. Those whose facets had no room are done again, when the others' are with the host. How many the surface cuts, and the seconds that these took.
     fn finish_with_facets(&mut self, request: &Watched<'_>, lanes: Lanes, given: usize) -> Result<(usize, f64)> {
-        let (mut all, mut left) = ((0, 0.0), given);
         // (What is full there are records, and no sites.)
         let full = std::mem::take(&mut self.counters.full);
-        std::mem::swap(&mut self.memory.full, &mut self.memory.unfinished);
-        let finished = loop {
+        if full > 0 {
+            self.memory.aside.grow(&self.context, self.most_cells)?;
+            std::mem::swap(&mut self.memory.full, &mut self.memory.aside);
+        }
+        let (mut all, mut left) = (Ok((0, 0.0)), given);
+        while let (Ok((cut, seconds)), 1..) = (&all, left) {
             self.shared.params.facet_base = self.results.facet_count as u64;
             let summed = self.sum_facets(lanes, left).and_then(|cut| self.make_room_for_facets(request).map(|()| cut));
-            let Ok((cut, seconds)) = summed else { break summed };
-            all = (all.0 + cut, all.1 + seconds);
+            all = summed.map(|(more_cut, more_seconds)| (cut + more_cut, seconds + more_seconds));
             left = std::mem::take(&mut self.counters.full) as usize;
-            if left == 0 {
-                break Ok(all);
-            }
             std::mem::swap(&mut self.memory.full, &mut self.memory.surface);
-        };
-        std::mem::swap(&mut self.memory.full, &mut self.memory.unfinished);
+        }
+        if full > 0 {
+            std::mem::swap(&mut self.memory.full, &mut self.memory.aside);
+        }
         self.counters.full = full;
-        finished
+        all
     }
 
     /// Sums up the cells whose records stand in the list `surface`, and their facets (`Stage::Integrals`); those that the surface cuts in the stage for them, while

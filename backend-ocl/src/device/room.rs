@@ -43,9 +43,8 @@ impl Device {
         memory.outcome.fill_with(context, queue, NOT_COMPUTED, sites)?;
         memory.sums.grow(context, sites * shared.params.sums_width as usize)?;
         memory.rows.grow(context, if request.needs_facets() { sites } else { 1 })?;
-        let gives_all = together.is_some() && request.needs_facets();
-        memory.unfinished.grow(context, if gives_all { share } else { 1 })?;
-        memory.cut.grow(context, if gives_all && domain.is_some() { share } else { 1 })?;
+        let leaves_cut = domain.is_some() && together.is_some() && request.needs_facets();
+        memory.cut.grow(context, if leaves_cut { share } else { 1 })?;
         for list in [&mut memory.todo, &mut memory.surface, &mut memory.later, &mut memory.full, &mut memory.left] {
             list.grow(context, share)?;
         }

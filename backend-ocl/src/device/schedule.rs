@@ -334,13 +334,13 @@ impl Device {
             let before = self.unended();
             if let Some(late) = self.run(way, cells, 1, begin..end, interior_only)? {
                 // A driver that allocates late: nothing ran.
-                self.finish(request, way, second)?;
                 if self.give_begun_up() {
                     continue;
                 }
                 if !request.needs_facets() || batch <= FEWEST_CELLS {
                     return Err(late);
                 }
+                self.finish(request, way, second)?;
                 self.read_facets(request)?;
                 self.memory.facets.free();
                 self.memory.facet_moments.free();

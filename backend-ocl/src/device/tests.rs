@@ -24,6 +24,8 @@ use laguerre_core::passes::Cells as _;
 #[cfg(feature = "test-util")]
 use laguerre_core::power_octree::{Home, PowerOctree};
 use laguerre_core::required::if_available;
+#[cfg(feature = "test-util")]
+use laguerre_core::shapes::icosphere;
 use laguerre_core::site_tree::{MadeTree, SiteTree, WIDTH};
 use laguerre_core::{Backend as _, DeviceChoice, PowerDiagram, Precision, Request, Watched};
 
@@ -402,5 +404,28 @@ fn scratch_of_a_laplacian_is_given_back() {
         assert!(stays && !stays_in_little);
         assert!(found.0.values().len() > 20_000);
         assert_eq!(found, right);
+    }
+}
+
+/// Cells whose facets have no room are finished again once those of the others are with the host: nothing is lost, nor other. (Three batches of a thousand cells of 15 facets each, and room for 18 each of one batch.)
+#[cfg(feature = "test-util")]
+#[test]
+fn facets_without_room_are_not_lost() {
+    let Some(mut backend) = if_available("ocl", Ocl::new(&DeviceChoice::First, Precision::F64)) else { return };
+    backend.devices.get_mut()[0].share_cells();
+    let diagram = PowerDiagram::new(&spread(3072), &[]).unwrap();
+    let diagrams = [diagram.clone().restricted_to(&icosphere(2).domain()), diagram.in_box([0.0; 3], [1.0; 3]).unwrap()];
+    for diagram in &diagrams {
+        let mut found_in = |memory: Option<u64>| {
+            let all = backend.devices.get_mut()[0].memory_size;
+            backend.devices.get_mut()[0].memory_size = memory.unwrap_or(all);
+            let output = backend.evaluate(diagram, &Request::moments().with_facets()).unwrap();
+            backend.devices.get_mut()[0].memory_size = all;
+            let is_kept = backend.devices.get_mut()[0].facets_are_kept;
+            (output.facets().unwrap().clone(), output.volume().to_vec(), is_kept)
+        };
+        let ((right, volumes, stays), (found, same, stays_in_little)) = (found_in(None), found_in(Some(2 << 20)));
+        assert!(stays && !stays_in_little);
+        assert!(found == right && volumes == same);
     }
 }

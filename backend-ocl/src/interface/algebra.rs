@@ -37,7 +37,7 @@ kernels! {
         value alpha: f64,
         value beta: f64,
         value has_last: u32,
-        value begins: u32,
+        value is_nothing: u32,
         input last: f64,
         output residual: f64,
         output step: f64,

@@ -52,10 +52,10 @@ __kernel __attribute__((reqd_work_group_size(GRID_GROUP, 1, 1))) void smooth(SMO
         const real s = last[row];
         const real scaled = alpha * (inverse[row] * r);
         const real t = (beta == REAL(0.0)) ? scaled : (scaled + (beta * s));
-        const real before = (begins != 0u) ? REAL(0.0) : solution[row];
         residual[row] = r;
         step[row] = t;
-        solution[row] = ((has_last != 0u) ? before : (before + s)) + t;
+        const real before = (is_nothing != 0u) ? s : ((has_last != 0u) ? solution[row] : (solution[row] + s));
+        solution[row] = before + t;
     }
 }
 

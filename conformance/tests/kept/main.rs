@@ -7,7 +7,7 @@ mod sites;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow::Continue;
 
-use laguerre::algebra::{CELL, Coarsening, Coarser, Smoothing, part, rise};
+use laguerre::algebra::{CELL, Coarsening, Coarser, Smoothed, Smoothing, part, rise};
 use laguerre::solvers::density::Density;
 use laguerre::solvers::fluid::{Fluid, Scene, State, lattice};
 use laguerre::solvers::transport::{Cotangent, End, Options, Solution, pull_back_kept_from, solve};
@@ -93,17 +93,17 @@ fn a_device_computes_what_plain_loops_do() {
     let scaled: Vec<f64> = (0..n).map(|i| 2.0 * x[i] * y[i]).collect();
     assert_near(&algebra.read(&out).unwrap(), &scaled);
     // A step of a smoother is what it is made of, to the last bit, whatever x is where it begins.
-    for (has_last, begins, beta) in [(true, false, 0.7), (false, false, 0.0), (false, true, 0.7)] {
+    for (before, beta) in [(Smoothed::WithLast, 0.7), (Smoothed::WithoutLast, 0.0), (Smoothed::Nothing, 0.7)] {
         let [d, s] = [&x, &y].map(|values| held(values));
-        let (alpha, before) = (0.3, numbers(n, &mut random));
-        let (mut r, mut t, mut z) = (held(&y), held(&vec![f64::NAN; n]), held(&before));
-        let how = Smoothing { matrix: &matrix, inverse_diagonal: &d, last: &s, alpha, beta, has_last, begins };
+        let (alpha, solution) = (0.3, numbers(n, &mut random));
+        let (mut r, mut t, mut z) = (held(&y), held(&vec![f64::NAN; n]), held(&solution));
+        let how = Smoothing { matrix: &matrix, inverse_diagonal: &d, last: &s, alpha, beta, before };
         algebra.smooth(how, &mut r, &mut t, &mut z).unwrap();
         let (mut left, mut step) = (held(&y), held(&y));
         algebra.subtract(&matrix, &s, &mut left).unwrap();
         algebra.combine_scaled(alpha, &d, &left, beta, &mut step).unwrap();
-        let mut there = held(&if begins { vec![0.0; n] } else { before });
-        if !has_last {
+        let mut there = held(&if before == Smoothed::Nothing { vec![0.0; n] } else { solution });
+        if before != Smoothed::WithLast {
             algebra.combine(1.0, &s, 1.0, &mut there).unwrap();
         }
         algebra.combine(1.0, &step, 1.0, &mut there).unwrap();

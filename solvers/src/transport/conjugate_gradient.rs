@@ -38,7 +38,7 @@ pub(super) fn solve(multigrid: &mut Multigrid<'_>, b: &[f64], relative: f64, fac
     let is_solved = loop {
         // (Each number is within its bound only where the norm is within that of all bounds, which costs no question.)
         let is_enough = || match multigrid.enough() {
-            Some(Enough { bounds, norm: all }) if norm <= all * factor * ROOM => {
+            Some(Enough { bounds, norm: all, .. }) if norm <= all * factor * ROOM => {
                 algebra.is_within(&residual, factor, bounds)
             }
             _ => Ok(false),

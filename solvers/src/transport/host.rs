@@ -1,6 +1,8 @@
 //! Linear algebra in the host's memory, on all threads.
 
-use laguerre_core::algebra::{Algebra, CELL, Coarsening, Coarser, Held, Kept, Smoothing, check_lengths, part, rise};
+use laguerre_core::algebra::{
+    Algebra, CELL, Coarsening, Coarser, Held, Kept, Smoothed, Smoothing, check_lengths, part, rise,
+};
 use laguerre_core::rows::Rows;
 use laguerre_core::{Laplacian, Result};
 
@@ -116,8 +118,12 @@ impl Algebra for Host {
         let t = t.own_mut::<Vec<f64>>()?;
         for_each(t, |i, t| *t = how.alpha * (d[i] * r[i]) + if how.beta == 0.0 { 0.0 } else { how.beta * s[i] });
         for_each(x.own_mut::<Vec<f64>>()?, |i, x| {
-            let before = if how.begins { 0.0 } else { *x };
-            *x = if how.has_last { before } else { before + s[i] } + t[i];
+            let before = match how.before {
+                Smoothed::WithLast => *x,
+                Smoothed::WithoutLast => *x + s[i],
+                Smoothed::Nothing => s[i],
+            };
+            *x = before + t[i];
         });
         Ok(())
     }

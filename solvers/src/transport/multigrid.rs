@@ -9,7 +9,7 @@
 //! can, else on the host.
 
 use laguerre_core::Result;
-use laguerre_core::algebra::{Algebra, Coarsening, Coarser, Held, Smoothing};
+use laguerre_core::algebra::{Algebra, Coarsening, Coarser, Held, Smoothed, Smoothing};
 use std::borrow::Cow;
 use std::mem;
 
@@ -45,6 +45,8 @@ pub(super) struct Multigrid<'a> {
 
 /// What the numbers of a residual may be for the system to be solved.
 pub(super) struct Enough {
+    /// Of which order of rows they are.
+    number: usize,
     pub(super) bounds: Held,
     /// The length of these.
     pub(super) norm: f64,
@@ -78,7 +80,7 @@ struct Scratch {
 /// The direct solver of the last level.
 struct Coarsest {
     factor: Dense,
-    /// The inverse, where another than the host computes: it need not wait for the host in each cycle.
+    /// The inverse, where another than the host computes, unless it is large: it need not wait for the host in each cycle.
     inverse: Option<Held>,
 }
 
@@ -102,13 +104,12 @@ impl<'a> Multigrid<'a> {
         }
     }
 
-    /// The same with such bounds, if it has none yet.
-    pub(super) fn until(mut self, bounds: impl FnOnce() -> Vec<f64>) -> Result<Self> {
-        if self.enough.is_none() {
-            let bounds = bounds();
-            self.enough = Some(Enough { norm: norm(&bounds), bounds: self.algebra.vector(&bounds)? });
+    /// Takes the bounds for rows in an order, which has this number, if it has not those.
+    pub(super) fn end_at(&mut self, number: usize, bounds: &[f64]) -> Result<()> {
+        if self.enough.as_ref().is_none_or(|enough| enough.number != number) {
+            self.enough = Some(Enough { number, norm: norm(bounds), bounds: self.algebra.vector(bounds)? });
         }
-        Ok(self)
+        Ok(())
     }
 
     /// Those bounds.
@@ -119,7 +120,7 @@ impl<'a> Multigrid<'a> {
     /// The same for another matrix of as many rows: with these coarse levels where there are some, and no more than one part.
     pub(super) fn renewed(mut self, matrix: Held) -> Result<Self> {
         if self.levels.len() == 1 || !self.is_connected() {
-            return Ok(Self { enough: self.enough, ..Self::new(self.algebra, matrix)? });
+            return self.of(matrix);
         }
         self.levels[0].smoother.renew(self.algebra, matrix)?;
         self.is_of_another = true;
@@ -129,7 +130,12 @@ impl<'a> Multigrid<'a> {
     /// The same with coarse levels of its own.
     pub(super) fn made_anew(mut self) -> Result<Self> {
         let finest = self.levels.swap_remove(0);
-        Ok(Self { enough: self.enough, ..Self::new(self.algebra, finest.smoother.matrix)? })
+        self.of(finest.smoother.matrix)
+    }
+
+    /// Another for a matrix, with the same bounds.
+    fn of(self, matrix: Held) -> Result<Self> {
+        Ok(Self { enough: self.enough, ..Self::new(self.algebra, matrix)? })
     }
 
     /// Whether coarse levels are those of another matrix.
@@ -220,8 +226,8 @@ impl Coarsest {
     /// Of a matrix, as the host has it as well.
     fn new(algebra: &dyn Algebra, held: &Held, matrix: &Matrix) -> Result<Self> {
         let factor = Dense::factorised(matrix);
-        let is_host = held.get::<Matrix>().is_some();
-        let inverse = if is_host { None } else { Some(algebra.matrix(factor.inverse().into_rows())?) };
+        let is_worth_it = held.get::<Matrix>().is_none() && matrix.rows() <= COARSEST;
+        let inverse = if is_worth_it { Some(algebra.matrix(factor.inverse().into_rows())?) } else { None };
         Ok(Self { factor, inverse })
     }
 
@@ -324,13 +330,13 @@ impl Smoother {
     fn smooth_from_zero(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
         let Scratch { residual, step, .. } = scratch;
         algebra.combine_scaled(self.middle().recip(), &self.inverse_diagonal, residual, 0.0, step)?;
-        self.go_on(algebra, scratch, true)
+        self.go_on(algebra, scratch, Smoothed::Nothing)
     }
 
-    /// Improves the solution in the same way. It is without the last `step`, and so is the residual, which then lags behind as well.
+    /// Improves the solution in the same way. Neither the solution nor the residual knows the last `step` yet; the residual then lags behind as well.
     fn smooth_on(&self, algebra: &dyn Algebra, scratch: &mut Scratch) -> Result<()> {
-        self.smooth(algebra, scratch, (self.middle().recip(), 0.0), (false, false))?;
-        self.go_on(algebra, scratch, false)
+        self.smooth(algebra, scratch, (self.middle().recip(), 0.0), Smoothed::WithoutLast)?;
+        self.go_on(algebra, scratch, Smoothed::WithLast)
     }
 
     /// The middle of the smoothed eigenvalues.
@@ -338,16 +344,15 @@ impl Smoother {
         (self.smoothed.1 + self.smoothed.0) / 2.0
     }
 
-    /// All steps of a polynomial but the first. Where the solution `begins` it is nothing yet.
-    fn go_on(&self, algebra: &dyn Algebra, scratch: &mut Scratch, begins: bool) -> Result<()> {
+    /// All steps of a polynomial but the first, after which the solution is what is said.
+    fn go_on(&self, algebra: &dyn Algebra, scratch: &mut Scratch, mut before: Smoothed) -> Result<()> {
         let half = (self.smoothed.1 - self.smoothed.0) / 2.0;
         let sigma = self.middle() / half;
         let mut rho = 1.0 / sigma;
-        for turn in 1..DEGREE {
+        for _ in 1..DEGREE {
             let next = 1.0 / (2.0 * sigma - rho);
-            let is_first = begins && turn == 1;
-            self.smooth(algebra, scratch, (2.0 * next / half, next * rho), (!is_first, is_first))?;
-            rho = next;
+            self.smooth(algebra, scratch, (2.0 * next / half, next * rho), before)?;
+            (rho, before) = (next, Smoothed::WithLast);
         }
         Ok(())
     }
@@ -357,11 +362,11 @@ impl Smoother {
         algebra: &dyn Algebra,
         scratch: &mut Scratch,
         (alpha, beta): (f64, f64),
-        (has_last, begins): (bool, bool),
+        before: Smoothed,
     ) -> Result<()> {
         let Scratch { solution, residual, step, next } = scratch;
         let (matrix, inverse_diagonal, last) = (&self.matrix, &self.inverse_diagonal, &*step);
-        let how = Smoothing { matrix, inverse_diagonal, last, alpha, beta, has_last, begins };
+        let how = Smoothing { matrix, inverse_diagonal, last, alpha, beta, before };
         algebra.smooth(how, residual, next, solution)?;
         mem::swap(step, next);
         Ok(())

@@ -63,8 +63,9 @@ pub(super) struct Problem<'a> {
     /// The sites so that neighbours in space are neighbours in memory, and where each stands there: as the first diagram has it.
     pub(super) order: Vec<u32>,
     pub(super) place: Vec<u32>,
-    /// The targets in that order.
+    /// The targets in that order, and the number of orders that there were.
     ordered: Vec<f64>,
+    orders: usize,
     /// That of the last step, whose coarse levels may serve for the next.
     multigrid: Option<Multigrid<'a>>,
     /// The last step that was taken.
@@ -126,6 +127,7 @@ impl<'a> Problem<'a> {
             order: Vec::new(),
             place: Vec::new(),
             ordered: Vec::new(),
+            orders: 0,
             multigrid: None,
             step: 1.0,
             stuck: None,
@@ -286,6 +288,7 @@ impl<'a> Problem<'a> {
         };
         if order != self.order {
             self.place = places(&order, order.len());
+            self.orders += 1;
             self.ordered = map(order.len(), |row| self.targets[order[row] as usize]);
             self.order = order;
             self.multigrid = None;
@@ -348,7 +351,7 @@ impl<'a> Problem<'a> {
             None => Multigrid::new(algebra, matrix)?,
         };
         loop {
-            multigrid = multigrid.until(|| self.ordered.clone())?;
+            multigrid.end_at(self.orders, &self.ordered)?;
             let aim = match self.aim(state, &multigrid)? {
                 Ok(aim) => aim,
                 Err(part) => return Ok(Direction::Apart(part)),

@@ -704,7 +704,7 @@ typedef struct {
     double alpha, \
     double beta, \
     uint has_last, \
-    uint begins, \
+    uint is_nothing, \
     __global const double *last, \
     __global double *residual, \
     __global double *step, \

@@ -433,18 +433,18 @@ impl<'a> Problem<'a> {
             if self.limited_steps == 0
                 && let Some((step, next)) = self.damped(state, &newton, slope, 1.0)?
             {
-                self.multigrid = Some(system.multigrid);
+                self.multigrid = Some(system.multigrid.resting(newton.len()));
                 return Ok(Some((step, iterations, next)));
             }
             let limited;
             (limited, system) = limited::step(self, state, system)?;
             iterations += limited.iterations;
             if let Some((step, next)) = limited.reached {
-                self.multigrid = Some(system.multigrid);
+                self.multigrid = Some(system.multigrid.resting(newton.len()));
                 return Ok(Some((step, iterations, next)));
             }
         }
-        self.multigrid = Some(system.multigrid);
+        self.multigrid = Some(system.multigrid.resting(newton.len()));
         let found = self.damped(state, &newton, slope, SHORTEST_STEP)?;
         Ok(found.map(|(step, next)| {
             self.step = step;

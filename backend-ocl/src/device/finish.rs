@@ -13,21 +13,28 @@ use laguerre_core::{Result, Watched};
 /// instead of 16.8 ms for the diagram. Of fewer it gains less than the 0.03 s that a process loses, which has another build to load. (One NVIDIA H200.)
 const WORTH_GIVING: usize = if IN_TESTS { 1 << 5 } else { 1 << 13 };
 
+impl Counters {
+    /// Whether most of those for later reach far.
+    pub(super) fn most_reach_far(&self) -> bool {
+        2 * self.beyond > self.later
+    }
+}
+
 impl Device {
     /// Whether what a stage has left is for one that gives its finished cells, too, and there is room for these: all are then finished together. (A launch over few takes as long as its
     /// slowest cell. What `Surface` leaves open goes to `Exact` then, and not to `Far` before.)
     pub(super) fn goes_on_giving(&self, way: Way) -> bool {
-        let Counters { full, later, beyond, near, .. } = self.counters;
+        let Counters { full, later, near, .. } = self.counters;
         let is_first = matches!(way, Way::Together(_, Stage::Single | Stage::First));
-        let (cells, beyond) = (later as usize, beyond as usize);
+        let cells = later as usize;
         let has_room = near as usize + cells * RECORD_LENGTH <= self.shared.params.near_room as usize;
-        let is_given = self.is_tree() || self.is_worth_giving(cells, beyond);
+        let is_given = self.is_tree() || self.is_worth_giving(cells, self.counters.most_reach_far());
         is_first && full == 0 && later > 0 && has_room && is_given
     }
 
-    /// Whether so many cells, of which some reach far, are `Far`'s.
-    pub(super) fn is_worth_giving(&self, cells: usize, beyond: usize) -> bool {
-        2 * beyond > cells && self.domain.is_some() && cells >= WORTH_GIVING
+    /// Whether so many cells, of which most reach far or do not, are `Far`'s.
+    pub(super) fn is_worth_giving(&self, cells: usize, most_reach_far: bool) -> bool {
+        most_reach_far && self.domain.is_some() && cells >= WORTH_GIVING
     }
 
     /// Cells in the lists of what has not ended. (What one work-item leaves is the host's, which tells of it.)

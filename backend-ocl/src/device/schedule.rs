@@ -239,12 +239,12 @@ impl Device {
             {
                 // (What most cells need is more than a few more digits.)
                 let are_few = stage == Stage::Single && counters.later as usize <= all / 2;
-                let is_worth_leaving = counters.later >= WORTH_LEAVING && 2 * counters.beyond > counters.later;
+                let most_reach_far = counters.most_reach_far();
+                let is_worth_leaving = counters.later >= WORTH_LEAVING && most_reach_far;
                 now = Todo::Listed(counters.later as usize);
                 std::mem::swap(&mut memory.todo, &mut memory.later);
-                let beyond = std::mem::take(&mut counters.beyond) as usize;
-                counters.later = 0;
-                let is_worth_giving = self.is_worth_giving(now.count(), beyond);
+                (counters.later, counters.beyond) = (0, 0);
+                let is_worth_giving = self.is_worth_giving(now.count(), most_reach_far);
                 if matches!(stage, Stage::Single | Stage::First) && is_worth_leaving {
                     self.leave_table(now.count())?;
                 }

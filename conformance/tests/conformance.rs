@@ -9,21 +9,23 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let mut trials = Vec::new();
+    let mut trials_of_each = Vec::new();
     let mut present = Vec::new();
     for (name, opened) in backends::built() {
         match opened {
             Ok(backend) => {
                 present.push(name);
-                trials.extend(trials_of(name, &Arc::from(backend)));
+                trials_of_each.push(trials_of(name, &Arc::from(backend)));
             }
             // Built, but this machine has no device: seen as ignored, and an error where it is required.
             Err(error) if error.kind() == ErrorKind::Unavailable => {
                 eprintln!("{name}: {error}");
-                trials.push(Trial::test(format!("{name}::opens"), || Ok(())).with_ignored_flag(true));
+                trials_of_each.push(vec![Trial::test(format!("{name}::opens"), || Ok(())).with_ignored_flag(true)]);
             }
             // It was built, so someone counts on it.
-            Err(error) => trials.push(Trial::test(format!("{name}::opens"), move || Err(error.to_string().into()))),
+            Err(error) => {
+                trials_of_each.push(vec![Trial::test(format!("{name}::opens"), move || Err(error.to_string().into()))]);
+            }
         }
     }
     // Not as trials: a filter on the command line must not hide what is missing.
@@ -36,11 +38,24 @@ fn main() -> ExitCode {
         );
         return ExitCode::FAILURE;
     }
-    if trials.is_empty() {
+    if trials_of_each.is_empty() {
         eprintln!("no backend was built, so nothing can be checked: build with the feature `cpu`");
         return ExitCode::FAILURE;
     }
-    libtest_mimic::run(&arguments, trials).exit_code()
+    libtest_mimic::run(&arguments, in_turns(trials_of_each)).exit_code()
+}
+
+/// One of each backend's in turn: a device computes one diagram at a time, and two laws of one backend wait for each other.
+fn in_turns(trials_of_each: Vec<Vec<Trial>>) -> Vec<Trial> {
+    let mut left: Vec<_> = trials_of_each.into_iter().map(Vec::into_iter).collect();
+    let mut all = Vec::new();
+    loop {
+        let before = all.len();
+        all.extend(left.iter_mut().filter_map(Iterator::next));
+        if all.len() == before {
+            return all;
+        }
+    }
 }
 
 /// A check, or a law with its case.

@@ -3,8 +3,10 @@
 
 use std::env;
 use std::fs;
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use crate::run::{cargo, install, succeed, target};
@@ -27,8 +29,10 @@ pub(crate) fn run() -> Result<(), String> {
     drop(fs::remove_dir_all(&texts));
     fs::create_dir_all(&texts).map_err(|error| format!("{}: {error}", texts.display()))?;
     let folder = texts.display().to_string();
-    let line = ["run", "--quiet", "--locked", "--package", "laguerre-ocl", "--features", "test-util"];
-    cargo(&[&line[..], &["--example", "warp_texts", "--", &folder]].concat(), &[])?;
+    // (Of the whole workspace, as tests are, so that nothing is built twice.)
+    cargo(&["build", "--locked", "--workspace", "--all-features", "--example", "warp_texts"], &[])?;
+    let program = target().join("debug/examples/warp_texts").with_extension(env::consts::EXE_EXTENSION);
+    succeed(Command::new(program).arg(&folder))?;
     let mut paths = fs::read_dir(&texts)
         .and_then(|all| all.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>())
         .map_err(|error| format!("{folder}: {error}"))?;
@@ -36,17 +40,21 @@ pub(crate) fn run() -> Result<(), String> {
     paths.sort();
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let (clang, assembler) = (clang.as_path(), assembler.as_path());
-    let rows: Vec<Result<String, String>> = thread::scope(|scope| {
-        let share = paths.len().div_ceil(threads).max(1);
-        let all: Vec<_> = paths
-            .chunks(share)
-            .map(|some| scope.spawn(move || some.iter().map(|path| row(clang, assembler, path)).collect::<Vec<_>>()))
-            .collect();
-        all.into_iter().flat_map(|one| one.join().unwrap_or_else(|_| vec![Err("a thread died".to_owned())])).collect()
-    });
+    // (One takes half a second or forty: each thread takes the next.)
+    let next = AtomicUsize::new(0);
+    let one_after_another = || {
+        let mine = iter::from_fn(|| paths.get(next.fetch_add(1, Ordering::Relaxed)));
+        mine.map(|path| (path, row(clang, assembler, path))).collect::<Vec<_>>()
+    };
+    let mut rows: Vec<(&PathBuf, Result<String, String>)> = thread::scope(|scope| {
+        let all: Vec<_> = (0..threads).map(|_| scope.spawn(one_after_another)).collect();
+        let ended = all.into_iter().map(|one| one.join().map_err(|_| "a thread died".to_owned()));
+        ended.collect::<Result<Vec<_>, _>>().map(|all| all.into_iter().flatten().collect())
+    })?;
+    rows.sort_by_key(|&(path, _)| path);
     println!("| build | registers | spilled, bytes | local memory, bytes | text, bytes |");
     println!("|---|---:|---:|---:|---:|");
-    for row in rows {
+    for (_, row) in rows {
         println!("{}", row?);
     }
     Ok(())

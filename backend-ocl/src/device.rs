@@ -2,6 +2,8 @@
 
 mod cells;
 mod finish;
+#[cfg(all(test, feature = "test-util"))]
+mod host_tests;
 mod leaders;
 mod room;
 mod sample;

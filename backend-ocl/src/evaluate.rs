@@ -256,7 +256,7 @@ struct Rows {
 }
 
 impl Device {
-    /// Puts the facets of all cells in order, where the host has none of these, and makes the Laplacian.
+    /// Puts the facets of all cells in order, of which the host has a few, and makes the Laplacian; nothing of it where not all are here.
     fn assemble_rows(
         &mut self,
         request: &Request,
@@ -267,14 +267,19 @@ impl Device {
     ) -> Result<Rows> {
         let Ahead { facets: room, columns, values } = mem::take(ahead);
         let mut rows = Rows::default();
-        if request.facets() && of_host.is_empty() {
+        if !request.needs_facets() {
+            return Ok(rows);
+        }
+        if !self.bring_facets(request, of_host).map_err(|e| on_device(e, &self.name))? {
+            self.lengths = Lengths::default();
+            return Ok(rows);
+        }
+        if request.facets() {
             rows.facets =
                 self.assemble_facets(request, container, sites, room).map_err(|e| on_device(e, &self.name))?;
-        } else if request.facets() {
-            self.lengths = Lengths::default();
         }
         if request.laplacian() && (!request.facets() || rows.facets.is_some()) {
-            let made = self.assemble_laplacian(request, sites, of_host, (columns, values));
+            let made = self.assemble_laplacian(request, sites, of_host.is_empty(), (columns, values));
             rows.laplacian = made.map_err(|e| on_device(e, &self.name))?;
         }
         Ok(rows)

@@ -7,10 +7,13 @@ use crate::grid::{self, GROUP};
 use crate::interface::data::PER_ROW;
 use crate::interface::kernels::{CountRows, WriteRows};
 use crate::laplacian::SHARE_BETWEEN;
-use laguerre_core::assemble::{area_unit, facet_second_unit};
+use laguerre_core::assemble::{Row, area_unit, facet_second_unit};
 use laguerre_core::diagram::FramedContainer;
 use laguerre_core::{ErrorKind, FacetArrays, Request, Result};
 use std::time::Instant;
+
+/// Cells of the host's whose facets are brought to the device; where there are more, the host does it all.
+const MOST_OF_HOST: usize = 4096;
 
 rooms! {
     pub(crate) struct FacetMemory {
@@ -36,7 +39,31 @@ impl FacetMemory {
 }
 
 impl Device {
-    /// The facets of all cells, if their records have stayed on the device; `None` where they have not, or the host has to put them in order, as there is no
+    /// Brings the facets of the host's cells to those of the device's; whether the records of all are here then.
+    pub(crate) fn bring_facets(&mut self, request: &Request, of_host: &[(u32, Row<'_>)]) -> Result<bool> {
+        let Self { queue, memory, counters, shared, facets_are_kept, .. } = self;
+        let more: usize = of_host.iter().map(|(_, row)| row.records().len()).sum();
+        let have_room = counters.facets as usize + more <= shared.params.facet_room as usize;
+        if !*facets_are_kept || of_host.len() > MOST_OF_HOST || !have_room {
+            return Ok(false);
+        }
+        for (site, row) in of_host {
+            let (begin, count) = (counters.facets, row.records().len() as u32);
+            memory.facets.write_at(queue, begin as usize, row.records())?;
+            if request.facets() {
+                memory.facet_moments.write_at(queue, begin as usize, row.moments())?;
+            }
+            if request.facet_second_moments() {
+                memory.facet_seconds.write_at(queue, begin as usize, row.second_moments())?;
+            }
+            memory.rows.write_at(queue, *site as usize, &[[u64::from(begin), u64::from(count)]])?;
+            memory.outcome.write_at(queue, *site as usize, &[laguerre_core::cell::COMPLETE])?;
+            counters.facets += count;
+        }
+        Ok(true)
+    }
+
+    /// The facets of all cells, whose records are on the device; `None` where the host has to put them in order, as there is no
     /// memory for that here. Their records are there as before. They are put in the memory of `arrays`.
     pub(crate) fn assemble_facets(
         &mut self,
@@ -45,9 +72,6 @@ impl Device {
         sites: usize,
         arrays: FacetArrays,
     ) -> Result<Option<FacetArrays>> {
-        if !self.facets_are_kept {
-            return Ok(None);
-        }
         let made = match self.order_facets(request, container, sites, arrays) {
             // (Drivers that allocate late say so here.)
             Err(error) if error.kind() == ErrorKind::Device => None,

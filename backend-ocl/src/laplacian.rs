@@ -7,12 +7,8 @@ use crate::grid::{self, GROUP};
 use crate::interface::data::PER_ROW;
 use crate::interface::kernels::{CountFacets, ListFacets, MatchFacets, PackFacets, SortFacets};
 use laguerre_core::algebra::Kept;
-use laguerre_core::assemble::Row;
 use laguerre_core::{Laplacian, Request, Result};
 use std::time::Instant;
-
-/// Cells of the host's whose facets are brought to the device; where there are more, the host does it all.
-const MOST_OF_HOST: usize = 4096;
 
 /// Scratch of a diagram with its Laplacian that is larger than this share of the device's memory is freed before the solver runs: of 80 million sites it is a
 /// fifth of 150 GB, and the solver needs more than half.
@@ -48,24 +44,21 @@ pub(crate) struct MadeLaplacian {
 }
 
 impl Device {
-    /// The Laplacian of the cells whose facets have stayed on the device, and of those of the host's, which are few; `None` where the host has to
+    /// The Laplacian of the cells whose facets are all on the device; `None` where the host has to
     /// make it ([`leave_laplacian`](Self::leave_laplacian)). One that is read is put in the memory of `lists`.
     pub(crate) fn assemble_laplacian(
         &mut self,
         request: &Request,
         sites: usize,
-        of_host: &[(u32, Row<'_>)],
+        is_without_host: bool,
         lists: (Vec<u32>, Vec<f64>),
     ) -> Result<Option<Made>> {
-        if !self.facets_are_kept || !self.bring(of_host)? {
-            return Ok(None);
-        }
         let begin = Instant::now();
         let entries = self.make_laplacian(sites)?;
         self.seconds += begin.elapsed().as_secs_f64();
         let Some(entries) = entries else { return Ok(None) };
         let (evaluation, rows) = (self.evaluation, self.shared.params.tree_sites as usize);
-        let made = MadeLaplacian { evaluation, rows, entries, is_without_host: of_host.is_empty() };
+        let made = MadeLaplacian { evaluation, rows, entries, is_without_host };
         self.made = Some(made);
         self.give_scratch_back();
         Ok(Some(match request.keeps_laplacian() {
@@ -99,23 +92,6 @@ impl Device {
         let mut order = Vec::new();
         self.sites.order.read(&self.queue, self.shared.params.tree_sites as usize, &mut order)?;
         Ok(order)
-    }
-
-    /// Brings the facets of the host's cells to those of the device's; whether there is room.
-    fn bring(&mut self, of_host: &[(u32, Row<'_>)]) -> Result<bool> {
-        let Self { queue, memory, counters, shared, .. } = self;
-        let more: usize = of_host.iter().map(|(_, row)| row.records().len()).sum();
-        if of_host.len() > MOST_OF_HOST || counters.facets as usize + more > shared.params.facet_room as usize {
-            return Ok(false);
-        }
-        for (site, row) in of_host {
-            let (begin, count) = (counters.facets, row.records().len() as u32);
-            memory.facets.write_at(queue, begin as usize, row.records())?;
-            memory.rows.write_at(queue, *site as usize, &[[u64::from(begin), u64::from(count)]])?;
-            memory.outcome.write_at(queue, *site as usize, &[laguerre_core::cell::COMPLETE])?;
-            counters.facets += count;
-        }
-        Ok(true)
     }
 
     /// Its entries, if it could be made: there is memory for it, and no row is long.

@@ -318,7 +318,7 @@ fn cells_that_are_begun_are_swept() {
 }
 
 /// Points spread evenly, but not regularly.
-fn spread(count: u32) -> Vec<[f64; 3]> {
+pub(super) fn spread(count: u32) -> Vec<[f64; 3]> {
     let steps = [0.819_172_513_396_164_5, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
     (1..=count).map(|i| steps.map(|step| (f64::from(i) * step).fract())).collect()
 }

@@ -83,6 +83,16 @@ impl<'a> Row<'a> {
         self.records
     }
 
+    /// First moments, in the frame of the site; none where they were not asked for.
+    pub fn moments(&self) -> &'a [[f64; 3]] {
+        self.moments
+    }
+
+    /// Second moments, in that frame; none where they were not asked for.
+    pub fn second_moments(&self) -> &'a [FacetSecond] {
+        self.seconds
+    }
+
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()

@@ -24,7 +24,11 @@ pub(crate) struct Results {
 impl Results {
     /// Hands over all cells, without their facets.
     pub(crate) fn assemble(&self, assembler: &mut Assembler<'_>) {
-        assembler.add_all(|i| Some((status_of(self.outcomes[i])?, self.sums_of(i))));
+        assembler.add_all(|i, sums| {
+            let status = status_of(self.outcomes[i])?;
+            self.put_sums(i, sums);
+            Some(status)
+        });
     }
 
     /// The facets of the cell of site `i`; none where this device did not compute it.
@@ -42,25 +46,21 @@ impl Results {
         self.outcomes.par_iter().filter(|&&outcome| outcome != NOT_COMPUTED && outcome & OUTCOME_EXACT != 0).count()
     }
 
-    fn sums_of(&self, i: usize) -> CellSums {
+    /// Those of its sums that were asked for; others stay what they are.
+    fn put_sums(&self, i: usize, sums: &mut CellSums) {
         let numbers = &self.sums[i * self.width..][..self.width];
         let vector = |at: usize| v3(numbers[at], numbers[at + 1], numbers[at + 2]);
-        let few = CellSums { volume: numbers[0], first: vector(1), ..CellSums::default() };
+        (sums.volume, sums.first) = (numbers[0], vector(1));
         if self.width == FEW_SUMS as usize {
-            return few;
+            return;
         }
-        let moments = CellSums { second_diagonal: vector(4), second_mixed: vector(7), ..few };
+        (sums.second_diagonal, sums.second_mixed) = (vector(4), vector(7));
         if self.width == MOMENT_SUMS as usize {
-            return moments;
+            return;
         }
-        CellSums {
-            boundary_area: numbers[10],
-            boundary_moment: vector(11),
-            boundary_vector: vector(14),
-            boundary_flux: numbers[17],
-            integral: numbers.get(ALL_SUMS as usize).copied().unwrap_or(0.0),
-            ..moments
-        }
+        (sums.boundary_area, sums.boundary_moment) = (numbers[10], vector(11));
+        (sums.boundary_vector, sums.boundary_flux) = (vector(14), numbers[17]);
+        sums.integral = numbers.get(ALL_SUMS as usize).copied().unwrap_or(0.0);
     }
 }
 

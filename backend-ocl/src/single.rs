@@ -16,7 +16,7 @@ use crate::platform::{self, Found, choose};
 use crate::program::compile;
 use crate::queue::Queue;
 use laguerre_core::assemble::Assembler;
-use laguerre_core::cell::{self, CellSums, v3};
+use laguerre_core::cell::{self, v3};
 use laguerre_core::diagram::Prepared;
 use laguerre_core::domain_grid::DomainGrid;
 use laguerre_core::geometry;
@@ -142,11 +142,11 @@ impl Single {
         }
         let mut assembler = Assembler::new(diagram, &prepared.container, request);
         let volume = scene.unit.powi(3);
-        assembler.add_all(|i| {
+        assembler.add_all(|i, sums| {
             let (status, [v, x, y, z]) = cells[i]?;
             let [v, x, y, z] = [v, x, y, z].map(|number| f64::from(number) * volume);
-            let first = v3(x * scene.unit, y * scene.unit, z * scene.unit);
-            Some((status, CellSums { volume: v, first, ..CellSums::default() }))
+            (sums.volume, sums.first) = (v, v3(x * scene.unit, y * scene.unit, z * scene.unit));
+            Some(status)
         });
         // Everything is proved here, so that nothing is left of `epsilon`.
         let proved = Request::clone(request).without_epsilon();

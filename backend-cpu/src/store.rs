@@ -40,33 +40,43 @@ impl Four {
         [self.x, self.y, self.z].map(f64x4::from)
     }
 
-    /// How far its vertices are within a half-space, and what of that may be rounding.
+    /// Adds the bits of its vertices that are in conflict with a half-space, and of those that are certainly not. (An array of each is what becomes one vector: a
+    /// bit mask of four comparisons does not.)
     #[inline(always)]
-    fn within(&self, side: &Side) -> (f64x4, f64x4) {
-        let ([nx, ny, nz], [x, y, z]) = (side.normal, self.positions());
-        ((((nx * x) + (ny * y)) + (nz * z)) + side.offset, (side.size * f64x4::from(self.radius)) + side.slack)
+    fn see(&self, side: &Side, bits: [u64; LANES], conflict: &mut [u64; LANES], kept: &mut [u64; LANES]) {
+        let Side { plane: Plane { n, d }, size, slack } = *side;
+        for k in 0..LANES {
+            let value = (((n.x * self.x[k]) + (n.y * self.y[k])) + (n.z * self.z[k])) + d;
+            let bound = (size * self.radius[k]) + slack;
+            conflict[k] |= if value < -bound { bits[k] } else { 0 };
+            kept[k] |= if value > bound { bits[k] } else { 0 };
+        }
     }
 }
 
-/// A half-space, for four vertices at a time.
+/// A half-space, for four vertices at a time: with the room for roundings that a vertex's radius and the offset ask for.
 struct Side {
-    normal: [f64x4; 3],
-    offset: f64x4,
-    size: f64x4,
-    slack: f64x4,
+    plane: Plane,
+    size: Real,
+    slack: Real,
 }
 
 impl Side {
     #[inline(always)]
     fn of(plane: Plane) -> Self {
-        Self {
-            normal: [plane.n.x, plane.n.y, plane.n.z].map(f64x4::splat),
-            offset: f64x4::splat(plane.d),
-            size: f64x4::splat((plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs()),
-            slack: f64x4::splat((4.0 * UNIT_ROUNDOFF) * plane.d.abs()),
-        }
+        let size = (plane.n.x.abs() + plane.n.y.abs()) + plane.n.z.abs();
+        Self { plane, size, slack: (4.0 * UNIT_ROUNDOFF) * plane.d.abs() }
     }
 }
+
+/// The bits of four lanes as one.
+#[inline(always)]
+fn joined([a, b, c, d]: [u64; LANES]) -> u64 {
+    (a | b) | (c | d)
+}
+
+/// A bit for each of the first four vertices.
+const FIRST_BITS: [u64; LANES] = [1, 2, 4, 8];
 
 /// Vertices, padded to whole fours.
 #[derive(Clone, Debug, Default)]
@@ -295,12 +305,12 @@ impl CpuStore<'_> {
             words.zip(self.vertices.places[..count.div_ceil(LANES)].chunks(64 / LANES)).enumerate()
         {
             let here = (count - w * 64).min(64);
-            let (mut conflict, mut kept) = (0_u64, 0_u64);
-            for (c, four) in fours.iter().enumerate() {
-                let (value, bound) = four.within(&side);
-                conflict |= u64::from(value.simd_lt(-bound).to_bitmask()) << (c * LANES);
-                kept |= u64::from(value.simd_gt(bound).to_bitmask()) << (c * LANES);
+            let (mut conflict, mut kept, mut bits) = ([0; LANES], [0; LANES], FIRST_BITS);
+            for four in fours {
+                four.see(&side, bits, &mut conflict, &mut kept);
+                bits = bits.map(|bit| bit << LANES);
             }
+            let (conflict, kept) = (joined(conflict), joined(kept));
             // The padding's lanes hold old numbers.
             let valid = u64::MAX >> (64 - here);
             *conflict_word = conflict & valid;
@@ -315,6 +325,11 @@ impl CpuStore<'_> {
 }
 
 impl ClipStore for CpuStore<'_> {
+    #[inline(always)]
+    fn instructions(&self) -> Arch {
+        self.arch
+    }
+
     #[inline(always)]
     fn begin_at(&mut self, v: u32) {
         self.edges.begin_at(v);
@@ -409,8 +424,9 @@ impl ClipStore for CpuStore<'_> {
     #[inline(always)]
     fn keeps_some(&self, plane: Plane) -> bool {
         let valid = u64::MAX >> (64 - self.vertices.count.clamp(1, LANES));
-        let (value, bound) = self.vertices.places[0].within(&Side::of(plane));
-        u64::from(value.simd_gt(bound).to_bitmask()) & valid != 0
+        let (mut conflict, mut kept) = ([0; LANES], [0; LANES]);
+        self.vertices.places[0].see(&Side::of(plane), FIRST_BITS, &mut conflict, &mut kept);
+        joined(kept) & valid != 0
     }
 
     #[inline(always)]

@@ -30,9 +30,10 @@ pub fn begin<S: ClipStore>(s: &mut S, lo: V3, hi: V3) -> u32 {
 }
 
 /// Clips the cell by `plane`, keeping the side where `n·x + d ≥ 0`; `tag` says whose plane it is. Returns `CUT`, `UNTOUCHED`,
-/// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again.
+/// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again. (A host calls it through `widest.rs`.)
+#[inline(always)]
 #[cfg_attr(opencl, outline)]
-pub fn clip<S: ClipStore + SignStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
+pub(super) fn clip<S: ClipStore + SignStore>(s: &mut S, plane: Plane, tag: u32) -> u32 {
     if s.planes() == s.cap_p() {
         compact_planes(s);
         if s.planes() == s.cap_p() {
@@ -172,6 +173,7 @@ pub(super) fn clear_links<S: ClipStore>(s: &mut S) {
 }
 
 /// Finds a directed edge a→b of a marked vertex whose reverse belongs to no marked vertex.
+#[inline(always)]
 #[cfg_attr(opencl, outline)]
 pub(super) fn find_boundary_edge<S: ClipStore>(s: &mut S, end: u32, edge: &mut Triplet) {
     let mut v: u32 = s.next_conflict(0, end);

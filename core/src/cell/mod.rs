@@ -63,9 +63,10 @@ pub(crate) mod tree;
 mod vector;
 mod vertex;
 mod wide;
+mod widest;
 
 pub use cap::{MOST_CAPS, cap_outside};
-pub use clip::{begin, clip, compact_planes, farthest_vertex};
+pub use clip::{begin, compact_planes, farthest_vertex};
 pub use corners::Corners;
 pub use facet::{FacetSecond, FacetSum, facet_is_above_bound};
 pub use integrate::{
@@ -85,6 +86,7 @@ pub use vector::{Real, Rough, UNIT_ROUNDOFF, V3, v3};
 pub(crate) use vector::{add, cross, dot, norm_1, norm_max, scale, sub};
 pub use vertex::{NEARLY_DEPENDENT, Triplet, find_vertex_closely, find_vertex_once, find_vertex_refined};
 pub use wide::Minors;
+pub use widest::clip;
 
 /// Half-spaces that a host's store looks at together, see [`ClipStore::may_be_cut_by`].
 pub const TOGETHER: usize = 8;

@@ -1,6 +1,6 @@
 //! Restriction of a cell to the domain by winding numbers and signed truncated cones (paper §4, with no merge).
 
-use super::clip::{clip, compact_planes};
+use super::clip::compact_planes;
 use super::cone::{
     CONE_BEYOND, NONE_BEYOND, TruncatedCone, lies_beyond, make_cone, make_prism, nearest_corner, no_cone,
 };
@@ -18,6 +18,7 @@ use super::status::{
 };
 use super::store::{CellStore, ClipStore, DomainStore, IntegralStore, SignStore, Voxel};
 use super::vector::{Real, V3, add, v3};
+use super::widest::clip;
 
 /// The integrals of the finished cell over the container: the domain where there is one, weighted by its winding number,
 /// else the initial box. Returns `COMPLETE`, `EMPTY`, or what makes the cell be tried again; with `interior_only`, `BOUNDARY`

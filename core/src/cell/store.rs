@@ -3,7 +3,6 @@
 //! This file is the boundary of the dialect: every backend writes its own storage behind these names.
 
 use super::TOGETHER;
-use super::clip::clip;
 use super::facet::{FacetSecond, FacetSum};
 use super::integrate::CellSums;
 use super::lanes::Lanes;
@@ -13,9 +12,11 @@ use super::status::{MARK_CONFLICT, MARK_KEEP, MARK_UNCERTAIN, SEEN_CONFLICT, SEE
 use super::vector::{Real, UNIT_ROUNDOFF, V3, add, dot, norm_1, sub, v3};
 use super::vertex::Triplet;
 use super::wide::Minors;
+use super::widest::clip;
 use crate::domain_grid::DomainGrid;
 use crate::exact;
 use crate::integrand::FramedIntegrand;
+use pulp::Arch;
 
 /// A triangle of the domain: the indices of its vertices, outward oriented, and how often it stands.
 #[repr(C)]
@@ -91,6 +92,11 @@ pub trait ClipStore: Polytope {
         self.set_tag(to, self.tag(from));
     }
 
+    /// The instructions that a host clips by.
+    #[inline(always)]
+    fn instructions(&self) -> Arch {
+        Arch::Scalar
+    }
     /// Scratch number of half-space `f`, zero between calls of `clip`.
     fn link(&self, f: u32) -> u32;
     /// Sets the scratch number of half-space `f`.

@@ -49,7 +49,7 @@ const ROUNDINGS_OF_PLACE: Real = 32.0;
 pub(super) const ROUNDINGS_OF_EXACT: Real = 8.0;
 
 /// Computes the position of vertex `v` from its triplet and sets it, see [`find_vertex`].
-#[inline]
+#[inline(always)]
 #[cfg_attr(opencl, hot)]
 pub(crate) fn place_vertex<S: SignStore>(s: &mut S, v: u32) -> u32 {
     let mut position: V3 = v3(0.0, 0.0, 0.0);
@@ -65,7 +65,7 @@ pub(crate) fn place_vertex<S: SignStore>(s: &mut S, v: u32) -> u32 {
 /// `|fl(n·v + d) − (n·v* + d)| ≤ ‖n‖₁·radius + 4u|d|` for every plane, `v*` the exact vertex.
 ///
 /// (The rare ways out read the planes again: what is handed to a function that is not inlined cannot stay in a GPU's registers before it.)
-#[inline]
+#[inline(always)]
 #[cfg_attr(opencl, hot)]
 pub(crate) fn find_vertex<S: SignStore>(s: &mut S, t: Triplet, position: &mut V3, radius: &mut Real) -> u32 {
     let by: Cramer = cramer(s, t);

@@ -18,7 +18,7 @@ OUTLINE uint begin(Store *s, V3 lo, V3 hi) {
 }
 
 // Clips the cell by `plane`, keeping the side where `n·x + d ≥ 0`; `tag` says whose plane it is. Returns `CUT`, `UNTOUCHED`,
-// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again.
+// `EMPTY`, or `P_FULL`, `V_FULL`, `UNCERTAIN`, after which the cell must be begun again. (A host calls it through `widest.rs`.)
 OUTLINE uint clip(Store *s, Plane plane, uint tag) {
     if (store_planes(s) == store_cap_p(s)) {
         compact_planes(s);

@@ -29,9 +29,6 @@ const WAVE: usize = 512 * CHUNK;
 /// The same where their geometry is asked for, which takes some kilobytes a cell.
 const WAVE_WITH_GEOMETRY: usize = 32 * CHUNK;
 
-/// Room of the first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
-const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
-
 /// That of the cells that a device leaves to the host, mostly for their size, where they are few (`FEW_CELLS`): some 0.4 ms for each to make.
 const LEFT: Capacities = Capacities { planes: 4096, vertices: 8192 };
 
@@ -116,7 +113,8 @@ fn evaluate(diagram: &PowerDiagram, request: Watched<'_>) -> Result<Output> {
         .geometry()
         .then(|| GeometryAssembler::new(diagram.positions().len(), &prepared.container.frame, request.solids()));
     let all = (0..prepared.sites.len() as u32).collect();
-    let (passes, exact_cells) = run(&prepared, &request, (all, FIRST, true), &mut assembler, geometry.as_mut())?;
+    let (passes, exact_cells) =
+        run(&prepared, &request, (all, Capacities::FIRST, true), &mut assembler, geometry.as_mut())?;
     let report = Report::of_host(exact_cells, passes);
     assembler.finish(prepared.sites.order(), report, geometry.map(GeometryAssembler::finish).transpose()?)
 }
@@ -132,7 +130,7 @@ pub fn compute_cells(
     sites: Vec<u32>,
     assembler: &mut Assembler<'_>,
 ) -> Result<()> {
-    let room = if sites.len() <= FEW_CELLS { LEFT } else { FIRST };
+    let room = if sites.len() <= FEW_CELLS { LEFT } else { Capacities::FIRST };
     run(prepared, request, (sites, room, false), assembler, None).map(|_| ())
 }
 
@@ -148,7 +146,7 @@ fn run(
     let (mut exact_cells, has_geometry) = (0, geometry.is_some());
     let passes = run_passes(first, sites, Capacities::grown_for, |room, cells: &Vec<u32>| -> Result<PassOutcome> {
         let mut outcome: PassOutcome = PassOutcome::default();
-        let are_blocks = are_all && room == FIRST;
+        let are_blocks = are_all && room == Capacities::FIRST;
         let chunk = if are_blocks { CHUNK } else { cells.len().div_ceil(TASKS).min(CHUNK) };
         let pass = Pass { room, chunk, are_blocks, prepared, request, integrand: integrand.as_ref(), has_geometry };
         // Wave by wave: what a cell leaves behind takes several times the room of its results.

@@ -126,8 +126,8 @@ rooms! {
         cut: u32 = "a list of cells",
         /// Where `full` stands aside while records take its place.
         aside: u32 = "a list of cells",
-        /// Records of finished cells (`lanes_near.cl`).
-        near: [u32; 4] = "finished cells",
+        /// Records of finished cells (`lanes_records.cl`).
+        given: [u32; 4] = "finished cells",
         begun: [u32; 4] = "cells that have been begun",
         begun_places: u32 = "cells that have been begun",
         vast: u64 = "cells that need much room",

@@ -19,8 +19,7 @@ use opencl3::context::Context;
 use order::Ordered;
 use rayon::prelude::*;
 
-/// Sites per voxel: the smaller the voxels, the more nearly sites come nearest first, and the more voxels are looked at (measured: see
-/// BENCHMARKS.md).
+/// Sites per voxel: the smaller the voxels, the more nearly sites come nearest first, and the more voxels are looked at.
 const SITES_PER_VOXEL: f64 = 2.0;
 
 /// Work-items of a group, and the elements that one group scans.

@@ -34,8 +34,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Room of the first pass, and of the last one: what needs more is the host's.
-const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
+/// Half-spaces of the last pass: what needs more is the host's.
 const MOST_PLANES: u32 = 144;
 
 /// Cells that are computed at once, and work-items of a group.
@@ -190,7 +189,7 @@ impl Device {
         self.load(prepared, scene)?;
         self.seconds = 0.0;
         let grow = |room: Capacities, _| room.grown();
-        let passes = run_passes(FIRST, all, grow, |room, cells: &Vec<u32>| {
+        let passes = run_passes(Capacities::FIRST, all, grow, |room, cells: &Vec<u32>| {
             if room.planes > MOST_PLANES {
                 computed.for_host.extend_from_slice(cells);
                 computed.exact_cells += cells.len();

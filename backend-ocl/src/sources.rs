@@ -11,7 +11,7 @@ macro_rules! files {
 
 const FILES: &[(&str, &str)] = files![
     "aggregation.cl" "algebra.cl" "bound_nodes.cl" "clearance.cl" "evaluate.cl" "facets.cl" "further.cl" "grid.cl" "laplacian.cl" "lanes_cap.cl" "lanes_clip.cl" "lanes_evaluate.cl"
-    "lanes_exact.cl" "lanes_integrate.cl" "lanes_near.cl" "lanes_reach.cl" "lanes_search.cl" "lanes_store.cl" "lanes_sums.cl"
+    "lanes_exact.cl" "lanes_integrate.cl" "lanes_records.cl" "lanes_reach.cl" "lanes_search.cl" "lanes_store.cl" "lanes_sums.cl"
     "lanes_surface.cl" "lanes_table.cl" "lanes_talk.cl" "lanes_tree.cl" "leaders.cl" "marks.cl" "node_source.cl" "octree_store.cl" "one_lane.cl" "order.cl" "output.cl"
     "params.cl" "power_octree.cl" "prelude.cl" "rough.cl" "search.cl" "single.cl" "single_prelude.cl" "single_store.cl" "sites.cl" "store.cl"
     "surface_table.cl" "table_store.cl" "ties.cl" "totals.cl" "tree_alone.cl" "tree_store.cl" "world.cl"

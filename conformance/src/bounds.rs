@@ -49,12 +49,12 @@ pub const FLAT: f64 = 8.0;
 /// their norms; above, Cramer's rule leaves 32·512 roundings of three offsets and a position, D each: 65,536 u·D. A foot is refined where the
 /// sine of its planes' angle is below a 512th; above, there are 512 times 8 roundings of the foot (2√3 D) and 4 of the reference point (√3 D):
 /// 17,736 u·D. The displacement of the planes and the cross product are hundreds.
-pub const NOT_BELIEVED: f64 = 3e5;
+const NOT_BELIEVED: f64 = 3e5;
 
 /// Roundings, in units of u·V·a^k, of a moment of order k of a cell that is integrated in one piece, V its volume, a the distance of its site: as
 /// many as one of order 2 takes from the reference point c to the site and back. ∫ xxᵀ about the site is c(2m + Vc) and the rest: 4, one for
 /// each operation. The first moment is m + Vc: 2, which count twice. Its square over the volume, which is taken off: 2.
-pub const ROUNDINGS_OF_SHIFT: f64 = 10.0;
+const ROUNDINGS_OF_SHIFT: f64 = 10.0;
 
 /// How many times larger the bounds of volumes and barycenters are where a backend's are single numbers.
 pub fn of_digits(backend: &dyn Backend) -> f64 {

@@ -113,7 +113,7 @@ pub fn form(count: usize, request: &Request, output: &Output) -> Verdict {
 ///
 /// # Errors
 /// A site that has a cell where another has it.
-pub fn coincident_sites(scene: &Scene, output: &Output, _: &Bounds) -> Verdict {
+fn coincident_sites(scene: &Scene, output: &Output, _: &Bounds) -> Verdict {
     let twins = scene.twins();
     // Of each position the site that may have its cell, by the lowest index there.
     let mut best: Vec<usize> = (0..scene.len()).collect();

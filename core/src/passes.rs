@@ -13,6 +13,9 @@ pub struct Capacities {
 }
 
 impl Capacities {
+    /// Room of a first pass: half-spaces and vertices of nearly every cell of random sites, with its four cone planes.
+    pub const FIRST: Self = Self { planes: 64, vertices: 128 };
+
     /// The next pass has half as much room again (paper §1).
     #[must_use]
     pub fn grown(self) -> Self {

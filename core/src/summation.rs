@@ -78,7 +78,7 @@ pub const ROUNDINGS_OF_SURFACE: f64 = 8.0;
 
 /// Roundings of the tetrahedra that fill the grid of a domain, in units of its volume: within a domain all that the cells have in its grid is
 /// integrated, and what is outside subtracted. For a shape that is thin across its grid this is more than the surface's share.
-pub const ROUNDINGS_OF_GRID: f64 = 16.0;
+const ROUNDINGS_OF_GRID: f64 = 16.0;
 
 /// THE law of sums: how far the volumes of all cells may be from `volume`, the container's (length³). [`SUM`] of it, and the rounding of
 /// its surface of area `area` in the frames of sites of which the farthest is `reach` from the farthest corner of what is integrated: each

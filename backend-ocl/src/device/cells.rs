@@ -62,9 +62,9 @@ impl Device {
         memory.facets.grow(context, 1)?;
         memory.facet_moments.grow(context, 1)?;
         memory.facet_seconds.grow(context, 1)?;
-        memory.near.grow(context, 1)?;
+        memory.given.grow(context, 1)?;
         // (It may have been given back since.)
-        shared.params.near_room = memory.near.length().min(shared.params.near_room as usize) as u32;
+        shared.params.given_room = memory.given.length().min(shared.params.given_room as usize) as u32;
         memory.begun.grow(context, 1)?;
         memory.begun_places.grow(context, 1)?;
         memory.vast.grow(context, 1)?;
@@ -126,7 +126,7 @@ impl Device {
             later: &memory.later,
             full: &memory.full,
             left: &memory.left,
-            near: &memory.near,
+            given: &memory.given,
             begun: &memory.begun,
             begun_places: &memory.begun_places,
             vast: &memory.vast,

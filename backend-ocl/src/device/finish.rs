@@ -24,10 +24,10 @@ impl Device {
     /// Whether what a stage has left is for one that gives its finished cells, too, and there is room for these: all are then finished together. (A launch over few takes as long as its
     /// slowest cell. What `Surface` leaves open goes to `Exact` then, and not to `Far` before.)
     pub(super) fn goes_on_giving(&self, way: Way) -> bool {
-        let Counters { full, later, near, .. } = self.counters;
+        let Counters { full, later, given, .. } = self.counters;
         let is_first = matches!(way, Way::Together(_, Stage::Single | Stage::First));
         let cells = later as usize;
-        let has_room = near as usize + cells * RECORD_LENGTH <= self.shared.params.near_room as usize;
+        let has_room = given as usize + cells * RECORD_LENGTH <= self.shared.params.given_room as usize;
         let is_given = self.is_tree() || self.is_worth_giving(cells, self.counters.most_reach_far());
         is_first && full == 0 && later > 0 && has_room && is_given
     }
@@ -65,7 +65,7 @@ impl Device {
             second.seconds += seconds;
             request.advance(before.saturating_sub(self.unended()))?;
         }
-        self.counters.near = 0;
+        self.counters.given = 0;
         Ok(())
     }
 

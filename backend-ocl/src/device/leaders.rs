@@ -74,16 +74,16 @@ impl Device {
             let count = self.swept_at_once.min(turns.end - begin);
             let room = count * LONGEST_SWEPT;
             let may_halve = self.swept_at_once > FEWEST_SWEPT;
-            if !self.memory.near.grow_if_possible(&self.context, room)? {
+            if !self.memory.given.grow_if_possible(&self.context, room)? {
                 if may_halve {
                     self.swept_at_once /= 2;
                     continue;
                 }
                 self.give_begun_up();
             }
-            self.memory.near.grow(&self.context, room)?;
-            self.shared.params.near_room = room as u32;
-            self.counters.near = 0;
+            self.memory.given.grow(&self.context, room)?;
+            self.shared.params.given_room = room as u32;
+            self.counters.given = 0;
             let swept = Way::Together(lanes, Stage::Sweep);
             if let Some(late) = self.launch(swept, cells, 1, begin..begin + count, false, turn_of)? {
                 if may_halve {
@@ -91,7 +91,7 @@ impl Device {
                 } else if !self.give_begun_up() {
                     return Err(late);
                 }
-                self.memory.near.free();
+                self.memory.given.free();
                 continue;
             }
             begin += count;

@@ -24,8 +24,8 @@ pub(super) const FEWEST_CELLS: usize = 1024;
 const MOST_VAST: u64 = 1024;
 
 /// Room for the record of a cell near the surface, of which half the cells need less, in units of 16 bytes; on average for those of all cells, of which white
-/// sites take 42; and for any: 64 vertices and half-spaces, 16 of them caps (`lanes_near.cl`). A cell that has no room is tried again with an empty one.
-const NEAR_LENGTH: usize = 40;
+/// sites take 42; and for any: 64 vertices and half-spaces, 16 of them caps (`lanes_records.cl`). A cell that has no room is tried again with an empty one.
+const MEAN_RECORD: usize = 40;
 pub(super) const RECORD_LENGTH: usize = 56;
 const LONGEST_RECORD: usize = 1 + 64 + (64 + 64) / 4 + 2 * 16;
 /// For any that was swept: 64 vertices and 40 half-spaces (`LANES_P`, `lanes_store.cl`).
@@ -49,10 +49,10 @@ impl Device {
             list.grow(context, share)?;
         }
         if !request.needs_facets() {
-            let gives_near = domain.is_some() && together.is_some();
-            let near = if gives_near { (near_cells(share) * NEAR_LENGTH).max(LONGEST_RECORD) } else { 1 };
-            memory.near.grow(context, near)?;
-            shared.params.near_room = near as u32;
+            let gives_cells = domain.is_some() && together.is_some();
+            let records = if gives_cells { (near_cells(share) * MEAN_RECORD).max(LONGEST_RECORD) } else { 1 };
+            memory.given.grow(context, records)?;
+            shared.params.given_room = records as u32;
         }
         results.rows.clear();
         results.facet_count = 0;
@@ -150,17 +150,17 @@ impl Device {
             .min(count.max(self.most_cells));
         if self.counters.surface > 0 || (self.facets_are_kept && self.counters.facets > 0) {
             // What stays must not go with the memory that it is in; what has no room in that is told by `full`.
-            let fit = (self.shared.params.near_room as usize).checked_div(length).unwrap_or(batch);
+            let fit = (self.shared.params.given_room as usize).checked_div(length).unwrap_or(batch);
             return Ok(batch.min(fit.max(1)));
         }
         // All that are to stay on the device, if it has the memory.
         let mut all = if self.facets_are_kept { most_kept } else { 0 };
         loop {
             let room = (batch.max(all) * FACETS_PER_CELL).max(MOST_FACETS);
-            let Memory { facets, facet_moments, facet_seconds, near, .. } = &mut self.memory;
+            let Memory { facets, facet_moments, facet_seconds, given, .. } = &mut self.memory;
             let (moments, seconds) = (if has_moments { room } else { 1 }, if has_seconds { room } else { 1 });
             let records = if length == 0 { 1 } else { (batch * length).max(LONGEST_RECORD) };
-            if batch > FEWEST_CELLS && !near.grow_if_possible(&self.context, records)? {
+            if batch > FEWEST_CELLS && !given.grow_if_possible(&self.context, records)? {
                 batch /= 2;
                 continue;
             }
@@ -175,8 +175,8 @@ impl Device {
             facets.grow(&self.context, room)?;
             facet_moments.grow(&self.context, moments)?;
             facet_seconds.grow(&self.context, seconds)?;
-            near.grow(&self.context, records)?;
-            (self.shared.params.facet_room, self.shared.params.near_room) = (room as u32, records as u32);
+            given.grow(&self.context, records)?;
+            (self.shared.params.facet_room, self.shared.params.given_room) = (room as u32, records as u32);
             return Ok(batch);
         }
     }

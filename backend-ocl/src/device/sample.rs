@@ -1,7 +1,6 @@
 //! What is tried with a sample of the cells before all are computed: how much room they need, and by which way they are found.
 
 use super::cells::Todo;
-use super::schedule::FIRST;
 use super::{Device, IN_TESTS};
 use crate::builds::{Lanes, Stage, Way};
 use crate::interface::data::Counters;
@@ -59,7 +58,7 @@ impl Device {
         {
             return Ok(room);
         }
-        let mut room = FIRST;
+        let mut room = Capacities::FIRST;
         if share.len() < WORTH_A_SAMPLE {
             return Ok(room);
         }

@@ -18,10 +18,6 @@ use laguerre_core::{Precision, Request, Result, Watched};
 use std::ops::Range;
 use std::time::Instant;
 
-/// Room of the first pass, where a sample does not ask for more: half-spaces and vertices of nearly every cell of random sites, with
-/// its four cone planes.
-pub(super) const FIRST: Capacities = Capacities { planes: 64, vertices: 128 };
-
 /// Cells of which some need each stage that may come: from here on these are built before (`ahead.rs`). Those that need more room are fewer: 5 of a million white ones.
 const WORTH_BUILDING_AHEAD: usize = 1 << 18;
 const WORTH_BUILDING_LARGE: usize = 1 << 19;
@@ -55,7 +51,7 @@ impl Device {
         self.facets_are_kept = request.needs_facets() && of == 1;
         let together = self.lanes(request);
         self.look_about(sites, if together.is_some() { share.clone() } else { 0..0 })?;
-        let first = if together.is_some() { FIRST } else { self.first_capacities(share.clone())? };
+        let first = if together.is_some() { Capacities::FIRST } else { self.first_capacities(share.clone())? };
         let of_table = together.map(|lanes| self.choose_table(lanes, share.clone())).transpose()?;
         let (of_table, may_begin_by_table) = of_table.unzip();
         let (most_fail, many_reach_far) = match together {
@@ -208,7 +204,7 @@ impl Device {
         let mut second = Substep::default();
         while now.count() > 0 {
             let before = self.seconds;
-            self.sweep(request, way, &now, interior_only, &mut second)?;
+            self.run_in_batches(request, way, &now, interior_only, &mut second)?;
             if !self.goes_on_giving(way) {
                 self.finish(request, way, &mut second)?;
             }
@@ -310,7 +306,7 @@ impl Device {
     }
 
     /// Runs over the given cells, batch by batch; those of the last batch that have been given are to be finished.
-    fn sweep(
+    fn run_in_batches(
         &mut self,
         request: &Watched<'_>,
         way: Way,
@@ -345,7 +341,7 @@ impl Device {
                 self.memory.facets.free();
                 self.memory.facet_moments.free();
                 self.memory.facet_seconds.free();
-                self.memory.near.free();
+                self.memory.given.free();
                 self.facets = FacetMemory::new();
                 batch = self.room_for_batch(request, count, batch / 2)?;
                 continue;

@@ -3,7 +3,6 @@
 use super::Device;
 #[cfg(feature = "test-util")]
 use super::cells::Todo;
-use super::schedule::FIRST;
 #[cfg(feature = "test-util")]
 use crate::builds::{Lanes, Stage, Way};
 use crate::evaluate::Ocl;
@@ -20,7 +19,7 @@ use laguerre_core::cell::ring::{RINGS, end_of_ring};
 #[cfg(feature = "test-util")]
 use laguerre_core::cell::search_store::{HAS_PARTS, MOST_LEAVES, OctreeStore as _};
 #[cfg(feature = "test-util")]
-use laguerre_core::passes::Cells as _;
+use laguerre_core::passes::{Capacities, Cells as _};
 #[cfg(feature = "test-util")]
 use laguerre_core::power_octree::{Home, PowerOctree};
 use laguerre_core::required::if_available;
@@ -293,7 +292,7 @@ fn cells_that_are_begun_are_swept() {
         device.make_room_for_begun(room).unwrap();
         let (all, together) = (Todo::Sorted(0..count), Some((Lanes::One, stage)));
         let mut for_host = Vec::new();
-        let passed = device.pass(&watched, FIRST, &all, true, together, &mut for_host).unwrap();
+        let passed = device.pass(&watched, Capacities::FIRST, &all, true, together, &mut for_host).unwrap();
         assert_eq!((passed.failed.count(), for_host.len()), (0, 0));
         device.read_results(&request, count).unwrap();
         let begun = (device.counters.begun, device.shared.params.begun_room);

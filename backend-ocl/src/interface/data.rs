@@ -129,7 +129,7 @@ pub(crate) struct Params {
     pub(crate) nodes: u32,
     pub(crate) degree: u32,
     /// Room for records of finished cells.
-    pub(crate) near_room: u32,
+    pub(crate) given_room: u32,
     /// Room for those of cells that have been begun.
     pub(crate) begun_room: u32,
     /// Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
@@ -162,7 +162,7 @@ pub(crate) struct Counters {
     /// The most triangles that a cell tried.
     pub(crate) tried: u32,
     /// Length of the records of finished cells.
-    pub(crate) near: u32,
+    pub(crate) given: u32,
     /// Of those for later, those that reach beyond what was searched, or have more half-spaces than there is room for.
     pub(crate) beyond: u32,
     /// Length of the records of cells that have been begun; more than there is room for where some had none.

@@ -75,7 +75,7 @@ kernels! {
         output full: u32,
         output left: u32,
         /// Records of finished cells: of those near the surface, or that were swept; where facets are asked for of all.
-        output near: [u32; 4],
+        output given: [u32; 4],
         /// Records of cells that another stage is to go on with; and of each site where that of its cell begins, from 1 on, or 0.
         output begun: [u32; 4],
         output begun_places: u32,

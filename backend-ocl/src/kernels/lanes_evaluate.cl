@@ -1,6 +1,6 @@
 // A cell computed by LANES work-items together: the vertices are shared out among them when a half-space is tried, the new
 // vertices when it cuts, the candidates when the next one is looked for, the tetrahedra when the cell is integrated. It gives the same
-// cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is only what goes over all vertices one by one there. Cells
+// cell as `evaluate.cl` from the same functions of `cell.cl`; written anew is what goes over all vertices one by one there. Cells
 // that need more room than there is, or exact arithmetic that is the host's, are left to that kernel.
 //
 // In single precision (-D SINGLE=1) numbers of a cell are `float`: the half-spaces, rounded from the sites' in double precision, its vertices, whose
@@ -19,7 +19,7 @@
 // weights, and the next GOES_ON.
 
 #import "lanes_table.cl"
-#import "lanes_near.cl"
+#import "lanes_records.cl"
 #import "lanes_integrate.cl"
 #import "output.cl"
 
@@ -36,7 +36,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
     }
     const uint turn = first + (own_turn * stride);
 #if TAKES_CELLS
-    __global const uint4 *record = near + list[turn];
+    __global const uint4 *record = given + list[turn];
     const uint site = record->x;
 #else
     const uint site = (has_list != 0u) ? list[turn] : turn;
@@ -248,7 +248,7 @@ __kernel void cells(CELLS_ARGUMENTS) {
 #endif
     if (is_begun || (status == FINISHED)) {
         const bool is_given = give_cell(
-            s, is_begun ? begun : near, is_begun ? &counters->begun : &counters->near, is_begun ? params->begun_room : params->near_room, site, exact, proven,
+            s, is_begun ? begun : given, is_begun ? &counters->begun : &counters->given, is_begun ? params->begun_room : params->given_room, site, exact, proven,
             &place
         );
         // (A stage WITH_EXACT might cut a finished cell in another order, and which cells have no room depends on which came first: no bit is to.)

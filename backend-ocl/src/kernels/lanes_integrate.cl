@@ -1,6 +1,6 @@
 // The integrals of a cell that LANES work-items compute together.
 
-#import "lanes_near.cl"
+#import "lanes_records.cl"
 #import "lanes_reach.cl"
 #import "lanes_sums.cl"
 #import "lanes_surface.cl"

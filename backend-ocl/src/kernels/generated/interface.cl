@@ -212,7 +212,7 @@ typedef struct {
     uint nodes;
     uint degree;
     // Room for records of finished cells.
-    uint near_room;
+    uint given_room;
     // Room for those of cells that have been begun.
     uint begun_room;
     // Leaves that are looked at for a cell that reaches far, before it is completed by its vertices: where weights differ, and else in stages that do that.
@@ -241,7 +241,7 @@ typedef struct {
     // The most triangles that a cell tried.
     uint tried;
     // Length of the records of finished cells.
-    uint near;
+    uint given;
     // Of those for later, those that reach beyond what was searched, or have more half-spaces than there is room for.
     uint beyond;
     // Length of the records of cells that have been begun; more than there is room for where some had none.
@@ -346,7 +346,7 @@ typedef struct {
     __global uint *later, \
     __global uint *full, \
     __global uint *left, \
-    __global uint4 *near, \
+    __global uint4 *given, \
     __global uint4 *begun, \
     __global uint *begun_places, \
     __global ulong *vast

@@ -150,12 +150,12 @@ impl PowerDiagram {
                     lo[k], hi[k]
                 )));
             }
-            if hi[k] - lo[k] <= 1.0 / LARGEST_COORDINATE {
-                return Err(Error::input(format!(
-                    "box: its {axis} range {:e}..{:e} is empty or flat; give minimum corner, then maximum corner",
-                    lo[k], hi[k]
-                )));
-            }
+            let what = match hi[k] - lo[k] {
+                wide if wide > 1.0 / LARGEST_COORDINATE => continue,
+                narrow if narrow > 0.0 => "no wider than 1e-60; choose another unit",
+                _ => "empty or flat; give minimum corner, then maximum corner",
+            };
+            return Err(Error::input(format!("box: its {axis} range {:e}..{:e} is {what}", lo[k], hi[k])));
         }
         Ok(Self { container: Some(Container::Box(lo, hi)), ..self })
     }
@@ -207,9 +207,11 @@ impl PowerDiagram {
                 1 => ("one site".into(), "its cell"),
                 n => (format!("the {n} sites"), "their cells"),
             };
-            return Err(Error::input(format!(
-                "the bounding box of {whose} is flat: give a box or a domain to restrict {cells} to"
-            )));
+            let what = match (0..3).all(|k| hi[k] > lo[k]) {
+                true => "no wider than 1e-60: choose another unit".to_owned(),
+                false => format!("flat: give a box or a domain to restrict {cells} to"),
+            };
+            return Err(Error::input(format!("the bounding box of {whose} is {what}")));
         }
         Ok(Container::Box(lo, hi))
     }

@@ -85,6 +85,42 @@ impl<'a> InsideTest<'a> {
         })
     }
 
+    /// The triangles whose boxes meet that of triangle `t`, itself among them, some more than once.
+    pub fn beside(&self, t: u32) -> impl Iterator<Item = u32> + '_ {
+        let mut columns = Vec::new();
+        self.columns_of(t, |column| columns.push(column));
+        let ends = |t: u32, k: usize| {
+            let [a, b, c] = self.corners(t).map(|p| p[k]);
+            [a.min(b).min(c), a.max(b).max(c)]
+        };
+        let own = [0, 1, 2].map(|k| ends(t, k));
+        columns
+            .into_iter()
+            .flat_map(|column| &self.triangles[self.offsets[column]..self.offsets[column + 1]])
+            .copied()
+            .filter(move |&other| {
+                (0..3).all(|k| {
+                    let [lo, hi] = ends(other, k);
+                    lo <= own[k][1] && own[k][0] <= hi
+                })
+            })
+    }
+
+    /// Whether an edge of one triangle goes through the inner part of the other: exact. (Where it goes through an edge or a corner, it may only touch what goes on there.)
+    pub fn cross(&self, t: u32, other: u32) -> bool {
+        let (one, other) = (self.corners(t), self.corners(other));
+        let pierces = |edges: [[f64; 3]; 3], [a, b, c]: [[f64; 3]; 3]| {
+            let sides = edges.map(|p| plane_side(a, b, c, p));
+            [[0, 1], [1, 2], [2, 0]].into_iter().any(|[i, j]| {
+                let (p, q) = (edges[i], edges[j]);
+                let turns = || [(a, b), (b, c), (c, a)].map(|(u, v)| plane_side(p, q, u, v));
+                let are_alike = |turns: [f64; 3]| turns.iter().all(|&x| x > 0.0) || turns.iter().all(|&x| x < 0.0);
+                ((sides[i] > 0.0 && sides[j] < 0.0) || (sides[i] < 0.0 && sides[j] > 0.0)) && are_alike(turns())
+            })
+        };
+        pierces(one, other) || pierces(other, one)
+    }
+
     /// The triangles of the column of `p`, which hold all that the vertical line through it meets.
     fn near(&self, p: [f64; 3]) -> &[u32] {
         if (0..3).any(|k| p[k] < self.lo[k] || p[k] > self.hi[k]) {

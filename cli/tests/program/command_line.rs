@@ -121,7 +121,7 @@ fn boxes_are_six_numbers_in_order_within_range() {
     let empty = "range is empty: give the minimum corner, then the maximum corner; see laguerre integrate --help";
     assert!(wrong("1,0,0,0,1,1").ends_with(&format!("its x {empty}")));
     assert!(wrong("0,0,0.5,1,1,0.5").ends_with(&format!("its z {empty}")));
-    assert!(wrong("0,0,0,1,1,1e-70").contains("its z range 0e0..1e-70 is empty or flat"));
+    assert!(wrong("0,0,0,1,1,1e-70").contains("its z range 0e0..1e-70 is no wider than 1e-60; choose another unit"));
     assert!(wrong("0,0,0,1,1").contains("5 numbers; 6 are needed: x0,y0,z0,x1,y1,z1"));
     assert!(wrong("0,0,0,1,nan,1").contains("'nan' is not a number within ±1e60"));
     assert!(wrong("0,0,0,1,1e61,1").contains("'1e61' is not a number within ±1e60"));

@@ -3,7 +3,8 @@
 //! Triangles that share an edge are made to meet it in opposite directions, from one to the next; where more than two do, in turns around
 //! the edge, which is how they bound a solid. What hangs together so is a component. Each is turned outward (its volume is positive), and
 //! inward if it lies within an odd number of others: the winding number is then 1 within the solid and 0 in its cavities, as CGAL's
-//! `orient_to_bound_a_volume` and trimesh's `fix_normals` have it for components that do not intersect. A million triangles take 0.3 s.
+//! `orient_to_bound_a_volume` and trimesh's `fix_normals` have it for components that do not intersect. Of those that do, neither lies within the other.
+//! A million triangles take 0.3 s.
 
 use std::cmp::{Ordering, Reverse};
 
@@ -112,20 +113,39 @@ fn inward(mesh: &Mesh, positions: &[[f64; 3]], components: &[Vec<u32>]) -> Vec<b
         triangles.iter().for_each(|&t| component_of[t as usize] = c);
     }
     let test = InsideTest::new(positions, &mesh.triangles);
-    let depth = |own: u32, triangles: &[u32]| {
-        let others = |t: u32| component_of[t as usize] != own;
-        // A corner where no other component touches this one, if there is any.
-        let mut corners = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).map(|i| positions[i as usize]);
-        let first = corners.clone().next().unwrap_or_default();
-        let point = corners.find(|&p| !test.touching(p).any(others)).unwrap_or(first);
+    // The other components that a point lies within, in order.
+    let around = |own: u32, point: [f64; 3]| {
         let mut crossed: Vec<(u32, i32)> = test
             .crossings(point)
-            .filter(|crossing| crossing.height > 0 && others(crossing.triangle))
-            .map(|crossing| (component_of[crossing.triangle as usize], crossing.side))
+            .map(|crossing| (component_of[crossing.triangle as usize], crossing.side * i32::from(crossing.height > 0)))
+            .filter(|&(component, side)| component != own && side != 0)
             .collect();
         crossed.sort_unstable();
-        let around = |of_one: &[(u32, i32)]| of_one.iter().map(|(_, side)| side).sum::<i32>() != 0;
-        crossed.chunk_by(|u, v| u.0 == v.0).filter(|of_one| around(of_one)).count()
+        let is_around = |of_one: &&[(u32, i32)]| of_one.iter().map(|(_, side)| side).sum::<i32>() != 0;
+        let components: Vec<u32> =
+            crossed.chunk_by(|u, v| u.0 == v.0).filter(is_around).map(|of_one| of_one[0].0).collect();
+        components
+    };
+    let depth = |own: u32, triangles: &[u32]| {
+        let others = |t: u32| component_of[t as usize] != own;
+        let corners = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).map(|i| positions[i as usize]);
+        // (Corners that another component touches tell nothing, unless there are no others.)
+        let mut apart = corners.clone().filter(|&p| !test.touching(p).any(others)).peekable();
+        let first = apart.peek().copied().or_else(|| corners.clone().next()).unwrap_or_default();
+        let mut within = around(own, first);
+        while let (false, Some(point)) = (within.is_empty(), apart.next()) {
+            let its = around(own, point);
+            within.retain(|component| its.contains(component));
+        }
+        for &t in triangles {
+            if within.is_empty() {
+                break;
+            }
+            for other in test.beside(t).filter(|&other| others(other) && test.cross(t, other)) {
+                within.retain(|&component| component != component_of[other as usize]);
+            }
+        }
+        within.len()
     };
     for (c, triangles) in (0_u32..).zip(components) {
         turn[c as usize] ^= depth(c, triangles) % 2 == 1;

@@ -231,6 +231,42 @@ fn parts_are_turned_by_what_they_are_within() {
     }
 }
 
+/// Of parts that intersect neither lies within the other: where some corners of one do, the first of them or the last; where all do and edges do not, as those of a bar
+/// from one leg of a U to the other.
+#[test]
+fn parts_that_intersect_lie_within_neither() {
+    let bar = cube([0.5, 1.5, 0.25], [2.5, 2.5, 0.75]);
+    let outline = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+    let legs: Vec<[f64; 3]> = [0.0, 1.0].into_iter().flat_map(|z| outline.map(|[x, y]| [x, y, z])).collect();
+    let floor = [[0, 1, 4], [0, 4, 5], [1, 2, 4], [2, 3, 4], [0, 5, 7], [5, 6, 7]];
+    let mut sides: Vec<[u32; 3]> = floor.iter().flat_map(|&[a, b, c]| [[a, c, b], [a + 8, b + 8, c + 8]]).collect();
+    sides.extend((0..8).map(|i| (i, (i + 1) % 8)).flat_map(|(i, j)| [[i, j, j + 8], [i, j + 8, i + 8]]));
+    let unit = cube([0.0; 3], [1.0; 3]);
+    for (one, mesh, other, volume) in [
+        (&unit, &CUBE[..], cube([0.5; 3], [2.0; 3]), 1.0 + 3.375),
+        (&unit, &CUBE[..], cube([0.75; 3], [1.75; 3]), 2.0),
+        (&unit, &CUBE[..], cube([-0.75; 3], [0.25; 3]), 2.0),
+        (&unit, &CUBE[..], cube([0.25, 0.25, -1.0], [0.75, 0.75, 2.0]), 1.75),
+        (&legs, &sides[..], bar, 7.0 + 1.0),
+    ] {
+        for swapped in [false, true] {
+            let more = |mesh: &[[u32; 3]], by: usize| -> Vec<[u32; 3]> {
+                mesh.iter().map(|t| t.map(|i| i + by as u32)).collect()
+            };
+            let (vertices, right) = match swapped {
+                false => ([&one[..], &other].concat(), [more(mesh, 0), more(&CUBE, one.len())].concat()),
+                true => ([&other[..], one].concat(), [more(&CUBE, 0), more(mesh, other.len())].concat()),
+            };
+            let given = Domain::new(&vertices, &right).unwrap();
+            assert!((given.volume() - volume).abs() < 1e-12, "{} {volume}", given.volume());
+            assert!(Domain::oriented(&vertices, &right).unwrap().notes().is_empty(), "{volume}");
+            for turned in [|i: usize| i.is_multiple_of(2), |i| i % 3 == 1] {
+                assert_same(&given, &Domain::new(&vertices, &shuffled(&right, turned)).unwrap(), "intersecting");
+            }
+        }
+    }
+}
+
 #[test]
 fn where_many_triangles_share_an_edge_they_are_solids_around_it() {
     // Wedges around the z axis, of which any two have one before the other: the axis belongs to two triangles of each.

@@ -147,6 +147,26 @@ fn parts_that_do_not_touch_exchange_mass() {
     check(&diagram, &solution, &[domain.volume() / 200.0; 200], &Density::Uniform);
 }
 
+/// One cell is a part: with too much and with too little of what all are to have, among more than are solved directly; and with more than the tolerance too
+/// much of its own, which is less than that of what the others have.
+#[test]
+fn a_part_of_one_cell_exchanges_mass() {
+    for (count, size, share, tolerance) in
+        [(400, 0.2, None, 1e-9), (400, 0.05, None, 1e-9), (200, 0.1, Some(0.5), 1e-2)]
+    {
+        let domain = shapes::cuboid([0.0; 3], [1.0; 3]).merged(&shapes::cuboid([2.0; 3], [2.0 + size; 3])).domain();
+        let mut sites = white(count, [0.0; 3], [1.0; 3], 51);
+        sites.push([2.0 + size / 2.0; 3]);
+        let its = share.map_or(domain.volume() / (count + 1) as f64, |share| share * size.powi(3));
+        let mut masses = vec![(domain.volume() - its) / count as f64; count + 1];
+        masses[count] = its;
+        let mut diagram = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&domain);
+        let mut options = Options::default();
+        options.tolerance = tolerance;
+        assert!(solved(&mut diagram, &masses, &options).residual <= tolerance);
+    }
+}
+
 #[test]
 fn linear_densities_are_exact() {
     let density = Density::Linear { value: 1.0, gradient: [0.5, -0.25, 2.0] };

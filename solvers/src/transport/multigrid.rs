@@ -41,6 +41,8 @@ pub(super) struct Multigrid<'a> {
     levels: Vec<Level>,
     /// Solves the last level; `None` where hardly anything is tied to anything, and smoothing is all that is needed.
     coarsest: Option<Coarsest>,
+    /// Whether an unknown is tied to no other, of a level that is large enough to have a next one: it has no part in that.
+    leaves_out: bool,
     /// Whether all but the finest level was made for another matrix.
     is_of_another: bool,
     /// Whether the finest level has given back what is made anew.
@@ -93,16 +95,26 @@ impl<'a> Multigrid<'a> {
     /// For a symmetric matrix, positive semidefinite with the constants in its kernel; each row has its diagonal first.
     pub(super) fn new(algebra: &'a dyn Algebra, matrix: Held) -> Result<Self> {
         let (mut levels, mut matrix) = (Vec::<Level>::new(), matrix);
+        let mut leaves_out = false;
         loop {
             let rows = algebra.row_count(&matrix)?;
             let smoother = Smoother::new(algebra, matrix, rows)?;
+            leaves_out = leaves_out || (rows > COARSEST && !smoother.are_all_tied(algebra, rows)?);
             let coarser = if rows > COARSEST { smoother.coarser(algebra)? } else { None };
             let Some(Coarser { prolongation, restriction, matrix: next }) = coarser else {
                 let is_small = rows <= 4 * COARSEST;
                 let coarsest = if is_small { Some(on_host(algebra, &smoother.matrix)?) } else { None };
                 let coarsest = coarsest.map(|matrix| Coarsest::new(algebra, &smoother.matrix, &matrix)).transpose()?;
                 levels.push(Level::new(algebra, smoother, None, rows)?);
-                return Ok(Self { algebra, levels, coarsest, is_of_another: false, rests: false, enough: None });
+                return Ok(Self {
+                    algebra,
+                    levels,
+                    coarsest,
+                    leaves_out,
+                    is_of_another: false,
+                    rests: false,
+                    enough: None,
+                });
             };
             levels.push(Level::new(algebra, smoother, Some((restriction, prolongation)), rows)?);
             matrix = next;
@@ -178,13 +190,13 @@ impl<'a> Multigrid<'a> {
         on_host(self.algebra, self.finest())
     }
 
-    /// Whether the coarsest matrix has but the constants in its kernel.
+    /// Whether the coarsest matrix has but the constants in its kernel, and all unknowns have a part in it.
     fn is_connected(&self) -> bool {
-        self.coarsest.as_ref().is_some_and(|coarsest| coarsest.factor.kernel() <= 1)
+        !self.leaves_out && self.coarsest.as_ref().is_some_and(|coarsest| coarsest.factor.kernel() <= 1)
     }
 
     /// The connected part that each unknown is in, and the number of parts. Looked for only where the coarsest matrix has more than the
-    /// constants in its kernel, as it then does, and not where that is another's.
+    /// constants in its kernel, or a level an unknown that is tied to no other, as one of them then does, and not where that is another's.
     pub(super) fn parts(&self) -> Result<Option<(Vec<u32>, usize)>> {
         if self.is_connected() {
             return Ok(None);
@@ -328,6 +340,11 @@ impl Smoother {
         let largest = POWER_MARGIN * f64::max(eigenvalue, 1.0);
         self.smoothed = (SMOOTHED_SHARE * largest, largest);
         Ok(())
+    }
+
+    /// Whether each unknown is tied to another: one that is not has nothing on its diagonal, and no part in the next level.
+    fn are_all_tied(&self, algebra: &dyn Algebra, rows: usize) -> Result<bool> {
+        algebra.is_within(&algebra.vector(&vec![1.0; rows])?, f64::MAX, &self.inverse_diagonal)
     }
 
     /// The next level; `None` where there is none.
@@ -537,5 +554,13 @@ mod tests {
         assert_eq!(count, 2);
         assert!(part.iter().enumerate().all(|(i, &part)| (part == 0) == (i < n)));
         assert!(new(one).parts().unwrap().is_none());
+        // One that is tied to no other, of the finest level or of one that parts of a few unknowns come to, has no part in the coarsest matrix.
+        let alone = Matrix::from_rows(1, || (), |_, (), columns, values| (columns.push(0), values.push(0.0)).1);
+        for few in [alone, lattice(2, 1.0)] {
+            let (n, all) = (lattice(11, 1.0).rows(), beside(&lattice(11, 1.0), &few));
+            let (part, count) = new(all).parts().unwrap().unwrap();
+            assert_eq!(count, 2);
+            assert!(part.iter().enumerate().all(|(i, &part)| (part == 0) == (i < n)));
+        }
     }
 }

@@ -187,7 +187,22 @@ impl<'a> Problem<'a> {
     /// The state after a step from `state`, which loses its facets, with the part of the step that leads there and the iterations that it took;
     /// `None` where no step makes the error smaller.
     pub(super) fn next(&mut self, state: &mut State) -> Result<Option<(f64, usize, State)>> {
-        match self.direction(state)? {
+        let is_kept = state.output.kept().is_some();
+        let direction = self.direction(state)?;
+        match self.follow(state, direction) {
+            // (As in `direction`.)
+            Err(error) if is_kept && error.kind() == ErrorKind::Device => {
+                self.evaluate_for_host(state)?;
+                let direction = self.direction_by(state)?;
+                self.follow(state, direction)
+            }
+            other => other,
+        }
+    }
+
+    /// The state after a step in a direction.
+    fn follow(&mut self, state: &State, direction: Direction<'a>) -> Result<Option<(f64, usize, State)>> {
+        match direction {
             Direction::Newton(system) => self.advance(state, *system),
             Direction::Apart(part) => {
                 let next = bridge::bridge(self, state, &part)?;
@@ -238,7 +253,18 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// What the backend says.
     pub(super) fn complete(&mut self, state: &mut State, end: End, options: &Options) -> Result<()> {
-        let wants_facets = options.facets || end == End::Stalled;
+        let says_why = end == End::Stalled && !options.facets;
+        match self.complete_with(state, options.facets || says_why, options) {
+            // (Facets that nobody has asked for may be more than there is memory for: the weights are worth more than why they are no better.)
+            Err(error) if says_why && error.kind() != ErrorKind::Interrupted => {
+                self.evaluate_again(state)?;
+                self.complete_with(state, false, options)
+            }
+            other => other,
+        }
+    }
+
+    fn complete_with(&mut self, state: &mut State, wants_facets: bool, options: &Options) -> Result<()> {
         let needs_facets = wants_facets && state.output.facets().is_none();
         let kept = state.output.kept().zip(self.backend.algebra());
         let stays = options.keeps_laplacian && kept.is_some();
@@ -326,8 +352,11 @@ impl<'a> Problem<'a> {
     fn evaluate_for_host(&mut self, state: &mut State) -> Result<()> {
         self.request = self.request.clone().with_laplacian();
         self.multigrid = None;
-        let again = self.evaluate(state.weights.clone())?;
-        *state = again;
+        self.evaluate_again(state)
+    }
+
+    fn evaluate_again(&mut self, state: &mut State) -> Result<()> {
+        *state = self.evaluate(state.weights.clone())?;
         Ok(())
     }
 
@@ -364,7 +393,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// What a step is to come to; where the cells are in parts that do not touch, and one of them has to gain mass from others, the sites of that.
+    /// What a step is to come to; where the cells are in parts that do not touch, and some have to gain mass from the others, the sites of these.
     fn aim(&self, state: &State, multigrid: &Multigrid<'_>) -> Result<std::result::Result<Aim, Vec<bool>>> {
         let (mut missing, mut slope) = self.missing(state);
         if let Some((parts, count)) = multigrid.parts()? {
@@ -376,9 +405,11 @@ impl<'a> Problem<'a> {
                 asked[part as usize] += self.ordered[row];
             }
             let share = |part: &usize| lacking[*part] / asked[*part];
-            let poorest = (0..count).max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or(0);
-            if share(&poorest) > self.tolerance {
-                return Ok(Err(self.place.iter().map(|&row| parts[row as usize] == poorest as u32).collect()));
+            // Of the part that is the farthest off: what it has too much the others lack together.
+            let farthest = (0..count).max_by(|a, b| share(a).abs().total_cmp(&share(b).abs())).unwrap_or(0);
+            if share(&farthest).abs() > self.tolerance {
+                let (farthest, lacks) = (farthest as u32, share(&farthest) > 0.0);
+                return Ok(Err(self.place.iter().map(|&row| (parts[row as usize] == farthest) == lacks).collect()));
             }
             // Each part for itself: its constants are in the kernel.
             missing = exact;

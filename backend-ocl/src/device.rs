@@ -258,6 +258,8 @@ impl Device {
             return Ok(());
         }
         self.domain = None;
+        // (The last of them that is made: without it none is believed to be there.)
+        memory.clearances.free();
         memory.domain_vertices.fill(context, queue, grid.map_or(&[], |g| g.vertices()))?;
         memory.triangles.fill(context, queue, grid.map_or(&[], |g| g.triangles()))?;
         memory.lowest_voxels.fill(context, queue, grid.map_or(&[], |g| g.lowest_voxels()))?;

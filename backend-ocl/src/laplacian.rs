@@ -7,7 +7,7 @@ use crate::grid::{self, GROUP};
 use crate::interface::data::PER_ROW;
 use crate::interface::kernels::{CountFacets, ListFacets, MatchFacets, PackFacets, SortFacets};
 use laguerre_core::algebra::Kept;
-use laguerre_core::{Laplacian, Request, Result};
+use laguerre_core::{ErrorKind, Laplacian, Request, Result};
 use std::time::Instant;
 
 /// Scratch of a diagram with its Laplacian that is larger than this share of the device's memory is freed before the solver runs: of 80 million sites it is a
@@ -96,6 +96,19 @@ impl Device {
 
     /// Its entries, if it could be made: there is memory for it, and no row is long.
     fn make_laplacian(&mut self, sites: usize) -> Result<Option<usize>> {
+        match self.sort_columns(sites) {
+            // (Drivers that allocate late say so here. What comes after it takes the place of areas that the host would need.)
+            Err(error) if error.kind() == ErrorKind::Device => {
+                self.laplacian = LaplacianMemory::new();
+                Ok(None)
+            }
+            Ok(true) => self.match_columns().map(Some),
+            sorted => sorted.map(|_| None),
+        }
+    }
+
+    /// The neighbors of each row, sorted, and the areas of their facets; `false` where it cannot be.
+    fn sort_columns(&mut self, sites: usize) -> Result<bool> {
         let Self { context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
         let ties = &mut self.laplacian;
         let kernels = row_kernels.get()?;
@@ -109,19 +122,18 @@ impl Device {
             && ties.packed_columns.grow_if_possible(context, most)?
             && ties.packed_values.grow_if_possible(context, most)?;
         if !fits {
-            return Ok(None);
+            return Ok(false);
         }
         ties.offsets.fill_with(context, queue, 0, rows + 1)?;
         ties.packed_offsets.fill_with(context, queue, 0, rows + 1)?;
         ties.is_long.fill_with(context, queue, 0, 1)?;
-        let LaplacianMemory { place, is_long, offsets, columns, packed_offsets, packed_columns, packed_values } =
-            &*ties;
+        let LaplacianMemory { place, is_long, offsets, columns, packed_columns, packed_values, .. } = &*ties;
         let (order, rooms) = (&sorted.order, &memory.rows);
         let counting =
             CountFacets { order, count, outcome: &memory.outcome, rows: rooms, place, counts: offsets, is_long };
         kernels.count_facets.run(queue, rows, GROUP, counting)?;
         if is_long.first(queue)? != 0 {
-            return Ok(None);
+            return Ok(false);
         }
         grid::scan(context, queue, grid_kernels, offsets, rows + 1, &mut sorted.sums)?;
         let (items, records) = (rows * PER_ROW as usize, &memory.facets);
@@ -131,6 +143,17 @@ impl Device {
         kernels.list_facets.run(queue, items, GROUP, listing)?;
         let sorting = SortFacets { order, count, rows: rooms, records, listed, offsets, columns, areas };
         kernels.sort_facets.run(queue, items, GROUP, sorting)?;
+        Ok(true)
+    }
+
+    /// Its entries: the values of both sides of a facet where both see it, one after the other.
+    fn match_columns(&mut self) -> Result<usize> {
+        let Self { context, queue, memory, grid_kernels, row_kernels, sites: sorted, shared, .. } = self;
+        let kernels = row_kernels.get()?;
+        let count = shared.params.tree_sites;
+        let (rows, items) = (count as usize, count as usize * PER_ROW as usize);
+        let LaplacianMemory { offsets, columns, packed_offsets, packed_columns, packed_values, .. } = &self.laplacian;
+        let (areas, records) = (packed_values, &memory.facets);
         let (params, counts) = (&shared.room, packed_offsets);
         let matching = MatchFacets { params, sites: &sorted.sites, count, offsets, columns, areas, records, counts };
         kernels.match_facets.run(queue, items, GROUP, matching)?;
@@ -138,7 +161,7 @@ impl Device {
         let starts = packed_offsets;
         let packing = PackFacets { count, offsets, columns, records, starts, packed_columns, packed_values };
         kernels.pack_facets.run(queue, items, GROUP, packing)?;
-        Ok(Some(packed_offsets.number(queue, rows)? as usize))
+        Ok(packed_offsets.number(queue, rows)? as usize)
     }
 
     /// The Laplacian that is on the device, of its last evaluation, in the memory of the two lists.

@@ -1,4 +1,4 @@
-//! The Laplacian where a device has no memory for all facets at a time. A test program of its own, as its OpenCL loader refuses large buffers (`backend-ocl/faults`).
+//! The Laplacian where a device has no memory for all facets at a time, and a domain that it has none for. A test program of its own, as its OpenCL loader refuses large buffers (`backend-ocl/faults`).
 #![cfg(feature = "test-util")]
 
 mod loader;
@@ -16,7 +16,7 @@ const SITES: usize = 3000;
 const LARGE: usize = 600_000;
 
 #[test]
-fn facets_that_stay_are_not_lost_with_their_memory() {
+fn what_has_no_memory_is_done_without_or_said() {
     let Some(log) = loader::begin("little", &format!("clCreateBuffer:>{LARGE}:-4")) else { return };
     let Some(backend) = if_available("ocl", Ocl::new(&DeviceChoice::First, Precision::F64)) else { return };
     let at = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
@@ -48,6 +48,14 @@ fn facets_that_stay_are_not_lost_with_their_memory() {
             }
         }
         assert!(seen > 1000 && seen + 10 > facets.len(), "{seen} of {}", facets.len());
+    }
+    // A domain that there is no memory for is an error of its own diagram, and of no other.
+    let sites: Vec<[f64; 3]> = (0..100).map(|i| at.map(|step| (0.5 + f64::from(i) * step).fract())).collect();
+    let boxed = PowerDiagram::new(&sites, &[]).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    let large = PowerDiagram::new(&sites, &[]).unwrap().restricted_to(&icosphere(6).domain());
+    for (diagram, is_there) in [(&boxed, true), (&large, false), (&boxed, true)] {
+        let evaluated = backend.evaluate(diagram, &Request::moments());
+        assert_eq!(evaluated.is_ok(), is_there, "{:?}", evaluated.err());
     }
     let _ = fs::remove_file(&log);
 }

@@ -187,7 +187,7 @@ impl<'a> Bounds<'a> {
         (6.0 * PI * self.reach[i] * self.cell_rounding(i) * self.condition(i)).sqrt()
     }
 
-    /// Area of a negative facet of cell `i` that may be missing there (length²): [`NOT_BELIEVED`].
+    /// Area of a negative facet of cell `i` that may be missing there (length²): `NOT_BELIEVED`.
     pub fn not_believed(&self, i: usize) -> f64 {
         NOT_BELIEVED * U * self.reach[i].powi(2)
     }
@@ -243,7 +243,7 @@ impl<'a> Bounds<'a> {
     /// the other, and each partial sum, of up to G, what the cell has in the grid, is rounded. Of T triangles these are T roundings of either sign, a
     /// walk of √T steps (Higham and Mary, 2019): √T·u·G of the volume, a times that of ∫ x, a² times that of ∫ xxᵀ, each by itself. About the
     /// middle ∫ xxᵀ is S + 2m(p − M) + V(p − M)², whatever it is by way of the barycenter; so it is off by 1 + 2 + 1 times √T·u·G·a², and ∫ x by
-    /// 1 + 1 times √T·u·G·a. And the cell is moved ([`ROUNDINGS_OF_SHIFT`]). What is of the order of the diagonal times a is below the bound of
+    /// 1 + 1 times √T·u·G·a. And the cell is moved (`ROUNDINGS_OF_SHIFT`). What is of the order of the diagonal times a is below the bound of
     /// the volumes, of u·A·D, times the diagonal to the order.
     ///
     /// Of sites 1 to 900 extents away from all shapes, and from spheres of 1,280, 5,120 and 20,480 triangles, ∫ xxᵀ is off by up to 2.4·√T·u·G·a², as

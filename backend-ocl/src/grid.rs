@@ -182,6 +182,8 @@ impl Sites {
         self.bound_nodes(context, queue, kernels, shared, sites as usize)?;
         if shared.is_shared && shared.params.has_table != 0 && shared.params.equal_weights == 0 {
             let count = blocks_of_leaves(sites as usize);
+            // (Not where other room is made, by the number of the caller's sites: where some coincide there may be more blocks of the others, since a few leaves are a block each.)
+            self.around.grow(context, count * RINGS as usize)?;
             kernels.look_at_rings.run(
                 queue,
                 count * RINGS_GROUP as usize,
@@ -262,7 +264,7 @@ impl Sites {
         self.slabs.grow(context, blocks)?;
         let has_weights = shared.params.equal_weights == 0;
         self.weight_bounds.grow(context, if has_weights { blocks } else { 1 })?;
-        self.around.grow(context, if has_weights { blocks_of_leaves(n) * RINGS as usize } else { 1 })?;
+        self.around.grow(context, 1)?;
         Ok(())
     }
 

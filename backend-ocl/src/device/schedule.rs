@@ -100,7 +100,8 @@ impl Device {
         }
         if let Some(report) = passes.first() {
             let too_many = report.failed as f64 > MAY_FAIL * report.cells as f64;
-            self.first = Some((share.len(), if too_many { first.grown() } else { first }));
+            let may_grow = first.grown().planes <= MOST_PLANES;
+            self.first = Some((share.len(), if too_many && may_grow { first.grown() } else { first }));
         }
         let Self { queue, shared, sites: sorted, .. } = self;
         let tree = match for_host.is_empty() || sorted.is_from_host {

@@ -329,6 +329,22 @@ fn open() -> Option<Device> {
     )
 }
 
+/// What the rings about each block of leaves weigh has room where sites coincide, too: of 100 sites two blocks would be enough, of the 60 that are left eight leaves are a block each.
+#[cfg(feature = "test-util")]
+#[test]
+fn rings_have_room_where_sites_coincide() {
+    let Some(mut device) = open() else { return };
+    device.share_cells();
+    let sites: Vec<[f64; 3]> = spread(60).into_iter().chain(spread(40)).collect();
+    let weights: Vec<f64> = sites.iter().map(|p| 0.01 * p[0] * p[1]).collect();
+    let diagram = PowerDiagram::new(&sites, &weights).unwrap().in_box([0.0; 3], [1.0; 3]).unwrap();
+    device.bring_sites(&diagram).unwrap();
+    device.load(&diagram.framed_container().unwrap(), &Request::moments(), None).unwrap();
+    assert_eq!(device.sort(&|| Ok(false)).unwrap(), Some(60));
+    assert!(device.shared.params.has_table != 0);
+    assert!(device.sites.around.length() >= 60_usize.div_ceil(WIDTH) * RINGS as usize);
+}
+
 /// Builds that are made ahead are given to whoever asks for them, in any order, and what is left of them is kept.
 #[cfg(feature = "test-util")]
 #[test]

@@ -39,6 +39,14 @@ impl Container {
             Self::Domain(domain) => domain.volume(),
         }
     }
+
+    /// Its mean density: that volume over the part of space where there is any; 1 of a box.
+    pub fn mean_density(&self) -> f64 {
+        match self {
+            Self::Box(..) => 1.0,
+            Self::Domain(domain) => domain.mean_density(),
+        }
+    }
 }
 
 /// Weighted sites and the container of their cells: the input of [`Backend::evaluate`](crate::Backend::evaluate).

@@ -186,7 +186,8 @@ impl Domain {
         let (lo, hi) = self.bounding_box();
         let unit = self.inner.frame.unit();
         let extent = (0..3).map(|k| (hi[k] - lo[k]) / unit).product::<f64>();
-        let share = (self.inner.volume / (unit * unit * unit) / extent).clamp(SMALLEST_SHARE, 1.0);
+        let share =
+            (self.inner.volume / self.mean_density() / (unit * unit * unit) / extent).clamp(SMALLEST_SHARE, 1.0);
         let in_box = f64::from(1_u32 << level) / share;
         DomainGrid::new(&vertices, &self.inner.triangles, &self.inner.times, in_box as usize)
     }

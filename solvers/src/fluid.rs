@@ -164,6 +164,7 @@ pub struct Fluid {
     cells: Cells,
     /// Volume of each cell.
     volume: f64,
+    size: f64,
     mean_density: f64,
     lightest: f64,
 }
@@ -226,11 +227,20 @@ impl Fluid {
         if !(viscosity >= 0.0 && viscosity.is_finite()) {
             return Err(Error::input(format!("viscosity {viscosity:e}: 0 or a positive number is needed")));
         }
-        let volume = diagram.container()?.volume() / n as f64;
+        let Gravity { steady, shake, period, swings } = settings.gravity;
+        if !steady.iter().chain(&shake).chain(&[swings]).all(|x| x.is_finite()) {
+            return Err(Error::input("gravity: a number is not finite"));
+        }
+        if swings > 0.0 && !positive(period) {
+            return Err(Error::input(format!("gravity: a period of {period:e}: a positive number is needed")));
+        }
+        let container = diagram.container()?;
+        let volume = container.volume() / n as f64;
+        let size = (volume / container.mean_density()).cbrt();
         let mean_density = total(n, |i| state.densities[i]) / n as f64;
         let lightest = state.densities.iter().copied().fold(f64::INFINITY, f64::min);
         let cells = find(&mut diagram, volume)?;
-        Ok(Self { diagram, settings, state, cells, volume, mean_density, lightest })
+        Ok(Self { diagram, settings, state, cells, volume, size, mean_density, lightest })
     }
 
     /// One step.
@@ -310,9 +320,9 @@ impl Fluid {
         self.cells.residual
     }
 
-    /// The size of a cell, `V^⅓`.
+    /// The size of a cell: its edge, were it a cube.
     pub fn cell_size(&self) -> f64 {
-        self.volume.cbrt()
+        self.size
     }
 
     /// The mean density.

@@ -230,7 +230,13 @@ pub fn solve(
     let found = found.unwrap_or_else(|| state.masses.iter().map(|mass| mass / state.scale).collect());
     let cost = match end {
         End::Interrupted => density.cost(diagram, &state.output),
-        _ => density.transport_cost(backend, diagram, &state.output)?,
+        _ => match density.transport_cost(backend, diagram, &state.output) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => {
+                end = End::Interrupted;
+                None
+            }
+            other => other?,
+        },
     };
     Ok(Solution {
         cost,

@@ -185,7 +185,7 @@ impl Scene {
 
 impl Start {
     /// An `ε` that suits such particles in a container, as [`Scene::settings`] has it: by which gravity on the largest excess of density, and the
-    /// acceleration `πv²/2L` of the fastest particle's speed `v` in a container as long as `L`, stretch springs by a quarter of a cell, or by
+    /// acceleration `πv²/2L` of the fastest particle's speed `v` in a container as long as `L`, on the heaviest, stretch springs by a quarter of a cell, or by
     /// less where two densities meet.
     pub fn epsilon(&self, container: &Container, gravity: &Gravity) -> f64 {
         let (lo, hi) = match container {
@@ -193,7 +193,7 @@ impl Start {
             Container::Box(lo, hi) => (*lo, *hi),
         };
         let fastest = self.velocities.iter().map(|&v| inner(v, v)).fold(0.0, f64::max).sqrt();
-        let h = (container.volume() / self.positions.len() as f64).cbrt();
+        let h = (container.volume() / container.mean_density() / self.positions.len() as f64).cbrt();
         suited(&self.densities, fastest, longest(lo, hi), h, gravity)
     }
 }
@@ -205,10 +205,13 @@ fn longest(lo: [f64; 3], hi: [f64; 3]) -> f64 {
 /// The `ε` by which springs are stretched as the constants above say, for cells of size `h` in a container of some length.
 fn suited(densities: &[f64], speed: f64, length: f64, h: f64, gravity: &Gravity) -> f64 {
     let mean = densities.iter().sum::<f64>() / densities.len() as f64;
-    let excess = densities.iter().map(|d| (d - mean).abs()).fold(0.0, f64::max);
+    let heaviest = densities.iter().copied().fold(0.0, f64::max);
+    let are_alike = densities.iter().all(|&d| d == heaviest);
+    // (The mean of those that are alike is rounded.)
+    let excess = if are_alike { 0.0 } else { densities.iter().map(|d| (d - mean).abs()).fold(0.0, f64::max) };
     let [steady, shake] = [gravity.steady, gravity.shake].map(|g| inner(g, g).sqrt());
     // Of the vortices the acceleration u·∇u is π/2 at most.
-    let acceleration = (excess * steady.hypot(shake)).max(PI / 2.0 * speed * speed / length);
+    let acceleration = (excess * steady.hypot(shake)).max(heaviest * PI / 2.0 * speed * speed / length);
     // At rest for want of gravity: any will do.
     let stretched = if acceleration > 0.0 { acceleration } else { h };
     let stretch = if excess > 0.0 { STRETCH_OF_TWO } else { STRETCH };
@@ -222,4 +225,22 @@ pub fn lattice(extent: [f64; 3], count: usize) -> Vec<[f64; 3]> {
     let voxel = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / dims[0] / dims[1]];
     let center = |i: usize| std::array::from_fn(|k| (voxel(i)[k] as f64 + 0.5) * extent[k] / dims[k] as f64);
     (0..dims.iter().product()).map(center).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Springs stretch alike whatever the unit of mass is; densities that are alike are no two, though their mean is rounded.
+    #[test]
+    fn epsilon_goes_with_the_density() {
+        let gravity = Gravity { steady: [0.0, -9.81, 0.0], ..Gravity::default() };
+        let moving = |density: f64| suited(&[density; 1000], 2.0, 1.0, 0.1, &gravity) * density.sqrt();
+        for density in [0.1, 1.2, 998.2] {
+            assert!((moving(density) / moving(1.0) - 1.0).abs() < 1e-12, "{density}");
+            assert_eq!(suited(&[density; 1000], 0.0, 1.0, 0.1, &gravity), STRETCH.sqrt());
+        }
+        let two = |density: f64| suited(&[density, 2.0 * density], 0.0, 1.0, 0.1, &gravity) * density.sqrt();
+        assert!((two(998.2) / two(1.0) - 1.0).abs() < 1e-12);
+    }
 }

@@ -18,6 +18,7 @@ use crate::args::{BackendArgs, Corners, parse_count};
 use crate::domains;
 use crate::files::{check_page, refuse_inputs, share_standard_output};
 use crate::outcome::{Outcome, end_well_when_interrupted, is_interrupted, note, print, print_json, say};
+use crate::page;
 use crate::sample::{BLUE_SPREAD, MOST_STEPS, Sampler};
 use crate::solver::{LARGEST, open_for_solver, parse_from_zero, parse_number};
 use checkpoint::Checkpoint;
@@ -149,6 +150,7 @@ fn play(args: &FluidArgs, backend: &dyn Backend) -> Result<Outcome> {
         Some(path) => Checkpoint::read(path)?.fluid(backend).map_err(|e| e.at(path.display()))?,
         None => begin(args, backend)?,
     };
+    page::check_cells(args.html.as_ref(), fluid.diagram())?;
     let first = fluid.state().steps;
     if let (Some(path), true) = (&args.resume, first >= args.steps) {
         note(&format!("{} is at step {first} already; give --steps beyond that to go on", path.display()));

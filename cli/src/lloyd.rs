@@ -124,6 +124,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     let of_sites = |e: Error| if e.kind() == ErrorKind::Input { e.at(sites::name(&args.sites)) } else { e };
     page::check_cells(args.html.as_ref(), &diagram)?;
     let whole = Whole::of(&diagram).map_err(of_sites)?;
+    let has_weights = diagram.weights().iter().any(|&weight| weight != 0.0);
 
     let method = match args.method {
         Method::Lloyd => lloyd::Method::Lloyd,
@@ -164,7 +165,7 @@ pub(crate) fn run(args: &LloydArgs) -> Result<Outcome> {
     if let Some(path) = &args.output {
         io::write_sites(path, diagram.positions(), diagram.weights())?;
     }
-    let report = Report::new(&relaxed, args.method, given, &whole, backend.info(), seconds);
+    let report = Report::new(&relaxed, args.method, given, (&whole, has_weights), backend.info(), seconds);
     if let (Some(path), Some(timeline)) = (&args.html, timeline) {
         let (moments, shown) = timeline.finish("iterations");
         let page = report.page(args, shown);
@@ -201,7 +202,14 @@ fn check(args: &LloydArgs) -> Result<()> {
 }
 
 impl Report {
-    fn new(relaxed: &Relaxation, method: Method, given: Given, whole: &Whole, info: BackendInfo, seconds: f64) -> Self {
+    fn new(
+        relaxed: &Relaxation,
+        method: Method,
+        given: Given,
+        (whole, has_weights): (&Whole, bool),
+        info: BackendInfo,
+        seconds: f64,
+    ) -> Self {
         let history: Vec<Row> = relaxed
             .iterations
             .iter()
@@ -212,7 +220,7 @@ impl Report {
         let sites = relaxed.output.volume().len();
         let empty = relaxed.output.count(CellStatus::Empty);
         let cells = (sites - empty) as f64;
-        let is_plain = given.words.is_none() && !whole.has_density;
+        let is_plain = given.words.is_none() && !whole.has_density && !has_weights;
         let normalized = energy / (3.0 * whole.volume) / (whole.volume / cells).powf(2.0 / 3.0);
         Self {
             sites,

@@ -122,6 +122,7 @@ class Transport(ReadOnly):
     cells: Cells
     """The cells of these weights."""
     _density: tuple[Any, ...] | None = None
+    _scaled: NDArray[np.float64] | None = None
 
     @property
     def converged(self) -> bool:
@@ -135,14 +136,15 @@ class Transport(ReadOnly):
         self, weights: ArrayLike | None = None, centroid: ArrayLike | None = None, cost: float = 0.0
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The gradients of a function by points, (N, 3), and masses, (N,), through the solve, from those by ``weights``, (N,), centroids, (N, 3), and the ``cost``:
-        what reverse differentiation asks for. Masses change so that their sum stays: their gradient sums to 0. With a ``density`` that is linear there is none
+        what reverse differentiation asks for. Masses change so that their sum stays: their gradient sums to 0; with ``normalize`` they are those that were given, to which their gradient is
+        orthogonal. With a ``density`` that is linear there is none
         by centroids, with :class:`Gaussians` and :class:`Function` none at all. It takes one diagram and one linear system."""
         if not self.converged:
             message = f"the residual is {self.residual:.1e} and not within the tolerance: these are gradients through the solve of the masses that it came to"
             warnings.warn(message, RuntimeWarning, stacklevel=2)
         given = self.cells._given
         n = len(given.points)
-        return _laguerre.pull_back(
+        by_points, by_masses = _laguerre.pull_back(
             given.backend,
             given.points,
             self.weights,
@@ -152,6 +154,11 @@ class Transport(ReadOnly):
             None if centroid is None else numbers(centroid, "centroid", (n, 3)),
             real(cost, "cost"),
         )
+        if self._scaled is not None:
+            # m T / sum(m) is what was solved for.
+            of_all = self._scaled.sum()
+            by_masses = (self.masses.sum() / of_all) * (by_masses - (by_masses @ self._scaled) / of_all)
+        return by_points, by_masses
 
 
 def lloyd(
@@ -215,7 +222,8 @@ def transport(
     )
     cells = freeze(found).pop("cells")
     given = Given(given.points, found["weights"], given.container, given.backend)
-    return Transport(cells=Cells(given, cells), _density=rho, **found)
+    scaled = wanted.copy() if normalize and wanted is not None else None
+    return Transport(cells=Cells(given, cells), _density=rho, _scaled=scaled, **found)
 
 
 def plain(density: tuple[float, ArrayLike] | Gaussians | Function | None) -> tuple[Any, ...] | None:

@@ -20,14 +20,14 @@ def cells(points: Any, weights: Any = None, **options: Any) -> tuple[jax.Array, 
     ``options`` are those of :class:`laguerre.Diagram`. They are computed in double precision on the host or by OpenCL, whatever the arrays' kind.
     Centroids of empty cells are NaN, and without a gradient.
     """
-    points = jnp.asarray(points)
+    points = _real(points)
     kind = points.dtype
     by_radii = options.pop("radii", None)
     if by_radii is not None:
         if weights is not None:
             raise ValueError("weights and radii: give one of them")
-        weights = jnp.square(jnp.asarray(by_radii))
-    weights = jnp.zeros(points.shape[0], kind) if weights is None else jnp.asarray(weights)
+        weights = jnp.square(_real(by_radii))
+    weights = jnp.zeros(points.shape[0], kind) if weights is None else _real(weights)
 
     def shapes(n: int) -> tuple[jax.ShapeDtypeStruct, jax.ShapeDtypeStruct]:
         return jax.ShapeDtypeStruct((n,), kind), jax.ShapeDtypeStruct((n, 3), kind)
@@ -63,25 +63,28 @@ def transport(points: Any, masses: Any = None, **options: Any) -> tuple[jax.Arra
     """Weights, (N,), centroids, (N, 3), and cost of the optimal transport to points, (N, 3), with masses, (N,), all equal without; differentiable (backwards,
     once) with respect to both, through the solve.
 
-    ``options`` are those of :func:`laguerre.transport`; the density is 1, or the domain's own. Masses change so that their sum stays: their gradient sums to 0.
-    The backward pass solves again, from the weights found.
+    ``options`` are those of :func:`laguerre.transport`; the density is 1, or the domain's own. Masses change so that their sum stays: their gradient sums to 0 (with
+    ``normalize``, they change as they will). The backward pass solves again, from the weights found.
     """
     refuse_density(options)
-    points = jnp.asarray(points)
+    points = _real(points)
     kind = points.dtype
     has_masses = masses is not None
-    masses = jnp.asarray(masses) if has_masses else jnp.zeros(points.shape[0], kind)
+    masses = _real(masses) if has_masses else jnp.zeros(points.shape[0], kind)
 
-    def found(p: Any, m: Any, **start: Any) -> Any:
-        return solved(np.asarray(p), np.asarray(m) if has_masses else None, {**options, **start})
+    # Where it starts, and who watches, is the first pass's alone.
+    again = {name: value for name, value in options.items() if name not in ("radii", "callback")}
+
+    def found(p: Any, m: Any, options: dict[str, Any]) -> Any:
+        return solved(np.asarray(p), np.asarray(m) if has_masses else None, options)
 
     def host(p: Any, m: Any) -> Any:
-        done = found(p, m)
+        done = found(p, m, options)
         return done.weights.astype(kind), done.cells.centroid.astype(kind), np.asarray(done.cost, kind)
 
     def host_back(p: Any, m: Any, w: Any, *bars: Any) -> Any:
         by_weights, by_centroid, by_cost = (np.asarray(bar) for bar in bars)
-        by_points, by_masses = found(p, m, weights=np.asarray(w)).pullback(by_weights, by_centroid, float(by_cost))
+        by_points, by_masses = found(p, m, {**again, "weights": np.asarray(w)}).pullback(by_weights, by_centroid, float(by_cost))
         return by_points.astype(kind), by_masses.astype(kind)
 
     @jax.custom_vjp
@@ -103,3 +106,9 @@ def transport(points: Any, masses: Any = None, **options: Any) -> tuple[jax.Arra
 
     function.defvjp(forward, backward)
     return function(points, masses)
+
+
+def _real(x: Any) -> jax.Array:
+    """An array of real numbers, of which whole ones are the default kind: results have the points' kind."""
+    x = jnp.asarray(x)
+    return x if jnp.issubdtype(x.dtype, jnp.floating) else x.astype(float)

@@ -19,7 +19,7 @@ class _Function(torch.autograd.Function):
         wants = points.requires_grad or (weights is not None and weights.requires_grad)
         cells = Diagram(_array(points), None if weights is None else _array(weights), **options).cells(facet_second_moments=wants)
         ctx.cells = cells
-        where: dict[str, Any] = {"dtype": points.dtype, "device": points.device}
+        where = _where(points)
         return torch.tensor(cells.volume, **where), torch.tensor(cells.centroid, **where)
 
     @staticmethod
@@ -48,7 +48,7 @@ class _Transport(torch.autograd.Function):
         ctx.save_for_backward(points, masses)
         found = solved(_array(points), None if masses is None else _array(masses), options)
         ctx.found = found
-        where: dict[str, Any] = {"dtype": points.dtype, "device": points.device}
+        where = _where(points)
         return (
             torch.tensor(found.weights, **where),
             torch.tensor(found.cells.centroid, **where),
@@ -70,7 +70,8 @@ def transport(
     """Weights, (N,), centroids, (N, 3), and cost of the optimal transport to points, (N, 3), with masses, (N,), all equal without; differentiable, once, with
     respect to both, through the solve.
 
-    ``options`` are those of :func:`laguerre.transport`; the density is 1, or the domain's own. Masses change so that their sum stays: their gradient sums to 0.
+    ``options`` are those of :func:`laguerre.transport`; the density is 1, or the domain's own. Masses change so that their sum stays: their gradient sums to 0 (with
+    ``normalize``, they change as they will).
     """
     refuse_density(options)
     return _Transport.apply(points, masses, options)
@@ -78,3 +79,9 @@ def transport(
 
 def _array(tensor: torch.Tensor) -> Any:
     return tensor.detach().to("cpu", torch.float64).numpy()
+
+
+def _where(points: torch.Tensor) -> dict[str, Any]:
+    """The kind and device of results: the points', or where these are whole numbers the default kind."""
+    kind = points.dtype if points.is_floating_point() else torch.get_default_dtype()
+    return {"dtype": kind, "device": points.device}

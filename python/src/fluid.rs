@@ -178,7 +178,7 @@ pub(crate) fn scene<'py>(
         laguerre::Container::Domain(domain) => domain.bounding_box(),
     };
     let densities = scene.densities(&centers, lo, hi);
-    let size = (container.volume() / centers.len() as f64).cbrt();
+    let size = (container.volume() / container.mean_density() / centers.len() as f64).cbrt();
     let settings = scene.settings(&densities, lo, hi, size, gravity);
     let start = scene.start(&centers, densities, &settings);
     let found = PyDict::new(py);

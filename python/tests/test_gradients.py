@@ -77,12 +77,14 @@ def test_jax():
         return (volume * by[0]).sum() + (centroid * by[1]).sum()
 
     check(*map(np.asarray, jax.grad(function, argnums=(0, 1))(points, weights)))
+    whole = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1]])
+    assert np.allclose(laguerre.jax.cells(whole, domain=lg.Box(-0.5, 1.5))[0], lg.cells(whole, domain=lg.Box(-0.5, 1.5)).volume)
     several = jax.vmap(lambda p: laguerre.jax.cells(p, domain=CUBE)[0])(jax.numpy.stack([points, 1 - points]))
     assert several == pytest.approx(np.stack([lg.cells(p, domain=CUBE).volume for p in (points, 1 - np.asarray(points))]))
 
 
-def transported(points, masses, by):
-    found = lg.transport(points, domain=CUBE, masses=masses, tolerance=1e-13)
+def transported(points, masses, by, **options):
+    found = lg.transport(points, domain=CUBE, masses=masses, tolerance=1e-13, **options)
     return (found.weights * by[0]).sum() + (found.cells.centroid * by[1]).sum() + by[2] * found.cost
 
 
@@ -117,6 +119,24 @@ def test_through_a_transport():
         found.pullback(centroid=np.zeros((3, 3)))
 
 
+def check_normalized(gradients):
+    """Masses that are scaled change as they will."""
+    points, _, by_weights, by_centroid = inputs()
+    random = np.random.default_rng(7)
+    masses = 3 + 2 * random.random(N)
+    by = (by_weights, by_centroid, 0.7)
+    by_masses = gradients(points, masses, by)[1]
+    for _ in range(3):
+        m, step = random.standard_normal(N), 1e-4
+        of_masses = [transported(points, masses + s * m, by, normalize=True) for s in (step, -step)]
+        assert (by_masses * m).sum() == pytest.approx((of_masses[0] - of_masses[1]) / (2 * step), rel=1e-5)
+    assert abs(by_masses @ masses) < 1e-9
+
+
+def test_through_masses_that_are_scaled():
+    check_normalized(lambda points, masses, by: lg.transport(points, domain=CUBE, masses=masses, normalize=True, tolerance=1e-13).pullback(*by))
+
+
 def test_torch_through_a_transport():
     torch = pytest.importorskip("torch")
     import laguerre.torch
@@ -144,5 +164,8 @@ def test_jax_through_a_transport():
         return tuple(np.asarray(x) for x in jax.grad(loss, argnums=(0, 1))(points, masses))
 
     check_transport(gradients)
+    # A start by radii is the first pass's alone.
+    loss = lambda p: laguerre.jax.transport(p, domain=CUBE, radii=np.full(N, 0.1))[2]
+    assert np.allclose(jax.grad(loss)(inputs()[0]), lg.transport(inputs()[0], domain=CUBE).pullback(cost=1.0)[0], atol=1e-9)
     with pytest.raises(ValueError, match="Domain.image"):
         laguerre.jax.transport(inputs()[0], domain=CUBE, density=(1.0, [0, 0, 0]))
